@@ -1,0 +1,1 @@
+"""The Kinetix editor and agent viewer."""

@@ -1,0 +1,86 @@
+"""Kinetix: design, play and train on 2D rigid-body physics levels.
+
+Every public name is imported on first use, so that `import kinetix` stays fast and free of JAX.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kinetix.agents.agent import load_agent, save_agent
+    from kinetix.environment.env import make_kinetix_env
+    from kinetix.environment.generators.params import UEDParams
+    from kinetix.environment.generators.sample import sample_kinetix_level
+    from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
+    from kinetix.environment.reset import (
+        load_from_json_file,
+        make_reset_fn_list_of_levels,
+        make_reset_fn_sample_kinetix_level,
+        permute_state,
+    )
+    from kinetix.environment.spaces import ActionType, ObservationType
+    from kinetix.environment.state import EnvState
+    from kinetix.environment.wrappers import LogWrapper
+    from kinetix.errors import CheckpointError, KinetixError, LevelError
+    from kinetix.level.codec import load_level, save_level
+    from kinetix.level.model import Level
+    from kinetix.render.pixels import make_render_pixels
+
+_HOME = {
+    "ActionType": "kinetix.environment.spaces",
+    "CheckpointError": "kinetix.errors",
+    "EnvParams": "kinetix.environment.params",
+    "EnvState": "kinetix.environment.state",
+    "KinetixError": "kinetix.errors",
+    "Level": "kinetix.level.model",
+    "LevelError": "kinetix.errors",
+    "LogWrapper": "kinetix.environment.wrappers",
+    "ObservationType": "kinetix.environment.spaces",
+    "StaticEnvParams": "kinetix.environment.params",
+    "UEDParams": "kinetix.environment.generators.params",
+    "load_agent": "kinetix.agents.agent",
+    "load_from_json_file": "kinetix.environment.reset",
+    "load_level": "kinetix.level.codec",
+    "make_kinetix_env": "kinetix.environment.env",
+    "make_render_pixels": "kinetix.render.pixels",
+    "make_reset_fn_list_of_levels": "kinetix.environment.reset",
+    "make_reset_fn_sample_kinetix_level": "kinetix.environment.reset",
+    "permute_state": "kinetix.environment.reset",
+    "sample_kinetix_level": "kinetix.environment.generators.sample",
+    "save_agent": "kinetix.agents.agent",
+    "save_level": "kinetix.level.codec",
+    "static_env_params_from_size": "kinetix.environment.params",
+}
+
+__all__ = [
+    "ActionType",
+    "CheckpointError",
+    "EnvParams",
+    "EnvState",
+    "KinetixError",
+    "Level",
+    "LevelError",
+    "LogWrapper",
+    "ObservationType",
+    "StaticEnvParams",
+    "UEDParams",
+    "load_agent",
+    "load_from_json_file",
+    "load_level",
+    "make_kinetix_env",
+    "make_render_pixels",
+    "make_reset_fn_list_of_levels",
+    "make_reset_fn_sample_kinetix_level",
+    "permute_state",
+    "sample_kinetix_level",
+    "save_agent",
+    "save_level",
+    "static_env_params_from_size",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name on first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'kinetix' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}")
+    return getattr(importlib.import_module(_HOME[name]), name)

@@ -1,0 +1,48 @@
+"""Candidate pairs and the collision filter. Everything here is numpy, done once at trace or load time."""
+
+import functools
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from kinetix.engine.spec import ARENA_BODIES, Capacity
+
+
+@functools.cache
+def candidate_pairs(capacity: Capacity) -> Int[np.ndarray, "q 2"]:
+    """All pairs of slots that can touch, as global indices.
+
+    The order is the peer's: polygon–polygon (i < j, without the pairs inside the arena), then
+    circle–polygon (for each circle, each polygon; listed circle first), then circle–circle (i < j).
+    """
+    polygons, circles = capacity.polygons, capacity.circles
+    polygon_polygon = [(i, j) for i in range(polygons) for j in range(i + 1, polygons) if j >= ARENA_BODIES]
+    circle_polygon = [(polygons + c, p) for c in range(circles) for p in range(polygons)]
+    circle_circle = [(polygons + i, polygons + j) for i in range(circles) for j in range(i + 1, circles)]
+    pairs = np.array(polygon_polygon + circle_polygon + circle_circle, dtype=np.int32).reshape(-1, 2)
+    pairs.setflags(write=False)
+    return pairs
+
+
+def pair_counts(capacity: Capacity) -> tuple[int, int, int]:
+    """How many candidate pairs there are: polygon–polygon, circle–polygon, circle–circle."""
+    polygons, circles = capacity.polygons, capacity.circles
+    arena = ARENA_BODIES * (ARENA_BODIES - 1) // 2
+    return polygons * (polygons - 1) // 2 - arena, circles * polygons, circles * (circles - 1) // 2
+
+
+def collision_matrix(
+    body_count: int,
+    body_a: Int[np.ndarray, " j"],
+    body_b: Int[np.ndarray, " j"],
+    active: Bool[np.ndarray, " j"],
+) -> Bool[np.ndarray, "b b"]:
+    """Which bodies may push each other: false inside a jointed component and on the diagonal.
+
+    A component may run through fixed and arena bodies, so that everything pinned to one of them
+    ignores it and each other.
+    """
+    component = np.arange(body_count)
+    for a, b in zip(body_a[active], body_b[active], strict=True):
+        component[component == component[b]] = component[a]
+    return component[:, None] != component[None, :]

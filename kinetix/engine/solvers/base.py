@@ -1,0 +1,32 @@
+"""The contract of every solver."""
+
+import abc
+from typing import Any, ClassVar
+
+from kinetix.engine.spec import SceneSpec
+from kinetix.engine.types import Control, Parameters, State, World
+
+
+class AbstractSolver(abc.ABC):
+    """Advances worlds by one time step under contacts and joints.
+
+    Subclasses are frozen dataclasses of Python numbers: hashable, hence static under jit; two
+    settings, two compilations. Arrays of the arguments carry the worlds on their last axis.
+    """
+
+    name: ClassVar[str]
+
+    @abc.abstractmethod
+    def empty_cache(self, spec: SceneSpec) -> Any:
+        """What `State.cache` holds before the first step, for one world, as numpy zeros."""
+
+    @abc.abstractmethod
+    def step(
+        self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
+    ) -> State:
+        """Advance by `parameters.dt`, worlds on the last axis.
+
+        Returns:
+            The new state; `touching` says which candidate pairs touched at the *start* of the step
+            (or were hit in it), pairs that never push each other included.
+        """

@@ -1,0 +1,54 @@
+"""The only static configuration of the engine: how many slots there are and what a scene uses."""
+
+import dataclasses
+from typing import Final
+
+ARENA_BODIES: Final = 4
+"""Floor, left wall, right wall, ceiling: polygons 0–3, always fixed, never paired with each other."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Capacity:
+    """How many slots of each kind a compiled step has."""
+
+    polygons: int
+    """Polygons, the four arena bodies included."""
+    circles: int
+    joints: int
+    thrusters: int
+
+    @property
+    def bodies(self) -> int:
+        """Polygons and circles together."""
+        return self.polygons + self.circles
+
+    def covers(self, other: "Capacity") -> bool:
+        """Whether everything that fits `other` fits here too."""
+        return all(mine >= theirs for mine, theirs in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True))
+
+    def union(self, other: "Capacity") -> "Capacity":
+        """The smallest capacity that covers both."""
+        pairs = zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)
+        return Capacity(**dict(zip(("polygons", "circles", "joints", "thrusters"), (max(p) for p in pairs), strict=True)))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Features:
+    """What a scene uses; what it does not use is not compiled. The defaults leave everything in."""
+
+    pairs: tuple[tuple[int, int], ...] | None = None
+    """The pairs (global indices, a < b) that can ever push each other; None: all candidate pairs."""
+    restitution: bool = True
+    triangles: bool = True
+    limits: bool = True
+    welds: bool = True
+    motors: bool = True
+    thrusters: bool = True
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SceneSpec:
+    """Sizes and features: frozen and hashable, so that it can be a static argument of jit."""
+
+    capacity: Capacity
+    features: Features = Features()

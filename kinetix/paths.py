@@ -1,0 +1,39 @@
+"""Where things are: bundled levels and checkpoints, and the user's own folders."""
+
+from pathlib import Path
+
+import platformdirs
+
+_PACKAGE = Path(__file__).resolve().parent
+_CHECKOUT = _PACKAGE.parent
+_APP = "kinetix-editor"
+
+
+def _bundled(name: str) -> Path:
+    installed = _PACKAGE / "_data" / name
+    return installed if installed.is_dir() else _CHECKOUT / name
+
+
+def levels_dir() -> Path:
+    """Folder of the bundled levels (`s/`, `m/`, `l/`), in a checkout and in an installation."""
+    return _bundled("levels")
+
+
+def checkpoints_dir() -> Path:
+    """Folder of the bundled agents."""
+    return _bundled("checkpoints")
+
+
+def cache_dir() -> Path:
+    """Folder for what can be made anew (compiled functions, thumbnails)."""
+    return Path(platformdirs.user_cache_dir(_APP, appauthor=False))
+
+
+def config_dir() -> Path:
+    """Folder for the user's settings."""
+    return Path(platformdirs.user_config_dir(_APP, appauthor=False))
+
+
+def state_dir() -> Path:
+    """Folder for autosaves, logs and recent files."""
+    return Path(platformdirs.user_state_dir(_APP, appauthor=False))

@@ -1,0 +1,29 @@
+"""The one way to declare a JAX dataclass in this project."""
+
+import functools
+from typing import Any, TypeVar, dataclass_transform
+
+from flax import struct
+
+T = TypeVar("T")
+
+static = functools.partial(struct.field, pytree_node=False)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(struct.field, static))
+def pytree(cls: type[T]) -> type[T]:
+    """Make a frozen, keyword-only dataclass that JAX treats as a pytree.
+
+    The class gains `replace(**changes)`. Fields made with `static(...)` are part of the structure
+    (compared and hashed, never traced).
+
+    Args:
+        cls: A class whose annotations are its fields.
+
+    Returns:
+        The registered class.
+    """
+    made: Any = struct.dataclass(cls, kw_only=True)
+    # JAX unflattens through __init__ with placeholders, which a type-checking hook would refuse.
+    made.__no_type_check__ = True
+    return made

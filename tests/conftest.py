@@ -1,0 +1,21 @@
+"""What every test shares: strict JAX settings and a persistent compile cache."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path.home() / ".cache" / "kinetix-tests" / "jax"))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
+
+PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
+"""Where the peer's data lies for developers; a user has none."""
+
+
+@pytest.fixture(scope="session")
+def peer() -> Path:
+    """Folder of the peer's data; tests that need it are skipped where it is absent."""
+    if not PEER.is_dir():
+        pytest.skip("the peer's data is not here")
+    return PEER
