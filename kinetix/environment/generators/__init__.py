@@ -1,0 +1,1 @@
+"""Random levels, mutations of levels, and what is made from both."""
