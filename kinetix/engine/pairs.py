@@ -16,10 +16,16 @@ def candidate_pairs(capacity: Capacity) -> Int[np.ndarray, "q 2"]:
     circle–polygon (for each circle, each polygon; listed circle first), then circle–circle (i < j).
     """
     polygons, circles = capacity.polygons, capacity.circles
-    polygon_polygon = [(i, j) for i in range(polygons) for j in range(i + 1, polygons) if j >= ARENA_BODIES]
+    polygon_polygon = [
+        (i, j) for i in range(polygons) for j in range(i + 1, polygons) if j >= ARENA_BODIES
+    ]
     circle_polygon = [(polygons + c, p) for c in range(circles) for p in range(polygons)]
-    circle_circle = [(polygons + i, polygons + j) for i in range(circles) for j in range(i + 1, circles)]
-    pairs = np.array(polygon_polygon + circle_polygon + circle_circle, dtype=np.int32).reshape(-1, 2)
+    circle_circle = [
+        (polygons + i, polygons + j) for i in range(circles) for j in range(i + 1, circles)
+    ]
+    pairs = np.array(polygon_polygon + circle_polygon + circle_circle, dtype=np.int32).reshape(
+        -1, 2
+    )
     pairs.setflags(write=False)
     return pairs
 

@@ -24,12 +24,25 @@ class Capacity:
 
     def covers(self, other: "Capacity") -> bool:
         """Whether everything that fits `other` fits here too."""
-        return all(mine >= theirs for mine, theirs in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True))
+        return all(
+            mine >= theirs
+            for mine, theirs in zip(
+                dataclasses.astuple(self), dataclasses.astuple(other), strict=True
+            )
+        )
 
     def union(self, other: "Capacity") -> "Capacity":
         """The smallest capacity that covers both."""
         pairs = zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)
-        return Capacity(**dict(zip(("polygons", "circles", "joints", "thrusters"), (max(p) for p in pairs), strict=True)))
+        return Capacity(
+            **dict(
+                zip(
+                    ("polygons", "circles", "joints", "thrusters"),
+                    (max(p) for p in pairs),
+                    strict=True,
+                )
+            )
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,78 @@
+"""Motors and thrusters: a control becomes impulses. Worlds on the last axis."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine.maths import Vec, cross, rotate, vec
+from kinetix.engine.types import Control, Parameters, State, World
+
+
+def at_body(values: Float[Array, "b n"], body: Int[Array, "k n"]) -> Float[Array, "k n"]:
+    """The entry of each row's body: a masked sum over the bodies, which needs no gather."""
+    mask = np.arange(values.shape[0])[None, :, None] == body[:, None]
+    return jnp.sum(jnp.where(mask, values[None], 0), axis=1)
+
+
+def onto_bodies(
+    values: Float[Array, "k n"], body: Int[Array, "k n"], body_count: int
+) -> Float[Array, "b n"]:
+    """The sum of the rows' values for each body: the transpose of `at_body`."""
+    mask = np.arange(body_count)[:, None, None] == body[None]
+    return jnp.sum(jnp.where(mask, values[None], 0), axis=1)
+
+
+def joint_angle(world: World, state: State) -> Float[Array, "j n"]:
+    """φ = θ_b − θ_a − reference angle [rad]."""
+    joints = world.joints
+    return (
+        at_body(state.rotation, joints.body_b)
+        - at_body(state.rotation, joints.body_a)
+        - joints.reference_angle
+    )
+
+
+def motor_fade(
+    world: World, angle: Float[Array, "j n"], action: Float[Array, "j n"], parameters: Parameters
+) -> Float[Array, "j n"]:
+    """How much of its strength a motor has near a limit: 1 away from it, or when leaving it."""
+    joints = world.joints
+    band = parameters.motor_joint_limit
+    beyond = angle - jnp.clip(angle, joints.limit_min + band, joints.limit_max - band)
+    faded = jnp.where(
+        ~joints.limited | (beyond == 0), 1, jnp.maximum(0, 1 - jnp.abs(beyond) / band)
+    )
+    return jnp.maximum(faded, (jnp.sign(beyond) != jnp.sign(action)).astype(faded.dtype))
+
+
+def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
+    """Which motors act: on, revolute, driven, between active bodies that are not both fixed."""
+    joints, bodies = world.joints, world.bodies
+    active = bodies.active.astype(bodies.inverse_mass.dtype)
+    both = at_body(active, joints.body_a) * at_body(active, joints.body_b) > 0
+    movable = (
+        at_body(bodies.inverse_mass, joints.body_a) + at_body(bodies.inverse_mass, joints.body_b)
+        > 0
+    )
+    return joints.active & joints.motor_on & ~joints.fixed & both & movable & (action != 0)
+
+
+def thrust(
+    world: World, rotation: Float[Array, "b n"], control: Control, parameters: Parameters
+) -> tuple[Vec, Float[Array, "b n"]]:
+    """Acceleration [m/s²] and angular acceleration [rad/s²] of all bodies under their thrusters."""
+    thrusters, bodies = world.thrusters, world.bodies
+    angle = at_body(rotation, thrusters.body)
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    direction = rotate(cos, sin, Vec(x=jnp.cos(thrusters.angle), y=jnp.sin(thrusters.angle)))
+    force = parameters.base_thruster_power * thrusters.power * control.thruster * thrusters.active
+    push = direction * force
+    arm = rotate(cos, sin, vec(thrusters.position))
+    count = bodies.inverse_mass.shape[0]
+    return (
+        Vec(
+            x=onto_bodies(push.x, thrusters.body, count) * bodies.inverse_mass,
+            y=onto_bodies(push.y, thrusters.body, count) * bodies.inverse_mass,
+        ),
+        onto_bodies(cross(arm, push), thrusters.body, count) * bodies.inverse_inertia,
+    )

@@ -1,0 +1,42 @@
+"""One time step of one world; `vmap` it for many."""
+
+import functools
+from collections.abc import Callable
+
+from kinetix.engine.batch import worlds_last
+from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.spec import SceneSpec
+from kinetix.engine.types import Control, Parameters, State, World
+
+
+def step(
+    world: World,
+    state: State,
+    control: Control,
+    parameters: Parameters,
+    *,
+    spec: SceneSpec,
+    solver: AbstractSolver,
+) -> State:
+    """Advance one world by `parameters.dt`.
+
+    Args:
+        world: What the level fixes.
+        state: What changes; its cache must come from the same solver and spec.
+        control: One value a joint and a thruster.
+        parameters: Numbers that do not force a new compilation.
+        spec: Sizes and features (static).
+        solver: The method and its settings (static).
+
+    Returns:
+        The state after the step. Under `vmap` all worlds are advanced by one batched kernel.
+    """
+    return _stepper(spec, solver)(world, state, control, parameters)
+
+
+@functools.cache
+def _stepper(spec: SceneSpec, solver: AbstractSolver) -> Callable[..., State]:
+    def kernel(world: World, state: State, control: Control, parameters: Parameters) -> State:
+        return solver.step(world, state, control, parameters, spec)
+
+    return worlds_last(kernel)

@@ -1,0 +1,22 @@
+"""The physics presets: names for a solver with settings, chosen by measurement (docs/physics.md)."""
+
+from kinetix.engine.solvers import SOLVERS, AbstractSolver, PgsBaumgarte
+from kinetix.errors import KinetixError
+
+PRESETS: dict[str, AbstractSolver] = {
+    "jax2d": PgsBaumgarte(),
+}
+
+
+def solver_named(name: str) -> AbstractSolver:
+    """The solver behind a preset's or a solver's name.
+
+    Raises:
+        KinetixError: The name is neither; the message lists the valid ones.
+    """
+    solver = PRESETS.get(name) or SOLVERS.get(name)
+    if solver is None:
+        raise KinetixError(
+            f"unknown physics {name!r}: expected one of {', '.join([*PRESETS, *SOLVERS])}"
+        )
+    return solver
