@@ -1,0 +1,96 @@
+"""Sizes: the named capacities, and which one a level compiles to. Free of JAX."""
+
+from typing import Final
+
+from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.errors import LevelError
+from kinetix.level.model import MAX_ENTITIES, Level, Polygon, SizeHint
+
+SIZES: Final[dict[str, Capacity]] = {
+    "s": Capacity(polygons=5, circles=2, joints=1, thrusters=1),
+    "m": Capacity(polygons=6, circles=3, joints=2, thrusters=2),
+    "l": Capacity(polygons=12, circles=4, joints=6, thrusters=2),
+    "locomotion": Capacity(polygons=10, circles=2, joints=6, thrusters=1),
+}
+"""The named sizes; polygons count the four arena bodies."""
+
+AUTOMATIC: Final = ("s", "m", "l")
+"""The sizes that a level without a hint may get, smallest first."""
+
+
+def needed_capacity(level: Level) -> Capacity:
+    """Exactly what the level's entities fill, the arena included."""
+    polygons = sum(isinstance(body.shape, Polygon) for body in level.bodies)
+    return Capacity(
+        polygons=ARENA_BODIES + polygons,
+        circles=len(level.bodies) - polygons,
+        joints=len(level.joints),
+        thrusters=len(level.thrusters),
+    )
+
+
+def smallest_capacity(needed: Capacity) -> Capacity:
+    """The smallest of s, m and l that covers `needed`, otherwise `needed` itself."""
+    return next((SIZES[name] for name in AUTOMATIC if SIZES[name].covers(needed)), needed)
+
+
+def hinted_capacity(level: Level) -> Capacity | None:
+    """What the level's own `size` says; None where it says nothing."""
+    if level.size is None:
+        return None
+    if isinstance(level.size, SizeHint):
+        hint = level.size
+        return Capacity(
+            polygons=hint.polygons,
+            circles=hint.circles,
+            joints=hint.joints,
+            thrusters=hint.thrusters,
+        )
+    return SIZES[level.size]
+
+
+def capacity_of(level: Level) -> Capacity:
+    """The capacity to compile the level to: its hint, else the smallest size that fits."""
+    return hinted_capacity(level) or smallest_capacity(needed_capacity(level))
+
+
+def size_name(capacity: Capacity) -> str | None:
+    """The name of a capacity, when it is a named one."""
+    return next((name for name, named in SIZES.items() if named == capacity), None)
+
+
+def describe_capacity(capacity: Capacity) -> str:
+    """A capacity as commands write it: its name, or four numbers such as `12,4,6,2`."""
+    numbers = (capacity.polygons, capacity.circles, capacity.joints, capacity.thrusters)
+    return size_name(capacity) or ",".join(map(str, numbers))
+
+
+def parse_capacity(text: str) -> Capacity:
+    """A capacity from a size's name or four numbers such as `12,4,6,2`.
+
+    Raises:
+        LevelError: The text is neither.
+    """
+    if text in SIZES:
+        return SIZES[text]
+    parts = text.split(",")
+    limits = (ARENA_BODIES, 0, 0, 0)
+    if len(parts) == len(limits) and all(part.strip().isdecimal() for part in parts):
+        numbers = [int(part) for part in parts]
+        if all(low <= n <= MAX_ENTITIES for low, n in zip(limits, numbers, strict=True)):
+            polygons, circles, joints, thrusters = numbers
+            return Capacity(polygons=polygons, circles=circles, joints=joints, thrusters=thrusters)
+    raise LevelError(
+        f"size {text!r}: expected {', '.join(SIZES)}, or four numbers: polygons (with the 4 of the "
+        f"arena), circles, joints, thrusters, such as 12,4,6,2"
+    )
+
+
+def size_hint(capacity: Capacity) -> SizeHint:
+    """A capacity in the form that a level file can carry."""
+    return SizeHint(
+        polygons=capacity.polygons,
+        circles=capacity.circles,
+        joints=capacity.joints,
+        thrusters=capacity.thrusters,
+    )
