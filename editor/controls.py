@@ -1,0 +1,61 @@
+"""Which keys drive which motors and thrusters."""
+
+import dataclasses
+from collections.abc import Collection, Mapping
+from typing import Final
+
+from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
+
+CHANNELS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
+NOOP: Final[tuple[int, ...]] = (0,) * CHANNELS
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What a key does while it is held."""
+
+    channel: int
+    """0–3: motor bindings, 4–5: thruster bindings."""
+    value: int
+    """Motors: 1 turns forward (+1), 2 backward (−1); thrusters: 1."""
+
+
+DEFAULT_KEYS: Final[Mapping[str, Drive]] = {
+    "left": Drive(channel=0, value=1),
+    "right": Drive(channel=0, value=2),
+    "up": Drive(channel=1, value=1),
+    "down": Drive(channel=1, value=2),
+    "w": Drive(channel=2, value=1),
+    "s": Drive(channel=2, value=2),
+    "a": Drive(channel=3, value=1),
+    "d": Drive(channel=3, value=2),
+    "1": Drive(channel=4, value=1),
+    "2": Drive(channel=5, value=1),
+}
+"""The first key of each pair drives its motors at +1."""
+
+_GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+
+
+def action_of(held: Collection[str], keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[int, ...]:
+    """The multi-discrete action of the held keys; opposite keys of one motor cancel.
+
+    Args:
+        held: Names of the keys that are down.
+        keys: What each key does.
+
+    Returns:
+        Four motor channels in {0, 1, 2} and two thruster channels in {0, 1} (environment.md 4).
+    """
+    wanted: dict[int, set[int]] = {}
+    for key, drive in keys.items():
+        if key in held:
+            wanted.setdefault(drive.channel, set()).add(drive.value)
+    values = [wanted.get(channel, set()) for channel in range(CHANNELS)]
+    return tuple(next(iter(value)) if len(value) == 1 else 0 for value in values)
+
+
+def key_caps(channel: int, keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[str, ...]:
+    """What to print on the key caps of a channel, the forward key first: `("←", "→")`."""
+    driving = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
+    return tuple(_GLYPHS.get(key, key.upper()) for _, key in driving)

@@ -1,0 +1,58 @@
+"""What the session asks the user: values that the dialogs draw and answer."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Choice:
+    """One button of a question or one row of a menu."""
+
+    id: str
+    label: str
+    detail: str = ""
+    """A further line in a quieter tone."""
+    ids: tuple[int | str, ...] = ()
+    """Entities to highlight while the row is hovered."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Question:
+    """A modal question with buttons; Esc answers `cancel`, Enter answers `default`."""
+
+    title: str
+    message: str
+    choices: tuple[Choice, ...]
+    default: str
+    cancel: str
+    answer: Callable[[str], None]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class FileQuestion:
+    """Asks for a file to open or a name to save under."""
+
+    purpose: Literal["open", "save"]
+    title: str
+    folder: Path
+    name: str = ""
+    """Proposed file name when saving."""
+    suffixes: tuple[str, ...] = (".json",)
+    answer: Callable[[Path | None], None]
+    """Called with the path, or None when the user gave up."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MenuQuestion:
+    """A pop-up list at a place on the screen; a click elsewhere answers None."""
+
+    title: str
+    choices: tuple[Choice, ...]
+    at: tuple[float, float] | None
+    """Where [px]; None: in the middle."""
+    answer: Callable[[str | None], None]
+
+
+Prompt: TypeAlias = Question | FileQuestion | MenuQuestion

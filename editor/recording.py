@@ -1,0 +1,136 @@
+"""What a simulation leaves behind: snapshots of it, a ring to step back in, traces of episodes."""
+
+import collections
+import dataclasses
+from typing import Any, Final, Literal, TypeAlias
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+OutcomeName: TypeAlias = Literal["won", "lost", "timeout"]
+Action: TypeAlias = tuple[int, ...]
+"""Multi-discrete: four motor channels in {0, 1, 2}, two thruster channels in {0, 1}."""
+
+RING_STATES: Final = 1024
+"""Environment steps that can be stepped back."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContactPoint:
+    """A place where two bodies touch; for debug drawing."""
+
+    at: tuple[float, float]
+    """[m]"""
+    normal: tuple[float, float]
+    """Unit vector from body a to body b."""
+    separation: float
+    """[m]; negative when the bodies overlap."""
+    body_a: int | str
+    body_b: int | str
+    """Ids, or names of arena bodies."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Snapshot:
+    """One moment of an episode; rows are in the order of `level.bodies`, joints, thrusters."""
+
+    step: int
+    """Environment steps since the reset."""
+    position: Float[np.ndarray, "b 2"]
+    """[m]"""
+    angle: Float[np.ndarray, " b"]
+    """[rad]"""
+    velocity: Float[np.ndarray, "b 2"]
+    """[m/s]"""
+    angular_velocity: Float[np.ndarray, " b"]
+    """[rad/s]"""
+    motor: Float[np.ndarray, " j"]
+    """What drove the motors in the step before, −1 … 1."""
+    thruster: Float[np.ndarray, " t"]
+    """What drove the thrusters, 0 … 1."""
+    touching: Bool[np.ndarray, "b b"] | None = None
+    """Which bodies touch, or None where nobody asked."""
+    contacts: tuple[ContactPoint, ...] = ()
+    reward: float = 0.0
+    """Reward of the step before."""
+    total_reward: float = 0.0
+    """Sum since the reset."""
+    distance: float = 0.0
+    """Green–blue distance that the dense reward measures [m]."""
+    kinetic_energy: float = 0.0
+    """[J]"""
+    potential_energy: float = 0.0
+    """Against gravity, from the level's origin [J]."""
+    momentum: tuple[float, float] = (0.0, 0.0)
+    """[kg m/s]"""
+    penetration: float = 0.0
+    """Deepest overlap of bodies that may touch [m]."""
+    outcome: OutcomeName | None = None
+    """How the episode ended, or None while it runs."""
+    milliseconds: float = 0.0
+    """What the step took to compute."""
+    state: Any = None
+    """The simulator's own state as numpy arrays: only the simulator reads it."""
+
+
+class Ring:
+    """The last snapshots of an episode, for stepping back."""
+
+    def __init__(self, size: int = RING_STATES) -> None:
+        self._states: collections.deque[Snapshot] = collections.deque(maxlen=size)
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    @property
+    def last(self) -> Snapshot | None:
+        """The newest snapshot."""
+        return self._states[-1] if self._states else None
+
+    @property
+    def snapshots(self) -> tuple[Snapshot, ...]:
+        """All that is kept, oldest first."""
+        return tuple(self._states)
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._states.clear()
+
+    def push(self, snapshot: Snapshot) -> None:
+        """Keep one more; the oldest goes when the ring is full."""
+        self._states.append(snapshot)
+
+    def back(self) -> Snapshot | None:
+        """Drop the newest and return the one before it, or None when there is none."""
+        if len(self._states) < 2:
+            return None
+        self._states.pop()
+        return self._states[-1]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Trace:
+    """A whole episode: what was played under which physics."""
+
+    physics: str
+    perturbed: bool
+    """Whether the mouse pulled at a body; such episodes count in no statistics."""
+    snapshots: tuple[Snapshot, ...]
+    actions: tuple[Action, ...]
+    """One a step: `actions[k]` led from `snapshots[k]` to `snapshots[k + 1]`."""
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The trace as arrays with time first, as an `.npz` file holds it."""
+        stack = {
+            name: np.stack([getattr(s, name) for s in self.snapshots])
+            for name in ("position", "angle", "velocity", "angular_velocity")
+        }
+        return stack | {
+            "step": np.array([s.step for s in self.snapshots], np.int32),
+            "reward": np.array([s.reward for s in self.snapshots], np.float32),
+            "distance": np.array([s.distance for s in self.snapshots], np.float32),
+            "action": np.array(self.actions, np.int32).reshape(len(self.actions), -1),
+            "outcome": np.array(self.snapshots[-1].outcome or ""),
+            "physics": np.array(self.physics),
+            "perturbed": np.array(self.perturbed),
+        }

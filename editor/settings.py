@@ -1,0 +1,91 @@
+"""What the app remembers about its user between runs: plain values in one JSON file."""
+
+import dataclasses
+import json
+import os
+from pathlib import Path
+from typing import Any, Final, Self
+
+from kinetix.paths import config_dir
+
+RECENTS_MAX: Final = 10
+GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
+"""Choices of the grid [m]."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class Settings:
+    """Preferences; every field has a default, an unknown or broken stored value is passed over."""
+
+    recents: list[str] = dataclasses.field(default_factory=list)
+    """Paths, newest first."""
+    snap_smart: bool = True
+    snap_grid: bool = True
+    grid_visible: bool = True
+    grid_step: float = 0.1
+    """[m]"""
+    angle_step_deg: float = 15.0
+    nudge_step: float = 0.05
+    """What an arrow key moves [m]."""
+    move_jointed: bool = True
+    """Whether jointed neighbours move with a dragged body."""
+    keep_tool: bool = False
+    """Whether a tool stays after it has made something."""
+    physics: str = "balanced"
+    restart_automatically: bool = False
+    palette: str = "Kinetix"
+    glyphs: bool = True
+    """Role marks on bodies."""
+    patterns: bool = False
+    ui_scale: float = 0.0
+    """0: as the display says."""
+    font_size: float = 15.0
+    reduced_motion: bool = False
+    layout: str = ""
+    """The dock layout as the toolkit writes it."""
+    keys: dict[str, list[str]] = dataclasses.field(default_factory=dict)
+    """Rebound chords by action id."""
+    controls: dict[str, list[int]] = dataclasses.field(default_factory=dict)
+    """Rebound play keys: key -> [channel, value]."""
+    debug_draw: list[str] = dataclasses.field(default_factory=list)
+    """Names of the debug drawings that are on."""
+
+    @classmethod
+    def load(cls, path: Path | None = None) -> Self:
+        """Read the file; defaults where it is absent or says something else."""
+        path = path or settings_path()
+        try:
+            stored: Any = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return cls()
+        settings = cls()
+        for field in dataclasses.fields(cls):
+            default = getattr(settings, field.name)
+            value = stored.get(field.name) if isinstance(stored, dict) else None
+            if type(value) is type(default):
+                setattr(settings, field.name, value)
+        return settings
+
+    def save(self, path: Path | None = None) -> None:
+        """Write the file; a folder that cannot be written is not worth an error."""
+        path = path or settings_path()
+        temporary = path.with_suffix(".tmp")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_text(
+                json.dumps(dataclasses.asdict(self), indent=2, ensure_ascii=False) + "\n",
+                encoding="utf-8",
+            )
+            os.replace(temporary, path)
+        except OSError:
+            return
+
+    def remember(self, path: Path) -> None:
+        """Put a file on top of the recent ones."""
+        name = str(path.resolve())
+        self.recents = [name, *(other for other in self.recents if other != name)][:RECENTS_MAX]
+
+
+def settings_path() -> Path:
+    """Where the settings are kept."""
+    return config_dir() / "settings.json"
