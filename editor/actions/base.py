@@ -1,0 +1,60 @@
+"""What a user action is: one row of the table that menus, keys, palette, help and replays share."""
+
+import dataclasses
+import enum
+from collections.abc import Callable
+
+from editor.session import Session
+
+
+class Context(enum.Enum):
+    """When an action's keys count."""
+
+    EDIT = "edit"
+    PLAY = "play"
+    """Playing, paused, ended and replay."""
+    GLOBAL = "global"
+
+
+def always(session: Session) -> bool:
+    """An action that can always be done."""
+    del session
+    return True
+
+
+def editing(session: Session) -> bool:
+    """An action for Edit."""
+    return session.editing
+
+
+def playing(session: Session) -> bool:
+    """An action for Play and Replay."""
+    return not session.editing
+
+
+def selecting(session: Session) -> bool:
+    """An action on what is selected, in Edit."""
+    return session.editing and bool(session.selection)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Action:
+    """Something a user can do, by whatever way."""
+
+    id: str
+    """Stable: replays and rebound keys name it."""
+    label: str
+    """What the menu says."""
+    menu: str
+    """Menu it stands in: File, Edit, Tools, Arrange, View, Run, Level, Help; empty: none."""
+    keys: tuple[str, ...] = ()
+    """Default chords, as `KeyEvent.chord` writes them: `ctrl+shift+z`."""
+    context: Context = Context.GLOBAL
+    tooltip: str = ""
+    """A sentence more than the label."""
+    variants: tuple[str, ...] = ()
+    """Chords that do it in another measure (`shift+left`); `run` sees which through the session."""
+    enabled: Callable[[Session], bool] = always
+    run: Callable[[Session], None]
+    checked: Callable[[Session], bool] | None = None
+    """Whether it is on, for those that switch something."""

@@ -1,0 +1,384 @@
+"""All that the app currently is: open documents, selection, tool, camera, playback, what is asked.
+
+Hosts feed events, panels read and queue, `editor.actions.update` applies the queue once a frame.
+Nothing here knows a toolkit or JAX.
+"""
+
+import dataclasses
+import logging
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, Literal, Protocol, TypeAlias
+
+from editor import controls
+from editor.camera import Camera
+from editor.commands.base import Command, EntityId, Selection
+from editor.commands.bodies import posed
+from editor.document import Document, Outcome
+from editor.jobs import Worker, WorkerSimulator
+from editor.overlay import Mark
+from editor.playback import Mode, Playback, Simulator
+from editor.prompts import Prompt
+from editor.requests import Pull
+from editor.settings import Settings
+from editor.tools import TOOLS
+from editor.tools.base import NOTHING, Driver, Tool
+from kinetix.errors import CommandError, KinetixError
+from kinetix.level.model import Level
+
+LOG: Final = logging.getLogger(__name__)
+TOAST_SECONDS: Final = 5.0
+UNDO_TOAST_SECONDS: Final = 8.0
+
+Kind: TypeAlias = Literal["info", "success", "warning", "error"]
+Queued: TypeAlias = str | Command | Callable[[], None]
+"""An action's id, an edit, or a call."""
+
+
+class Clipboard(Protocol):
+    """The system's clipboard, text only."""
+
+    def get(self) -> str:
+        """The text it holds, or nothing."""
+        ...
+
+    def set(self, text: str) -> None:
+        """Put a text there."""
+        ...
+
+
+class MemoryClipboard:
+    """A clipboard of the process alone, where there is no system's."""
+
+    def __init__(self) -> None:
+        self._text = ""
+
+    def get(self) -> str:
+        """The text it holds."""
+        return self._text
+
+    def set(self, text: str) -> None:
+        """Put a text there."""
+        self._text = text
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Toast:
+    """A short message that goes by itself."""
+
+    text: str
+    kind: Kind
+    until: float
+    """When it goes, on the session's clock [s]."""
+    action: str | None = None
+    """An action offered as a button (`edit.undo`)."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class View:
+    """What is on show besides the level; the window's panels and actions change it freely."""
+
+    interface: bool = True
+    """Panels and bars; Tab hides them."""
+    fullscreen: bool = False
+    debug_draw: bool = False
+    plots: bool = False
+    palette: bool = False
+    """The command palette."""
+    help: bool = False
+    edit_arena: bool = False
+    """Whether floor, walls and ceiling can be selected on the canvas."""
+    layout_reset: bool = False
+    """Ask the window for the default layout; it clears the flag."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class Tab:
+    """An open document with its camera."""
+
+    document: Document
+    camera: Camera = dataclasses.field(default_factory=Camera)
+    fitted: bool = False
+    """Whether the window has fitted the camera to the viewport once."""
+
+
+class Session:
+    """The state of the app; see the module's docstring for who changes it when."""
+
+    def __init__(
+        self,
+        *,
+        settings: Settings | None = None,
+        worker: Worker | None = None,
+        simulator: Simulator | None = None,
+        clipboard: Clipboard | None = None,
+        level: Level | None = None,
+    ) -> None:
+        self.settings = settings or Settings()
+        self.worker = worker or Worker()
+        self.clipboard: Clipboard = clipboard or MemoryClipboard()
+        self.playback = Playback(simulator or WorkerSimulator(self.worker))
+        self.playback.physics = self.settings.physics
+        self.playback.restart_automatically = self.settings.restart_automatically
+        self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
+        self.tab_index = 0
+        self.tool: Tool = TOOLS["select"]
+        self.tool_kept = False
+        """Whether the tool stays after it has made something (its key was pressed twice)."""
+        self.driver = Driver(self)
+        self.view = View()
+        self.prompts: list[Prompt] = []
+        """Questions to the user, the uppermost last; answer with `answer`."""
+        self.toasts: list[Toast] = []
+        self.log: list[str] = []
+        self.held: set[str] = set()
+        """Keys that are down."""
+        self.cursor: tuple[float, float] | None = None
+        """Where the pointer is over the canvas [m], or None."""
+        self.cursor_screen: tuple[float, float] = (0.0, 0.0)
+        self.hovered: EntityId | None = None
+        """What is under the pointer."""
+        self.highlighted: Selection = ()
+        """Entities that a panel or menu points at."""
+        self.seed = 0
+        """Seed of the last random level or mutation."""
+        self.fps = 0.0
+        """Frames a second, as the host measures."""
+        self.time = 0.0
+        """The session's clock [s]."""
+        self.quitting = False
+        """Set when the app may end."""
+        self.pull: Pull | None = None
+        """What the mouse pulls at in Play."""
+        self.probe: dict[str, Any] = {}
+        """Rectangles of widgets by id, for tests and replays; the window fills it."""
+        self._queue: list[Queued] = []
+        self._posed: tuple[Any, Level] | None = None
+
+    @property
+    def tab(self) -> Tab:
+        """The tab in front."""
+        return self.tabs[self.tab_index]
+
+    @property
+    def document(self) -> Document:
+        """The document in front."""
+        return self.tab.document
+
+    @property
+    def camera(self) -> Camera:
+        """Where the canvas looks."""
+        return self.tab.camera
+
+    @camera.setter
+    def camera(self, camera: Camera) -> None:
+        self.tab.camera = camera
+
+    @property
+    def mode(self) -> Mode:
+        """Edit, playing, paused, ended or replay."""
+        return self.playback.mode
+
+    @property
+    def editing(self) -> bool:
+        """Whether the document can be changed."""
+        return self.playback.mode is Mode.EDIT
+
+    @property
+    def selection(self) -> Selection:
+        """What is selected in the document in front."""
+        return self.document.selection
+
+    @selection.setter
+    def selection(self, selection: Selection) -> None:
+        self.document.selection = selection
+
+    @property
+    def scene(self) -> Level:
+        """What the canvas draws: the document (with a gesture's preview), or the simulated state."""
+        playback = self.playback
+        if not playback.active or playback.level is None:
+            return self.document.shown
+        if playback.snapshot is None:
+            return playback.level
+        if self._posed is None or self._posed[0] is not playback.snapshot:
+            self._posed = (playback.snapshot, posed(playback.level, playback.snapshot))
+        return self._posed[1]
+
+    @property
+    def marks(self) -> tuple[Mark, ...]:
+        """What the tool wants to be seen on top."""
+        return self.driver.feedback.marks if self.editing else ()
+
+    @property
+    def hint(self) -> str:
+        """What to do now, for the status bar."""
+        return self.driver.feedback.hint or self.tool.hint
+
+    @property
+    def action(self) -> tuple[int, ...]:
+        """What the held keys drive."""
+        return controls.action_of(self.held, self.control_keys)
+
+    @property
+    def control_keys(self) -> dict[str, controls.Drive]:
+        """The play keys, rebound ones included."""
+        rebound = {
+            key: controls.Drive(channel=value[0], value=value[1])
+            for key, value in self.settings.controls.items()
+            if len(value) == 2
+        }
+        return rebound or dict(controls.DEFAULT_KEYS)
+
+    def queue(self, item: Queued) -> None:
+        """Do something after this frame has been drawn: an action's id, a command or a call."""
+        self._queue.append(item)
+
+    def take_queue(self) -> list[Queued]:
+        """Empty the queue; `editor.actions.update` does what it holds."""
+        queued, self._queue = self._queue, []
+        return queued
+
+    def execute(self, command: Command) -> Outcome:
+        """Commit a command now; selects what it made; an error becomes a toast."""
+        with self.guard():
+            if not self.editing:
+                raise CommandError("Stop playing first: only Edit changes the level.")
+            outcome = self.document.commit(command, time=self.time)
+            if outcome.created:
+                bodies = {body.id for body in self.document.level.bodies}
+                made = tuple(i for i in outcome.created if i in bodies)
+                self.selection = made or outcome.created
+            for notice in outcome.notices:
+                self.toast(notice)
+            return outcome
+        return Outcome(changed=False)
+
+    def guard(self) -> "Guard":
+        """A context in which an exception becomes a toast and a log entry instead of the end."""
+        return Guard(self)
+
+    def toast(self, text: str, kind: Kind = "info", *, action: str | None = None) -> None:
+        """Show a message for a few seconds; the same message is not stacked."""
+        seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
+        self.toasts = [toast for toast in self.toasts if toast.text != text]
+        self.toasts.append(Toast(text=text, kind=kind, until=self.time + seconds, action=action))
+        self.log.append(text)
+
+    def complain(self, text: str) -> None:
+        """Say why something was not done."""
+        self.toast(text, "warning")
+
+    def ask(self, prompt: Prompt) -> None:
+        """Put a question before the user."""
+        self.driver.cancel()
+        self.prompts.append(prompt)
+
+    def answer(self, prompt: Prompt, value: Any) -> None:
+        """Take a question away and hand its answer on (a choice's id, a path, or None)."""
+        if prompt in self.prompts:
+            self.prompts.remove(prompt)
+            with self.guard():
+                prompt.answer(value)
+
+    def choose_tool(self, tool_id: str) -> None:
+        """Take another tool; choosing the present one again keeps it after it has made something."""
+        tool = TOOLS[tool_id]
+        self.driver.cancel()
+        self.tool_kept = tool is self.tool and not self.tool_kept
+        self.tool = tool
+        self.driver.feedback = NOTHING
+
+    def tool_done(self) -> None:
+        """A tool has made something: Select takes over unless the tool is kept."""
+        if not (self.tool_kept or self.settings.keep_tool):
+            self.tool, self.tool_kept = TOOLS["select"], False
+
+    def open_tab(self, document: Document) -> None:
+        """Show a document in a new tab; an untouched empty one is replaced."""
+        self.leave_play()
+        tab = Tab(document=document, camera=dataclasses.replace(self.camera, centre=(2.5, 2.5)))
+        front = self.document
+        untouched = front.path is None and not front.dirty and not front.level.bodies
+        if untouched and len(front.history.entries) == 1:
+            self.tabs[self.tab_index] = tab
+        else:
+            self.tabs.append(tab)
+            self.tab_index = len(self.tabs) - 1
+
+    def show_tab(self, index: int) -> None:
+        """Bring a tab to the front."""
+        if index != self.tab_index and 0 <= index < len(self.tabs):
+            self.leave_play()
+            self.tab_index = index
+
+    def close_tab(self, tab: Tab) -> None:
+        """Take a tab away without asking; the last one leaves an empty level."""
+        self.leave_play()
+        index = self.tabs.index(tab)
+        del self.tabs[index]
+        if not self.tabs:
+            self.tabs.append(Tab(document=Document(Level(name="Untitled")), camera=tab.camera))
+        if self.tab_index > index or self.tab_index >= len(self.tabs):
+            self.tab_index = max(self.tab_index - 1, 0)
+
+    def leave_play(self) -> None:
+        """Drop gestures and stop playing."""
+        self.driver.cancel()
+        self.pull = None
+        if self.playback.active:
+            self.playback.stop()
+
+    def release_all(self) -> None:
+        """The window lost the keyboard: nothing is held any more, nothing is under way."""
+        self.held.clear()
+        self.pull = None
+        self.driver.cancel()
+
+    def state_record(self) -> dict[str, Any]:
+        """What a replay's `state` event writes (contract.md)."""
+        document, playback = self.document, self.playback
+        return {
+            "mode": self.mode.value,
+            "selection": list(self.selection),
+            "dirty": document.dirty,
+            "undo": document.history.undo_label,
+            "redo": document.history.redo_label,
+            "level_hash": document.hash,
+            "step": playback.step_count,
+            "outcome": playback.outcome,
+            "fps": round(self.fps, 1),
+            "problems": [issue.code for issue in document.problems],
+        }
+
+    def locate(self, path: Path) -> int | None:
+        """Index of the tab that shows a file, or None."""
+        for index, tab in enumerate(self.tabs):
+            if tab.document.path is not None and tab.document.path.resolve() == path.resolve():
+                return index
+        return None
+
+
+class Guard:
+    """Turns exceptions into toasts: expected ones into their sentence, others into a log entry."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: type[BaseException] | None, error: Any, trace: Any) -> bool:
+        """Report an exception and go on; what is not an `Exception` passes through."""
+        if error is None or not isinstance(error, Exception):
+            return False
+        if isinstance(error, KinetixError):
+            warning = isinstance(error, CommandError)
+            self._session.toast(str(error), "warning" if warning else "error")
+        else:
+            LOG.error("unexpected error", exc_info=error)
+            self._session.toast(f"Something went wrong: {error} (see the log)", "error")
+            self._session.log.append("".join(traceback.format_exception(error)))
+        self._session.document.discard_preview()
+        return True
