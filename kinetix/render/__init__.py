@@ -1,1 +1,29 @@
-"""Placeholder."""
+"""Drawing: pure JAX pictures of a world for people, and the pixel observation for agents.
+
+The names are imported on first use: `palette` and `style` must stay usable without JAX.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kinetix.render.pixels import make_render_pixels, make_render_pixels_rl
+
+_HOME = {
+    "make_render_pixels": "kinetix.render.pixels",
+    "make_render_pixels_rl": "kinetix.render.pixels",
+    # A string only: the layers forbid an import from here.
+    "make_inverse_render_symbolic": "kinetix.environment.inverse",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name on first use."""
+    if name not in _HOME:
+        raise AttributeError(
+            f"module 'kinetix.render' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}"
+        )
+    return getattr(importlib.import_module(_HOME[name]), name)
+
+
+__all__ = ["make_inverse_render_symbolic", "make_render_pixels", "make_render_pixels_rl"]
