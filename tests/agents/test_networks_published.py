@@ -65,7 +65,7 @@ def _made_up(shapes: dict[str, Any]) -> tuple[dict[str, Any], int]:
     params: dict[str, Any] = {}
     count = 0
     for name, shape in _leaves(shapes):
-        random = np.random.RandomState(zlib.crc32(name.encode()))  # noqa: NPY002 (as recorded)
+        random = np.random.RandomState(zlib.crc32(name.encode()))
         values = (0.1 * random.standard_normal(shape)).astype(np.float32)
         node = params
         *parents, leaf = name.split("/")

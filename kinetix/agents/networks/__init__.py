@@ -1,1 +1,1 @@
-"""The networks: one file each. `build.build_network` turns a `config.NetworkConfig` into a module."""
+"""The networks, one file each; `build.build_network` makes one from a `config.NetworkConfig`."""

@@ -102,22 +102,15 @@ class NetworkConfig:
         self._check_heads()
 
     def _check_heads(self) -> None:
-        if self.kind == "entity_transformer" and self.num_heads % 4:
-            raise ValueError(
-                f"num_heads: expected a multiple of 4 (one quarter for each kind of neighbour), got {self.num_heads}"
-            )
-        if self.kind == "entity_transformer" and self.transformer_size % self.num_heads:
-            raise ValueError(
-                f"transformer_size: expected a multiple of num_heads = {self.num_heads}, got {self.transformer_size}"
-            )
-        if (
-            self.kind == "permutation_invariant_mlp"
-            and self.symbolic_embedding_dim % self.num_heads
-        ):
-            raise ValueError(
-                f"symbolic_embedding_dim: expected a multiple of num_heads = {self.num_heads}, "
-                f"got {self.symbolic_embedding_dim}"
-            )
+        divisors = {
+            "entity_transformer": (("num_heads", 4), ("transformer_size", self.num_heads)),
+            "permutation_invariant_mlp": (("symbolic_embedding_dim", self.num_heads),),
+        }
+        for name, divisor in divisors.get(self.kind, ()):
+            value = getattr(self, name)
+            if value % divisor:
+                why = "4 kinds of neighbour" if divisor == 4 else f"num_heads = {divisor}"
+                raise ValueError(f"{name}: expected a multiple of {divisor} ({why}), got {value}")
 
 
 def _check_integer(name: str, value: object) -> None:

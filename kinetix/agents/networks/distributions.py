@@ -4,6 +4,7 @@ Log-probabilities and entropies of compound actions are sums over their parts.
 """
 
 import dataclasses
+import itertools
 from typing import Protocol
 
 import jax
@@ -79,10 +80,8 @@ class MultiCategorical:
         return [jax.nn.log_softmax(part) for part in self._split(self.logits)]
 
     def _split(self, values: Array) -> list[Array]:
-        bounds = [0]
-        for size in self.sizes:
-            bounds.append(bounds[-1] + size)
-        return [values[..., a:b] for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+        bounds = itertools.accumulate(self.sizes, initial=0)
+        return [values[..., a:b] for a, b in itertools.pairwise(bounds)]
 
     def _argmax(self, scores: Array) -> Array:
         return jnp.stack([jnp.argmax(part, axis=-1) for part in self._split(scores)], axis=-1)
