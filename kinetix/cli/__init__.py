@@ -1,1 +1,110 @@
-"""Placeholder."""
+"""The command `kinetix`: one module per sub-command, imported only when it is asked for.
+
+The module `kinetix.cli.NAME` has a frozen dataclass `Name` that describes the arguments (or a union
+of such, for commands of a second level) and `run(command) -> int`, which returns the exit status.
+"""
+
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Final
+
+from kinetix.errors import KinetixError
+
+COMMANDS: Final[dict[str, str]] = {
+    "validate": "list the problems of levels and level sets",
+    "convert": "turn levels from one file format into the other",
+    "render": "draw a level as a picture or a film",
+    "play": "play one episode without a window",
+    "solve": "search for actions that win a level",
+    "sample": "make random levels",
+    "eval": "measure an agent on levels",
+    "levelset": "build, check and split level sets",
+    "train": "train an agent",
+    "bench": "measure speed, scaling, accuracy and rendering",
+}
+"""Every sub-command and what it does."""
+
+_INTERRUPTED: Final = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one sub-command.
+
+    Args:
+        arguments: The command line without the program's name; by default the process's own.
+
+    Returns:
+        The exit status: 0 done, 1 the input or the result is bad, 2 wrong usage.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if not words or words[0] in ("-h", "--help"):
+        print(_overview(), file=sys.stdout if words else sys.stderr)
+        return 0 if words else 2
+    if words[0] == "--version":
+        print(_version())
+        return 0
+    if words[0] not in COMMANDS:
+        print(_unknown(words[0]), file=sys.stderr)
+        return 2
+    return _run(words[0], words[1:])
+
+
+def _run(name: str, words: Sequence[str]) -> int:
+    try:
+        module = importlib.import_module(f"kinetix.cli.{name}")
+        return module.run(_parse(module, name, words))
+    except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
+        return stop.code if isinstance(stop.code, int) else 2
+    except KinetixError as error:
+        print(error, file=sys.stderr)
+    except OSError as error:
+        print(_file_error(error), file=sys.stderr)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return _INTERRUPTED
+    return 1
+
+
+def _parse(module: ModuleType, name: str, words: Sequence[str]) -> object:
+    import tyro  # here, so that the overview and the completion of names stay instant
+
+    return tyro.cli(
+        getattr(module, name.capitalize()),
+        prog=f"kinetix {name}",
+        description=module.__doc__,
+        args=list(words),
+    )
+
+
+def _overview() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:{width}}  {does}" for name, does in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: kinetix COMMAND [ARGUMENTS]",
+            "",
+            *lines,
+            "",
+            "`kinetix COMMAND --help` tells the arguments; `kinetix-editor` opens the editor.",
+        ]
+    )
+
+
+def _unknown(word: str) -> str:
+    near = difflib.get_close_matches(word, COMMANDS, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(COMMANDS)}."
+    return f"kinetix: {word!r} is no command; {hint}"
+
+
+def _version() -> str:
+    import importlib.metadata
+
+    return importlib.metadata.version("kinetix-editor")
+
+
+def _file_error(error: OSError) -> str:
+    reason = error.strerror or str(error)
+    return f"{error.filename}: {reason}" if error.filename is not None else reason

@@ -1,0 +1,66 @@
+# Everything that one does with this repository. `make run` and `make test` need nothing but
+# Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help setup-run setup-test run editor test check format lint type bench bench-peers chart screenshots docs
+
+export PYTHON
+# Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
+ARGS ?=
+# `make check TESTS=0` leaves the tests out.
+TESTS ?= 1
+
+VENV := .venv/bin
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
+
+setup-run:
+	@scripts/setup.sh run
+
+setup-test:
+	@scripts/setup.sh test
+
+run: setup-run ## set everything up and open the editor (without a display: a filmed tour under out/)
+	@$(VENV)/python scripts/run.py $(ARGS)
+
+editor: run ## the same as run
+
+test: setup-test ## set everything up and run the whole test suite
+	$(VENV)/python -m pytest $(ARGS)
+
+check: setup-test ## format, lint, types, layers and the tests that are not slow
+	$(VENV)/ruff format --check
+	$(VENV)/ruff check
+	$(VENV)/basedpyright
+	$(VENV)/lint-imports
+ifneq ($(TESTS),0)
+	$(VENV)/python -m pytest -m "not slow" $(ARGS)
+endif
+
+format: setup-test ## write the source in the house's format
+	$(VENV)/ruff format
+	$(VENV)/ruff check --fix
+
+lint: setup-test ## ruff, layers and, for information, the longest files and functions
+	$(VENV)/ruff check
+	$(VENV)/lint-imports
+	$(VENV)/python scripts/longest.py
+
+type: setup-test ## the type checker
+	$(VENV)/basedpyright
+
+bench: setup-run ## measure speed, scaling, accuracy and rendering into bench/
+	@$(VENV)/python scripts/bench.py
+
+bench-peers: setup-run ## install other engines into environments of their own and measure them beside ours
+	@$(VENV)/python scripts/bench_peers.py
+
+chart: setup-run ## draw the speed-accuracy chart into docs/
+	$(VENV)/kinetix bench chart --out docs
+
+screenshots: setup-run ## take the pictures of docs/pictures anew, without a display
+	@$(VENV)/python scripts/screenshots.py
+
+docs: setup-run ## build the documentation as a static site under site/
+	@scripts/docs.sh
