@@ -1,0 +1,96 @@
+"""What every host shares: a Dear ImGui context, the input feeder, one frame after the other."""
+
+import abc
+from collections.abc import Sequence
+from typing import Protocol
+
+from imgui_bundle import imgui, implot
+
+from editor import events, theme
+from editor.hosts.inputs import InputFeeder
+from editor.look import COLOURS
+from editor.session import Session
+from editor.textures import TextureStore
+from editor.ui import Ui
+
+
+class Renderer(TextureStore, Protocol):
+    """Where finished frames go."""
+
+    def new_frame(self) -> None:
+        """Before `imgui.new_frame`."""
+        ...
+
+    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> None:
+        """After `imgui.render`."""
+        ...
+
+    def shutdown(self) -> None:
+        """Before the context goes."""
+        ...
+
+
+class Host(abc.ABC):
+    """Runs the app's one frame function; the hosts differ only in window, clock and renderer."""
+
+    def __init__(self, session: Session, *, size: tuple[int, int], scale: float) -> None:
+        self.session = session
+        self.size = size
+        self.frame_count = 0
+        self._feeder = InputFeeder()
+        self._context = imgui.create_context()
+        self._plots = implot.create_context()
+        io = imgui.get_io()
+        io.set_ini_filename("")
+        io.set_log_filename("")
+        io.display_size = imgui.ImVec2(*size)
+        io.config_flags |= imgui.ConfigFlags_.docking_enable.value
+        io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard.value
+        io.config_windows_move_from_title_bar_only = True
+        # A failing panel must not end the app: Dear ImGui closes what it left open.
+        io.config_error_recovery = True
+        io.config_error_recovery_enable_assert = False
+        io.config_error_recovery_enable_tooltip = False
+        io.config_error_recovery_enable_debug_log = False
+        theme.load_fonts()
+        self._renderer = self._make_renderer()
+        self.ui = Ui(session, self._renderer, scale=scale)
+
+    @abc.abstractmethod
+    def _make_renderer(self) -> Renderer:
+        """The renderer for the current context."""
+
+    def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
+        """Run one frame.
+
+        Args:
+            batch: What the person did since the last frame.
+            dt: Time since the last frame [s].
+        """
+        io = imgui.get_io()
+        io.display_size = imgui.ImVec2(*self.size)
+        io.delta_time = max(dt, 1e-5)
+        self._feeder.feed(batch)
+        for event in batch:
+            if isinstance(event, events.DropEvent | events.QuitEvent | events.FocusEvent):
+                self.ui.notice(event)
+        self._renderer.new_frame()
+        imgui.new_frame()
+        self.ui.frame(dt)
+        imgui.render()
+        self._present()
+        self.frame_count += 1
+
+    def _present(self) -> None:
+        self._renderer.present(*self.size, COLOURS.backdrop[:3])
+
+    @property
+    def running(self) -> bool:
+        """False once the app may close."""
+        return not self.session.quitting
+
+    def close(self) -> None:
+        """Let go of everything; the host cannot be used afterwards."""
+        self._renderer.shutdown()
+        implot.destroy_context(self._plots)
+        imgui.destroy_context(self._context)

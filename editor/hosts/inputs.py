@@ -1,0 +1,86 @@
+"""Hands what a person did, as the values of `editor.events`, to Dear ImGui.
+
+Every host and the replay come through here. Dear ImGui is the one place that tracks which keys and
+buttons are held, and it learns them from these events alone (never from the operating system's
+present state); so posted events and replays behave like real ones, and losing the focus releases
+everything.
+"""
+
+from collections.abc import Iterable
+
+from imgui_bundle import imgui
+
+from editor import events, keys
+
+FAR = (-3.4e38, -3.4e38)
+"""Where the pointer is when it has left the window (Dear ImGui's sign for "nowhere")."""
+
+_BUTTONS = {1: 0, 2: 2, 3: 1, 6: 3, 7: 4}
+"""Our button numbers (pygame's) to Dear ImGui's; 4 and 5, the wheel's legacy twins, are dropped."""
+
+
+class InputFeeder:
+    """Queues input events with Dear ImGui, in order."""
+
+    def __init__(self) -> None:
+        self._keys: set[str] = set()
+        self._buttons: set[int] = set()
+
+    def feed(self, batch: Iterable[events.InputEvent]) -> None:
+        """Queue events for the next frame.
+
+        Args:
+            batch: What happened since the last frame. Resizes, dropped files and close requests
+                are the host's business and are passed over.
+        """
+        io = imgui.get_io()
+        for event in batch:
+            match event:
+                case events.PointerEvent():
+                    self._pointer(io, event)
+                case events.KeyEvent(key=key, pressed=pressed):
+                    self._key(io, key, pressed)
+                case events.WheelEvent(dx=dx, dy=dy):
+                    io.add_mouse_wheel_event(dx, dy)
+                case events.TextEvent(text=text):
+                    for character in text:
+                        io.add_input_character(ord(character))
+                case events.FocusEvent(focused=focused):
+                    self._focus(io, focused)
+                case _:
+                    pass
+
+    def _pointer(self, io: imgui.IO, event: events.PointerEvent) -> None:
+        io.add_mouse_pos_event(*event.screen)
+        button = _BUTTONS.get(event.button)
+        if event.kind is events.Pointer.MOVE or button is None:
+            return
+        pressed = event.kind is events.Pointer.PRESS
+        if pressed:
+            self._buttons.add(button)
+        else:
+            self._buttons.discard(button)
+        io.add_mouse_button_event(button, pressed)
+
+    def _key(self, io: imgui.IO, name: str, pressed: bool) -> None:
+        key = keys.IMGUI.get(name)
+        if key is None:
+            return
+        if pressed:
+            self._keys.add(name)
+        else:
+            self._keys.discard(name)
+        modifier = keys.MODIFIERS.get(name)
+        if modifier is not None:
+            held = any(keys.MODIFIERS.get(other) == modifier for other in self._keys)
+            io.add_key_event(modifier, held)
+        io.add_key_event(key, pressed)
+
+    def _focus(self, io: imgui.IO, focused: bool) -> None:
+        if not focused:
+            for name in tuple(self._keys):
+                self._key(io, name, False)
+            for button in self._buttons:
+                io.add_mouse_button_event(button, False)
+            self._buttons.clear()
+        io.add_focus_event(focused)

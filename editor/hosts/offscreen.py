@@ -1,0 +1,33 @@
+"""The same app without a display: SDL's offscreen driver and OpenGL in software."""
+
+import os
+from pathlib import Path
+
+from PIL import Image
+
+from editor.hosts.pygame_host import PygameHost
+from editor.session import Session
+
+ENVIRONMENT = {
+    "SDL_VIDEODRIVER": "offscreen",
+    "SDL_AUDIODRIVER": "dummy",
+    "LIBGL_ALWAYS_SOFTWARE": "1",
+    # One thread of the software rasteriser: pictures are the same everywhere, JAX keeps its cores.
+    "LP_NUM_THREADS": "1",
+}
+"""What has to stand in the environment before the window opens."""
+
+
+class OffscreenHost(PygameHost):
+    """Draws into memory; nothing waits for a display."""
+
+    def __init__(
+        self, session: Session, *, size: tuple[int, int] = (1440, 900), scale: float = 1.0
+    ) -> None:
+        os.environ.update(ENVIRONMENT)
+        super().__init__(session, size=size, scale=scale, vsync=False)
+
+    def save_screenshot(self, path: Path) -> None:
+        """Write the last frame as a PNG file; its folder is made if need be."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(self.screenshot()).save(path)

@@ -1,0 +1,89 @@
+"""From pygame's events to ours: every key, button, wheel, text, focus and drop.
+
+imgui-bundle's own pygame adapter knows only the navigation keys and six letters, takes text from
+key presses (no dead keys), counts wheel notches twice and fails on the mouse's back button.
+"""
+
+from collections.abc import Callable
+
+import pygame
+
+from editor import events
+from editor.hosts.inputs import FAR
+
+_SCREEN_ONLY = (0.0, 0.0)
+"""Hosts know no level coordinates; the canvas works them out from the screen position."""
+
+
+def modifiers(mask: int) -> events.Modifiers:
+    """The modifiers of a key event; Cmd counts as Ctrl."""
+    return events.Modifiers(
+        ctrl=bool(mask & (pygame.KMOD_CTRL | pygame.KMOD_META)),
+        shift=bool(mask & pygame.KMOD_SHIFT),
+        alt=bool(mask & pygame.KMOD_ALT),
+    )
+
+
+def _key(event: pygame.event.Event) -> events.InputEvent:
+    return events.KeyEvent(
+        key=pygame.key.name(event.key),
+        pressed=event.type == pygame.KEYDOWN,
+        modifiers=modifiers(event.mod),
+    )
+
+
+def _button(event: pygame.event.Event) -> events.InputEvent:
+    pressed = event.type == pygame.MOUSEBUTTONDOWN
+    return events.PointerEvent(
+        kind=events.Pointer.PRESS if pressed else events.Pointer.RELEASE,
+        world=_SCREEN_ONLY,
+        screen=event.pos,
+        button=event.button,
+    )
+
+
+def _motion(event: pygame.event.Event) -> events.InputEvent:
+    return events.PointerEvent(
+        kind=events.Pointer.MOVE, world=_SCREEN_ONLY, screen=event.pos, button=0
+    )
+
+
+def _leave(event: pygame.event.Event) -> events.InputEvent:
+    del event
+    return events.PointerEvent(kind=events.Pointer.MOVE, world=_SCREEN_ONLY, screen=FAR, button=0)
+
+
+def _wheel(event: pygame.event.Event) -> events.InputEvent:
+    dx = getattr(event, "precise_x", float(event.x))
+    dy = getattr(event, "precise_y", float(event.y))
+    return events.WheelEvent(dx=-dx, dy=dy)
+
+
+_TRANSLATE: dict[int, Callable[[pygame.event.Event], events.InputEvent]] = {
+    pygame.KEYDOWN: _key,
+    pygame.KEYUP: _key,
+    pygame.MOUSEBUTTONDOWN: _button,
+    pygame.MOUSEBUTTONUP: _button,
+    pygame.MOUSEMOTION: _motion,
+    pygame.WINDOWLEAVE: _leave,
+    pygame.MOUSEWHEEL: _wheel,
+    pygame.TEXTINPUT: lambda event: events.TextEvent(text=event.text),
+    pygame.WINDOWFOCUSGAINED: lambda event: events.FocusEvent(focused=True),
+    pygame.WINDOWFOCUSLOST: lambda event: events.FocusEvent(focused=False),
+    pygame.WINDOWSIZECHANGED: lambda event: events.ResizeEvent(width=event.x, height=event.y),
+    pygame.DROPFILE: lambda event: events.DropEvent(path=event.file),
+    pygame.QUIT: lambda event: events.QuitEvent(),
+}
+
+
+def translate(event: pygame.event.Event) -> events.InputEvent | None:
+    """One pygame event as ours.
+
+    Args:
+        event: Any event of pygame's queue.
+
+    Returns:
+        What it means to the app; None when it means nothing.
+    """
+    handler = _TRANSLATE.get(event.type)
+    return handler(event) if handler is not None else None

@@ -1,0 +1,161 @@
+"""The production host: a pygame window with an OpenGL 3.3 core context."""
+
+import os
+import time
+from collections.abc import Sequence
+
+import numpy as np
+import pygame
+from imgui_bundle import imgui
+
+from editor import events
+from editor.hosts import gl
+from editor.hosts.base import Host
+from editor.hosts.clipboard import Clipboard
+from editor.hosts.pygame_events import translate
+from editor.hosts.renderer import GlRenderer
+from editor.session import Session
+from kinetix.errors import KinetixError
+
+_CURSORS = {
+    imgui.MouseCursor_.arrow: pygame.SYSTEM_CURSOR_ARROW,
+    imgui.MouseCursor_.text_input: pygame.SYSTEM_CURSOR_IBEAM,
+    imgui.MouseCursor_.resize_all: pygame.SYSTEM_CURSOR_SIZEALL,
+    imgui.MouseCursor_.resize_ns: pygame.SYSTEM_CURSOR_SIZENS,
+    imgui.MouseCursor_.resize_ew: pygame.SYSTEM_CURSOR_SIZEWE,
+    imgui.MouseCursor_.resize_nesw: pygame.SYSTEM_CURSOR_SIZENESW,
+    imgui.MouseCursor_.resize_nwse: pygame.SYSTEM_CURSOR_SIZENWSE,
+    imgui.MouseCursor_.hand: pygame.SYSTEM_CURSOR_HAND,
+    imgui.MouseCursor_.wait: pygame.SYSTEM_CURSOR_WAIT,
+    imgui.MouseCursor_.progress: pygame.SYSTEM_CURSOR_WAITARROW,
+    imgui.MouseCursor_.not_allowed: pygame.SYSTEM_CURSOR_NO,
+}
+
+IDLE_WAIT = 0.25
+"""Longest sleep while nothing happens [s]: finished background jobs are noticed this late."""
+_SETTLE_FRAMES = 4
+"""Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
+
+
+def automatic_scale(desktop_height: int) -> float:
+    """The UI scale for a screen: pygame tells no pixel density, so the height must do.
+
+    Args:
+        desktop_height: Height of the desktop [px].
+    """
+    for height, scale in ((2800, 2.0), (2000, 1.5), (1500, 1.25)):
+        if desktop_height >= height:
+            return scale
+    return 1.0
+
+
+class PygameHost(Host):
+    """Opens a window, waits for input while idle, draws at the display's rate otherwise."""
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        size: tuple[int, int] = (1440, 900),
+        scale: float | None = None,
+        vsync: bool = True,
+    ) -> None:
+        self._open_window(size, vsync)
+        if scale is None:
+            scale = automatic_scale(pygame.display.get_desktop_sizes()[0][1])
+        super().__init__(session, size=pygame.display.get_window_size(), scale=scale)
+        self.clipboard = Clipboard()
+        self.clipboard.install()
+        self._title = ""
+        self._cursor: int | None = None
+        self._fullscreen = False
+        self._awake = _SETTLE_FRAMES
+
+    def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
+        # Sound is never used; without this SDL complains on machines that have none.
+        os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
+        os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "kinetix-editor")
+        try:
+            pygame.display.init()
+            pygame.key.set_repeat(400, 40)
+            for attribute, value in (
+                (pygame.GL_CONTEXT_MAJOR_VERSION, 3),
+                (pygame.GL_CONTEXT_MINOR_VERSION, 3),
+                (pygame.GL_CONTEXT_PROFILE_MASK, pygame.GL_CONTEXT_PROFILE_CORE),
+            ):
+                pygame.display.gl_set_attribute(attribute, value)
+            flags = pygame.OPENGL | pygame.DOUBLEBUF | pygame.RESIZABLE
+            pygame.display.set_mode(size, flags, vsync=int(vsync))
+        except pygame.error as error:
+            raise KinetixError(
+                f"cannot open a window with OpenGL 3.3: {error}; "
+                "without a display use --offscreen, and see scripts/system-packages.txt"
+            ) from error
+
+    def _make_renderer(self) -> GlRenderer:
+        return GlRenderer()
+
+    def _present(self) -> None:
+        super()._present()
+        pygame.display.flip()
+
+    def poll(self, timeout: float = 0.0) -> list[events.InputEvent]:
+        """What happened; waits up to `timeout` seconds for something to happen."""
+        raw: list[pygame.event.Event] = []
+        if timeout > 0:
+            first = pygame.event.wait(int(timeout * 1000))
+            raw += [first] if first.type != pygame.NOEVENT else []
+        raw += pygame.event.get()
+        batch = [event for event in map(translate, raw) if event is not None]
+        if any(isinstance(event, events.ResizeEvent) for event in batch):
+            self.size = pygame.display.get_window_size()
+        if any(event.type == pygame.WINDOWEXPOSED for event in raw):
+            self._awake = _SETTLE_FRAMES
+        return batch
+
+    def run(self) -> None:
+        """Draw until the app is closed. Without input and without play it sleeps."""
+        last = time.perf_counter()
+        while self.running:
+            idle = self._awake <= 0 and not self.ui.animating
+            batch = self.poll(IDLE_WAIT if idle else 0.0)
+            if batch or self.session.poll():
+                self._awake = _SETTLE_FRAMES
+            elif idle:
+                continue
+            now = time.perf_counter()
+            self.step(batch, min(now - last, 0.25))
+            last = now
+            self._awake -= 1
+            self._follow()
+
+    def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
+        """See `Host.step`."""
+        super().step(batch, dt)
+
+    def _follow(self) -> None:
+        """Let title, cursor and full screen follow the app."""
+        title = self.ui.window_title
+        if title != self._title:
+            pygame.display.set_caption(title)
+            self._title = title
+        cursor = _CURSORS.get(
+            imgui.MouseCursor_(imgui.get_mouse_cursor()), pygame.SYSTEM_CURSOR_ARROW
+        )
+        if cursor != self._cursor:
+            pygame.mouse.set_cursor(cursor)
+            self._cursor = cursor
+        if self.ui.fullscreen != self._fullscreen:
+            pygame.display.toggle_fullscreen()
+            self._fullscreen = self.ui.fullscreen
+            self.size = pygame.display.get_window_size()
+
+    def screenshot(self) -> np.ndarray:
+        """The window as drawn last: uint8[height, width, 3], top row first."""
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+        return gl.read_pixels(*self.size)
+
+    def close(self) -> None:
+        """See `Host.close`; the window goes too."""
+        super().close()
+        pygame.display.quit()

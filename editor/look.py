@@ -1,0 +1,149 @@
+"""What the app looks like, as values: colours, fonts and icons. `theme.py` applies them."""
+
+import dataclasses
+from typing import Final
+
+from imgui_bundle import icons_fontawesome_6 as fa
+from imgui_bundle import imgui
+
+Rgba = tuple[float, float, float, float]
+
+
+def _hex(code: str, alpha: float = 1.0) -> Rgba:
+    red, green, blue = (int(code[i : i + 2], 16) / 255 for i in (0, 2, 4))
+    return red, green, blue, alpha
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Colours:
+    """The dark theme. Text on any surface has a contrast of at least 4.5:1."""
+
+    backdrop: Rgba = _hex("0f1115")
+    """Behind everything, and the canvas around the arena."""
+    surface: Rgba = _hex("191c22")
+    """Panels."""
+    raised: Rgba = _hex("21252d")
+    """Menus, pop-ups, tool strip."""
+    field: Rgba = _hex("2a2f39")
+    """Inputs and buttons."""
+    field_hover: Rgba = _hex("353b47")
+    field_active: Rgba = _hex("414957")
+    line: Rgba = _hex("2c313b")
+    """Borders and separators."""
+    text: Rgba = _hex("e6e9ef")
+    muted: Rgba = _hex("9aa3b2")
+    """Labels, hints, units."""
+    faint: Rgba = _hex("626b7a")
+    """Disabled and decorative."""
+    accent: Rgba = _hex("8f7dff")
+    """Selection, focus, what is on."""
+    accent_strong: Rgba = _hex("6d59f0")
+    """Filled buttons in the accent colour."""
+    play: Rgba = _hex("3ecf8e")
+    replay: Rgba = _hex("f2b84b")
+    good: Rgba = _hex("3ecf8e")
+    warn: Rgba = _hex("f2b84b")
+    bad: Rgba = _hex("ff6b6b")
+    info: Rgba = _hex("62b0ff")
+
+
+COLOURS: Final = Colours()
+
+
+def alpha(colour: Rgba, opacity: float) -> Rgba:
+    """The colour with another opacity."""
+    return (*colour[:3], opacity)
+
+
+def u32(colour: Rgba) -> int:
+    """The colour as a draw list takes it."""
+    return imgui.get_color_u32(imgui.ImVec4(*colour))
+
+
+@dataclasses.dataclass(kw_only=True)
+class Fonts:
+    """Fonts of the current context; set by `theme.load_fonts`, None before."""
+
+    regular: imgui.ImFont | None = None
+    bold: imgui.ImFont | None = None
+    mono: imgui.ImFont | None = None
+
+
+FONTS: Final = Fonts()
+
+TEXT: Final = 15.0
+"""Size of running text at 100 % [px]."""
+SMALL: Final = 13.0
+TITLE: Final = 20.0
+HUGE: Final = 34.0
+
+
+class Icons:
+    """One name per meaning, so that one sign always says the same thing."""
+
+    select = fa.ICON_FA_ARROW_POINTER
+    rectangle = fa.ICON_FA_SQUARE
+    circle = fa.ICON_FA_CIRCLE
+    triangle = fa.ICON_FA_PLAY
+    joint = fa.ICON_FA_CIRCLE_DOT
+    weld = fa.ICON_FA_SQUARE_PLUS
+    thruster = fa.ICON_FA_ROCKET
+    play = fa.ICON_FA_PLAY
+    pause = fa.ICON_FA_PAUSE
+    stop = fa.ICON_FA_STOP
+    step = fa.ICON_FA_FORWARD_STEP
+    step_back = fa.ICON_FA_BACKWARD_STEP
+    reset = fa.ICON_FA_ROTATE_LEFT
+    slower = fa.ICON_FA_BACKWARD
+    faster = fa.ICON_FA_FORWARD
+    undo = fa.ICON_FA_ARROW_ROTATE_LEFT
+    redo = fa.ICON_FA_ARROW_ROTATE_RIGHT
+    new = fa.ICON_FA_FILE
+    open = fa.ICON_FA_FOLDER_OPEN
+    save = fa.ICON_FA_FLOPPY_DISK
+    folder = fa.ICON_FA_FOLDER
+    up = fa.ICON_FA_ARROW_UP
+    level = fa.ICON_FA_CUBES
+    magnet = fa.ICON_FA_MAGNET
+    grid = fa.ICON_FA_TABLE_CELLS
+    eye = fa.ICON_FA_EYE
+    eye_off = fa.ICON_FA_EYE_SLASH
+    lock = fa.ICON_FA_LOCK
+    unlock = fa.ICON_FA_LOCK_OPEN
+    trash = fa.ICON_FA_TRASH_CAN
+    error = fa.ICON_FA_CIRCLE_XMARK
+    warning = fa.ICON_FA_TRIANGLE_EXCLAMATION
+    info = fa.ICON_FA_CIRCLE_INFO
+    good = fa.ICON_FA_CIRCLE_CHECK
+    outliner = fa.ICON_FA_LIST_UL
+    inspector = fa.ICON_FA_SLIDERS
+    history = fa.ICON_FA_CLOCK_ROTATE_LEFT
+    controls = fa.ICON_FA_KEYBOARD
+    problems = fa.ICON_FA_STETHOSCOPE
+    plots = fa.ICON_FA_CHART_LINE
+    debug = fa.ICON_FA_BUG
+    log = fa.ICON_FA_TERMINAL
+    search = fa.ICON_FA_MAGNIFYING_GLASS
+    dice = fa.ICON_FA_DICE
+    mutate = fa.ICON_FA_WAND_MAGIC_SPARKLES
+    gear = fa.ICON_FA_GEAR
+    help = fa.ICON_FA_CIRCLE_QUESTION
+    fit = fa.ICON_FA_EXPAND
+    camera = fa.ICON_FA_CAMERA
+    export = fa.ICON_FA_FILE_EXPORT
+    film = fa.ICON_FA_FILM
+    trophy = fa.ICON_FA_TROPHY
+    skull = fa.ICON_FA_BURST
+    hourglass = fa.ICON_FA_HOURGLASS_END
+    close = fa.ICON_FA_XMARK
+    green = fa.ICON_FA_CIRCLE
+    blue = fa.ICON_FA_BULLSEYE
+    red = fa.ICON_FA_XMARK
+    arena = fa.ICON_FA_BORDER_ALL
+    anchor = fa.ICON_FA_ANCHOR
+    user = fa.ICON_FA_GAMEPAD
+    plus = fa.ICON_FA_PLUS
+    duplicate = fa.ICON_FA_CLONE
+    reorder = fa.ICON_FA_LAYER_GROUP
+    agent = fa.ICON_FA_ROBOT
+    chip = fa.ICON_FA_MICROCHIP

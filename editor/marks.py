@@ -1,0 +1,307 @@
+"""What lies on top of the level: selection, hover, tool marks, handles, key caps."""
+
+import dataclasses
+import math
+from collections.abc import Collection, Mapping, Sequence
+from typing import Final
+
+from editor.commands.base import EntityId
+from editor.controls import Drive, key_caps
+from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
+from editor.overlay import (
+    Box,
+    Dot,
+    Handle,
+    HandleKind,
+    Label,
+    Line,
+    Mark,
+    Outline,
+    Ring,
+    Style,
+)
+from editor.vectors import Painter, Placement
+from editor.widgets import draw_key_plate, font, px
+from imgui_bundle import imgui
+from kinetix.level.geometry import STANDARD_ARENA
+from kinetix.level.model import ARENA_NAMES, MOTOR_BINDINGS, Circle, Joint, Thruster
+
+Point = tuple[float, float]
+
+_STYLES: Final[dict[Style, Rgba]] = {
+    Style.PREVIEW: COLOURS.accent_strong,
+    Style.GUIDE: (0.93, 0.2, 0.55, 1.0),
+    Style.SELECTED: COLOURS.accent_strong,
+    Style.HOVER: COLOURS.accent,
+    Style.BODY_A: COLOURS.accent_strong,
+    Style.BODY_B: COLOURS.accent_strong,
+    Style.MARQUEE_CONTAINED: COLOURS.accent_strong,
+    Style.MARQUEE_TOUCHING: (0.1, 0.62, 0.42, 1.0),
+    Style.FORCE: (0.95, 0.45, 0.05, 1.0),
+    Style.REFUSED: COLOURS.bad,
+}
+_DASHED: Final = (Style.BODY_B, Style.MARQUEE_TOUCHING)
+_HALO: Final = (1.0, 1.0, 1.0, 0.85)
+"""Under thin coloured lines, so that they stand out on bodies of any colour."""
+
+HANDLE_PX: Final = 4.5
+"""Half the side of a handle [px at 100 %]."""
+
+
+def dashed(
+    draw: imgui.ImDrawList, points: Sequence[Point], colour: int, width: float, *, closed: bool
+) -> None:
+    """A dashed line through points [px]."""
+    dash, gap = px(6), px(4)
+    pairs = list(zip(points, [*points[1:], *points[:1]], strict=True))
+    for (ax, ay), (bx, by) in pairs if closed else pairs[:-1]:
+        length = math.hypot(bx - ax, by - ay)
+        if length < 1e-6:
+            continue
+        ux, uy = (bx - ax) / length, (by - ay) / length
+        at = 0.0
+        while at < length:
+            end = min(at + dash, length)
+            draw.add_line((ax + ux * at, ay + uy * at), (ax + ux * end, ay + uy * end), colour, width)
+            at = end + gap
+
+
+def arrow(
+    draw: imgui.ImDrawList, a: Point, b: Point, colour: int, width: float, head: float
+) -> None:
+    """A line with a head at `b` [px]."""
+    length = math.hypot(b[0] - a[0], b[1] - a[1])
+    if length < 1e-3:
+        return
+    ux, uy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+    head = min(head, length)
+    base = (b[0] - ux * head, b[1] - uy * head)
+    draw.add_line(a, base, colour, width)
+    wing = head * 0.45
+    draw.add_triangle_filled(
+        b,
+        (base[0] - uy * wing, base[1] + ux * wing),
+        (base[0] + uy * wing, base[1] - ux * wing),
+        colour,
+    )
+
+
+def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba = COLOURS.text) -> None:
+    """A short text on a dark plate, to the lower right of a place [px]."""
+    with font(FONTS.regular, SMALL):
+        size = imgui.calc_text_size(words)
+        low = (at[0] + px(14), at[1] + px(14))
+        high = (low[0] + size.x + px(12), low[1] + size.y + px(6))
+        draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.94)), px(5))
+        draw.add_rect(low, high, u32(COLOURS.line), px(5))
+        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(colour), words)
+
+
+@dataclasses.dataclass(kw_only=True)
+class Marker:
+    """Draws marks of constant size on the screen over a painted level."""
+
+    painter: Painter
+    where: Placement
+
+    @property
+    def draw(self) -> imgui.ImDrawList:
+        """The draw list."""
+        return self.painter.draw
+
+    def outline(
+        self, entity: EntityId, colour: Rgba, width: float, *, dash: bool = False, grow: float = 0.0
+    ) -> None:
+        """A line around a body, joint, thruster or arena body.
+
+        Args:
+            entity: Its id or name.
+            colour: Colour of the line.
+            width: Thickness [px at 100 %].
+            dash: Dashed instead of solid.
+            grow: How far outside the edge [px at 100 %].
+        """
+        ring = self._ring(entity)
+        if ring is not None:
+            centre, radius = ring
+            radius += px(grow)
+            self.draw.add_circle(centre, radius, u32(_HALO), 0, px(width) + px(2))
+            self.draw.add_circle(centre, radius, u32(colour), 0, px(width))
+            return
+        points = self._corners(entity)
+        if not points:
+            return
+        if grow:
+            points = _grown(points, px(grow))
+        if dash:
+            dashed(self.draw, points, u32(colour), px(width), closed=True)
+            return
+        closed = imgui.ImDrawFlags_.closed.value
+        self.draw.add_polyline(points, u32(_HALO), px(width) + px(2), closed)
+        self.draw.add_polyline(points, u32(colour), px(width), closed)
+
+    def _ring(self, entity: EntityId) -> tuple[Point, float] | None:
+        if isinstance(entity, str):
+            return None
+        found = self._find(entity)
+        camera = self.painter.camera
+        if isinstance(found, Joint):
+            at = camera.to_screen(self.where.point(found.a, found.anchor_a))
+            return at, max(self.painter.style.joint_radius * camera.scale, 2.5) + px(3)
+        if isinstance(found, Thruster):
+            at = camera.to_screen(self.where.point(found.body, found.position))
+            return at, self.painter.style.thruster_size / 2 * camera.scale + px(3)
+        pose = self.where.pose(entity)
+        if pose is None:
+            return None
+        body = self.where.level.bodies[self.where.index[entity]]
+        if isinstance(body.shape, Circle):
+            return camera.to_screen((pose[0], pose[1])), body.shape.radius * camera.scale
+        return None
+
+    def _find(self, entity: int) -> Joint | Thruster | None:
+        for part in (*self.where.level.joints, *self.where.level.thrusters):
+            if part.id == entity:
+                return part
+        return None
+
+    def _corners(self, entity: EntityId) -> list[Point]:
+        if isinstance(entity, str):
+            if entity not in ARENA_NAMES:
+                return []
+            geometry = getattr(self.where.level.arena, entity).geometry
+            geometry = geometry or STANDARD_ARENA[entity]
+            return self.painter.place((*geometry.position, 0.0), geometry.vertices)
+        pose = self.where.pose(entity)
+        if pose is None:
+            return []
+        shape = self.where.level.bodies[self.where.index[entity]].shape
+        return [] if isinstance(shape, Circle) else self.painter.place(pose, shape.vertices)
+
+    def marks(self, marks: Sequence[Mark]) -> None:
+        """Draw what a tool wants to be seen."""
+        for mark in marks:
+            self._mark(mark)
+
+    def _mark(self, mark: Mark) -> None:
+        to_screen = self.painter.camera.to_screen
+        match mark:
+            case Line(a=a, b=b, style=style, arrow=True):
+                arrow(self.draw, to_screen(a), to_screen(b), u32(_STYLES[style]), px(2.5), px(12))
+            case Line(a=a, b=b, style=style):
+                width = px(1) if style is Style.GUIDE else px(1.75)
+                if style in _DASHED:
+                    ends = (to_screen(a), to_screen(b))
+                    dashed(self.draw, ends, u32(_STYLES[style]), width, closed=False)
+                else:
+                    self.draw.add_line(to_screen(a), to_screen(b), u32(_STYLES[style]), width)
+            case Ring(centre=centre, radius=radius, style=style):
+                r = radius * self.painter.camera.scale
+                self.draw.add_circle(to_screen(centre), r, u32(_HALO), 0, px(4))
+                self.draw.add_circle(to_screen(centre), r, u32(_STYLES[style]), 0, px(2))
+            case Outline(points=points, style=style):
+                self._closed([to_screen(point) for point in points], style)
+            case Box(low=low, high=high, style=style):
+                a, b = to_screen((low[0], high[1])), to_screen((high[0], low[1]))
+                self.draw.add_rect_filled(a, b, u32(alpha(_STYLES[style], 0.12)))
+                self._closed([a, (b[0], a[1]), b, (a[0], b[1])], style)
+            case Dot(at=at, style=style):
+                self.draw.add_circle_filled(to_screen(at), px(5), u32(_HALO))
+                self.draw.add_circle_filled(to_screen(at), px(3.5), u32(_STYLES[style]))
+            case Label(at=at, text=words):
+                label_plate(self.draw, to_screen(at), words)
+            case Handle(kind=kind, at=at):
+                self._handle(kind, to_screen(at))
+
+    def _closed(self, points: list[Point], style: Style) -> None:
+        colour = u32(_STYLES[style])
+        if style in _DASHED:
+            dashed(self.draw, points, colour, px(1.75), closed=True)
+            return
+        closed = imgui.ImDrawFlags_.closed.value
+        if style is not Style.MARQUEE_CONTAINED:
+            self.draw.add_polyline(points, u32(_HALO), px(4), closed)
+        self.draw.add_polyline(points, colour, px(1.75), closed)
+
+    def _handle(self, kind: HandleKind, at: Point) -> None:
+        r = px(HANDLE_PX)
+        line, face = u32(COLOURS.accent_strong), u32((1.0, 1.0, 1.0, 1.0))
+        if kind in (HandleKind.ROTATE, HandleKind.AIM, HandleKind.RADIUS):
+            self.draw.add_circle_filled(at, r + px(2), line)
+            self.draw.add_circle_filled(at, r, face)
+            if kind is HandleKind.ROTATE:
+                self.draw.add_circle_filled(at, px(1.5), line)
+            return
+        if kind is HandleKind.VERTEX:
+            points = [
+                (at[0], at[1] - r - px(1)),
+                (at[0] + r + px(1), at[1]),
+                (at[0], at[1] + r + px(1)),
+                (at[0] - r - px(1), at[1]),
+            ]
+            self.draw.add_convex_poly_filled(points, face)
+            self.draw.add_polyline(points, line, px(1.75), imgui.ImDrawFlags_.closed.value)
+            return
+        low, high = (at[0] - r, at[1] - r), (at[0] + r, at[1] + r)
+        self.draw.add_rect_filled(low, high, face, px(1.5))
+        self.draw.add_rect(low, high, line, px(1.5), px(1.75))
+
+    def selection(self, selected: Collection[EntityId], hovered: Collection[EntityId]) -> None:
+        """Outlines of what is selected and of what the pointer is over."""
+        for entity in hovered:
+            if entity not in selected:
+                self.outline(entity, COLOURS.accent, 1.5)
+        for entity in selected:
+            self.outline(entity, COLOURS.accent_strong, 2.25)
+
+    def key_caps(self, keys: Mapping[str, Drive], held: Collection[str]) -> None:
+        """The keys that drive each joint and thruster, beside it; held ones are lit."""
+        camera = self.painter.camera
+        for joint in self.where.level.joints:
+            motor = joint.motor
+            if joint.kind == "fixed" or motor is None or not motor.on:
+                continue
+            at = camera.to_screen(self.where.point(joint.a, joint.anchor_a))
+            if motor.auto:
+                self._plates(at, [("AUTO", False)])
+            else:
+                self._plates(at, _channel_caps(motor.binding, keys, held))
+        for thruster in self.where.level.thrusters:
+            at = camera.to_screen(self.where.point(thruster.body, thruster.position))
+            self._plates(at, _channel_caps(MOTOR_BINDINGS + thruster.binding, keys, held))
+
+    def _plates(self, at: Point, caps: Sequence[tuple[str, bool]]) -> None:
+        if self.painter.camera.scale < 45:
+            return
+        with font(FONTS.bold, SMALL - 2):
+            x, y = at[0] + px(10), at[1] - px(24)
+            for words, lit in caps:
+                size = imgui.calc_text_size(words)
+                width = max(size.x + px(8), px(17))
+                low, high = (x, y), (x + width, y + px(17))
+                draw_key_plate(self.draw, low, high, lit=lit, opacity=0.92)
+                ink = u32(COLOURS.backdrop if lit else COLOURS.text)
+                spot = (x + (width - size.x) / 2, y + (px(17) - size.y) / 2)
+                self.draw.add_text(spot, ink, words)
+                x += width + px(2)
+
+
+def _channel_caps(
+    channel: int, keys: Mapping[str, Drive], held: Collection[str]
+) -> list[tuple[str, bool]]:
+    driving = sorted(
+        (drive.value, key) for key, drive in keys.items() if drive.channel == channel
+    )
+    words = key_caps(channel, keys)
+    return [(cap, key in held) for cap, (_, key) in zip(words, driving, strict=True)]
+
+
+def _grown(points: list[Point], by: float) -> list[Point]:
+    """A convex polygon with its corners pushed away from the middle [px]."""
+    cx = sum(x for x, _ in points) / len(points)
+    cy = sum(y for _, y in points) / len(points)
+    grown = []
+    for x, y in points:
+        length = max(math.hypot(x - cx, y - cy), 1e-6)
+        grown.append((x + (x - cx) / length * by, y + (y - cy) / length * by))
+    return grown
