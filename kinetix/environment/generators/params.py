@@ -1,82 +1,79 @@
 """The options of random levels: the peer's names and defaults, and three switches of ours."""
 
-import dataclasses
 import math
-from typing import Any, Literal
+from typing import Literal
+
+from kinetix.pytree import pytree, static
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
+@pytree
 class UEDParams:
     """How random levels are drawn.
 
-    Hashable and never traced: another value means another compilation. The names, the misspelt one
-    included, are the peer's, so that configurations carry over. Lengths are metres, powers and
-    speeds multiples of the base values of `EnvParams`.
+    Hashable and never traced (all structure, no leaves): another value, another compilation. The
+    names, the misspelt one included, are the peer's, so that configurations carry over. Lengths are
+    metres, powers and speeds multiples of the base values of `EnvParams`.
 
     Source: kinetix-env 3.0.2, defaults as published.
     """
 
-    max_shape_size: float = 1.0
+    max_shape_size: float = static(default=1.0)
     """Bound M of a shape's size [m]: rectangle diagonals reach M/√2 before the long-side factor."""
-    goal_body_opposide_side_chance: float = 0.5
+    goal_body_opposide_side_chance: float = static(default=0.5)
     """How often green keeps to the left half, and blue to the right half."""
-    goal_body_size_factor: float = 1.0
+    goal_body_size_factor: float = static(default=1.0)
     """Factor on M for free green and blue bodies."""
-    min_rjoints_bias: int = 2
+    min_rjoints_bias: int = static(default=2)
     """As long as a level has fewer revolute joints than this, joints are revolute."""
-    large_rect_dim_chance: float = 0.3
+    large_rect_dim_chance: float = static(default=0.3)
     """How often one side of a rectangle is multiplied by `large_rect_dim_scale`."""
-    large_rect_dim_scale: float = 2.0
-    generate_triangles: bool = False
+    large_rect_dim_scale: float = static(default=2.0)
+    generate_triangles: bool = static(default=False)
     """Whether half of the polygons are triangles."""
-    thruster_power_multiplier: float = 2.0
-    thruster_align_com_prob: float = 0.8
+    thruster_power_multiplier: float = static(default=2.0)
+    thruster_align_com_prob: float = static(default=0.8)
     """How often a thruster points along the line through the centre of mass."""
-    motor_on_chance: float = 0.8
-    motor_min_speed: float = 0.4
-    motor_max_speed: float = 3.0
-    motor_min_power: float = 1.0
-    motor_max_power: float = 3.0
-    wheel_max_power: float = 1.0
+    motor_on_chance: float = static(default=0.8)
+    motor_min_speed: float = static(default=0.4)
+    motor_max_speed: float = static(default=3.0)
+    motor_min_power: float = static(default=1.0)
+    motor_max_power: float = static(default=3.0)
+    wheel_max_power: float = static(default=1.0)
     """Greatest motor power where a circle takes part."""
-    joint_limit_chance: float = 0.4
-    joint_limit_max: float = math.pi
+    joint_limit_chance: float = static(default=0.4)
+    joint_limit_max: float = static(default=math.pi)
     """Limits are drawn from −this … 0 and 0 … this [rad]."""
-    joint_fixed_chance: float = 0.1
+    joint_fixed_chance: float = static(default=0.1)
     """Share of welds. The peer never uses it (quirk Q1: one half)."""
-    fixate_chance_min: float = 0.02
-    fixate_chance_max: float = 1.0
-    fixate_chance_scale: float = 4.0
+    fixate_chance_min: float = static(default=0.02)
+    fixate_chance_max: float = static(default=1.0)
+    fixate_chance_scale: float = static(default=4.0)
     """A free shape is fixed with probability min(max, min + scale·mass)."""
-    fixate_shape_bottom_bias: float = 0.0
-    fixate_shape_bottom_bias_special_role: float = 0.6
+    fixate_shape_bottom_bias: float = static(default=0.0)
+    fixate_shape_bottom_bias_special_role: float = static(default=0.6)
     """How often a fixed shape (with a role) is moved from the upper half to the lower."""
-    circle_max_size_coeff: float = 0.8
-    connect_to_fixated_prob_coeff: float = 0.05
+    circle_max_size_coeff: float = static(default=0.8)
+    connect_to_fixated_prob_coeff: float = static(default=0.05)
     """Weight of a fixed body as a partner of a joint."""
-    connect_visibility_min: float = 0.05
+    connect_visibility_min: float = static(default=0.05)
     """How far each of two jointed bodies must reach beyond the other [m]."""
-    connect_no_visibility_bias: float = 10.0
+    connect_no_visibility_bias: float = static(default=10.0)
     """How many contacts a proposal with a hidden body counts for."""
-    add_shape_chance: float = 0.35
-    add_connected_shape_chance: float = 0.35
-    add_no_shape_chance: float = 0.3
-    add_thruster_chance: float = 0.3
-    add_shape_n_proposals: int = 8
-    floor_prob_normal: float = 0.9
-    floor_prob_green: float = 0.0
-    floor_prob_blue: float = 0.02
-    floor_prob_red: float = 0.08
-    kinetix_quirks: bool = True
+    add_shape_chance: float = static(default=0.35)
+    add_connected_shape_chance: float = static(default=0.35)
+    add_no_shape_chance: float = static(default=0.3)
+    add_thruster_chance: float = static(default=0.3)
+    add_shape_n_proposals: int = static(default=8)
+    floor_prob_normal: float = static(default=0.9)
+    floor_prob_green: float = static(default=0.0)
+    floor_prob_blue: float = static(default=0.02)
+    floor_prob_red: float = static(default=0.08)
+    kinetix_quirks: bool = static(default=True)
     """True: the peer's distribution with its quirks Q1–Q12; False: all of them off together."""
-    inertia_model: Literal["kinetix", "exact"] = "kinetix"
+    inertia_model: Literal["kinetix", "exact"] = static(default="kinetix")
     """Moment of inertia of generated bodies: the peer's (disc m·r²/4) or the true one."""
-    legacy_ceiling: bool = False
+    legacy_ceiling: bool = static(default=False)
     """Whether the ceiling has the peer's slanted outer edge (first corner at x = 5)."""
-
-    def replace(self, **changes: Any) -> "UEDParams":
-        """These options with some of them changed."""
-        return dataclasses.replace(self, **changes)
 
     @property
     def floor_probabilities(self) -> tuple[float, float, float, float]:

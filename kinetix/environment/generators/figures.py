@@ -1,0 +1,188 @@
+"""Bodies while a level is drawn: rows of any shape, worlds on the last axis.
+
+The generator is natively batched: every array ends with the axis `n` of worlds, so that a thousand
+levels are one vector operation. The axes `*r` before it list bodies (`b`), or proposals (`q`) for
+one new body, or are absent (one body a world). Nothing here depends on slots.
+"""
+
+from typing import Final, Literal, TypeVar
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine.spec import ARENA_BODIES
+from kinetix.pytree import pytree
+
+T = TypeVar("T")
+
+VERTICES: Final = 4
+"""Rows for the corners of a polygon."""
+FLOOR_TOP: Final = 0.4
+"""Height of the floor's surface [m]."""
+ARENA_SIDE: Final = 5.0
+"""Side of the playable square [m]."""
+
+_ARENA_POSITIONS: Final = ((2.5, -4.8), (0.0, 0.0), (0.0, 0.0), (2.5, 10.2))
+_SLAB: Final = ((2.5, 5.2), (2.5, -5.2), (-2.5, -5.2), (-2.5, 5.2))
+_ARENA_VERTICES: Final = (
+    _SLAB,
+    ((-5.0, 5.0), (0.0, 5.0), (0.0, 0.0), (-5.0, 0.0)),
+    ((5.0, 5.0), (10.0, 5.0), (10.0, 0.0), (5.0, 0.0)),
+    _SLAB,
+)
+_LEGACY_CEILING_CORNER: Final = (5.0, 5.2)
+
+
+@pytree
+class Figures:
+    """Shape, place and part of bodies."""
+
+    position: Float[Array, "*r 2 n"]
+    """Where the frame's origin is [m]."""
+    rotation: Float[Array, "*r n"]
+    """Angle [rad]."""
+    vertices: Float[Array, "*r 4 2 n"]
+    """Corners of polygons in their own frame [m], clockwise; zero where there is none."""
+    vertex_count: Int[Array, "*r n"]
+    """3 or 4; 4 for circles."""
+    radius: Float[Array, "*r n"]
+    """Radius of circles [m]; 0 for polygons."""
+    circle: Bool[Array, "*r n"]
+    """Circle, not polygon."""
+    role: Int[Array, "*r n"]
+    """0 neutral, 1 green, 2 blue, 3 red."""
+    density: Float[Array, "*r n"]
+    """Mass per area [kg/m²]."""
+    fixed: Bool[Array, "*r n"]
+    """Infinite mass."""
+    active: Bool[Array, "*r n"]
+    """Whether there is a body at all."""
+
+
+def arena(worlds: int, *, legacy_ceiling: bool) -> Figures:
+    """Floor, left wall, right wall and ceiling, all neutral, once per world.
+
+    Source: level_format.md A6 (the legacy ceiling is the one of the peer's generated levels).
+    """
+    position = np.array(_ARENA_POSITIONS, np.float32)
+    vertices = np.array(_ARENA_VERTICES, np.float32)
+    if legacy_ceiling:
+        vertices[3, 0] = _LEGACY_CEILING_CORNER
+
+    def everywhere(value: np.ndarray) -> Array:
+        return jnp.broadcast_to(jnp.asarray(value)[..., None], (*value.shape, worlds))
+
+    rows = np.zeros(ARENA_BODIES, np.float32)
+    flags = np.zeros(ARENA_BODIES, bool)
+    return Figures(
+        position=everywhere(position),
+        rotation=everywhere(rows),
+        vertices=everywhere(vertices),
+        vertex_count=everywhere(np.full(ARENA_BODIES, VERTICES, np.int32)),
+        radius=everywhere(rows),
+        circle=everywhere(flags),
+        role=everywhere(np.zeros(ARENA_BODIES, np.int32)),
+        density=everywhere(np.ones(ARENA_BODIES, np.float32)),
+        fixed=everywhere(~flags),
+        active=everywhere(~flags),
+    )
+
+
+def pick(rows: Array, index: Int[Array, "*q n"]) -> Array:
+    """In each world the rows with these indexes.
+
+    Args:
+        rows: Anything listed along the first axis, worlds last: `b … n`.
+        index: Which row, per world, with one axis `q` or none.
+
+    Returns:
+        `q … n`, or `… n`.
+    """
+    single = index.ndim == 1
+    if single:
+        index = index[None]
+    middle = (1,) * (rows.ndim - 2)
+    found = jnp.take_along_axis(
+        rows, index.reshape(index.shape[0], *middle, index.shape[1]), axis=0, mode="clip"
+    )
+    return found[0] if single else found
+
+
+def is_arena(figures: Figures) -> Bool[Array, "b 1"]:
+    """Which rows are floor, walls and ceiling: always the first four."""
+    return (jnp.arange(figures.rotation.shape[0]) < ARENA_BODIES)[:, None]
+
+
+def movable_rows(figures: Figures) -> Bool[Array, "b n"]:
+    """Active bodies besides the arena."""
+    return figures.active & ~is_arena(figures)
+
+
+def rotate(vector: Float[Array, "... 2 n"], angle: Float[Array, "... n"]) -> Float[Array, "... 2 n"]:
+    """The vectors turned counter-clockwise by the angle [rad] (same rank without the axis of 2)."""
+    c, s = jnp.cos(angle), jnp.sin(angle)
+    x, y = vector[..., 0, :], vector[..., 1, :]
+    return jnp.stack([c * x - s * y, s * x + c * y], axis=-2)
+
+
+def has_vertex(figures: Figures, vertex: int) -> Bool[Array, "*r n"]:
+    """Whether this corner counts."""
+    return figures.vertex_count > vertex
+
+
+def area(figures: Figures) -> Float[Array, "*r n"]:
+    """Area of each body [m²], whether active or not."""
+    x, y = figures.vertices[..., 0, :], figures.vertices[..., 1, :]
+
+    def fan(j: int, k: int) -> Float[Array, "*r n"]:
+        origin_x, origin_y = x[..., 0, :], y[..., 0, :]
+        across = (x[..., j, :] - origin_x) * (y[..., k, :] - origin_y)
+        return jnp.abs(across - (y[..., j, :] - origin_y) * (x[..., k, :] - origin_x)) / 2
+
+    polygon = fan(1, 2) + jnp.where(has_vertex(figures, 3), fan(2, 3), 0.0)
+    return jnp.where(figures.circle, jnp.pi * figures.radius**2, polygon)
+
+
+def mass(figures: Figures) -> Float[Array, "*r n"]:
+    """Density times area [kg]: what the body weighs, or would weigh if it were not fixed."""
+    return figures.density * area(figures)
+
+
+def inertia(
+    figures: Figures, inertia_model: Literal["kinetix", "exact"]
+) -> Float[Array, "*r n"]:
+    """Moment of inertia about the frame's origin [kg m²], as if not fixed.
+
+    Args:
+        figures: Bodies whose frame's origin is their centre of mass.
+        inertia_model: `"kinetix"` halves that of discs and leaves out the closing edge of
+            triangles; `"exact"` is the true one.
+
+    Source: level_format.md A2.1 and B4.
+    """
+    x, y = figures.vertices[..., 0, :], figures.vertices[..., 1, :]
+    total = jnp.zeros_like(figures.rotation)
+    for k in range(VERTICES):
+        following = (k + 1) % VERTICES
+        next_x, next_y = x[..., following, :], y[..., following, :]
+        if inertia_model == "exact":
+            closes = figures.vertex_count == k + 1
+            next_x = jnp.where(closes, x[..., 0, :], next_x)
+            next_y = jnp.where(closes, y[..., 0, :], next_y)
+        here_x, here_y = x[..., k, :], y[..., k, :]
+        cross = jnp.abs(here_x * next_y - here_y * next_x)
+        squares = here_x * (here_x + next_x) + here_y * (here_y + next_y)
+        edge = cross * (squares + next_x**2 + next_y**2) / 12
+        total = total + jnp.where(has_vertex(figures, k), edge, 0.0)
+    disc = (jnp.pi / (4 if inertia_model == "kinetix" else 2)) * figures.radius**4
+    return figures.density * jnp.where(figures.circle, disc, total)
+
+
+def bounds(figures: Figures) -> tuple[Float[Array, "*r 2 n"], Float[Array, "*r 2 n"]]:
+    """Least and greatest coordinates of a polygon's corners in its own frame [m]."""
+    counts = jnp.stack([has_vertex(figures, k) for k in range(VERTICES)], axis=-2)
+    real = counts[..., :, None, :]
+    low = jnp.min(jnp.where(real, figures.vertices, jnp.inf), axis=-3)
+    high = jnp.max(jnp.where(real, figures.vertices, -jnp.inf), axis=-3)
+    return low, high
