@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
     from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
+    from kinetix.environment.rearrange import permute_state
     from kinetix.environment.reset import (
         load_from_json_file,
         make_reset_fn_list_of_levels,
         make_reset_fn_sample_kinetix_level,
-        permute_state,
     )
     from kinetix.environment.spaces import ActionType, ObservationType
     from kinetix.environment.state import EnvState
@@ -45,7 +45,7 @@ _HOME = {
     "make_render_pixels": "kinetix.render.pixels",
     "make_reset_fn_list_of_levels": "kinetix.environment.reset",
     "make_reset_fn_sample_kinetix_level": "kinetix.environment.reset",
-    "permute_state": "kinetix.environment.reset",
+    "permute_state": "kinetix.environment.rearrange",
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
     "save_level": "kinetix.level.codec",

@@ -1,0 +1,72 @@
+"""The contract of every kind of action, and the way from bindings to actuators."""
+
+import abc
+import dataclasses
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from kinetix.engine.types import Control
+from kinetix.environment.spaces import Space
+from kinetix.level.compile import Labels
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AbstractAction(abc.ABC):
+    """A way for an agent to say what the motors and thrusters do.
+
+    Every kind decodes to the *unified action*: one number −1 … 1 per motor binding, then one number
+    0 … 1 per thruster binding.
+    """
+
+    name: ClassVar[str]
+
+    motor_bindings: int = 4
+    thruster_bindings: int = 2
+
+    @property
+    @abc.abstractmethod
+    def action_space(self) -> Space:
+        """The set of actions."""
+
+    @abc.abstractmethod
+    def unified(self, action: Any) -> Float[Array, " u"]:
+        """The unified action, within its bounds."""
+
+    @abc.abstractmethod
+    def noop_action(self) -> Any:
+        """The action that drives nothing (automatic joints still run)."""
+
+    @abc.abstractmethod
+    def random_action(self, key: Array) -> Any:
+        """A random action."""
+
+    def process_action(self, action: Any, labels: Labels) -> Control:
+        """The engine's control for an action.
+
+        Args:
+            action: An element of `action_space`.
+            labels: Bindings of the level's joints and thrusters, and which joints are automatic.
+
+        Returns:
+            One number per joint (+1 where it is automatic) and per thruster.
+        """
+        unified = self.unified(action)
+        motors, thrusters = unified[: self.motor_bindings], unified[self.motor_bindings :]
+        motor = _pick(jnp.clip(motors, -1, 1), labels.motor_binding)
+        return Control(
+            motor=jnp.where(labels.motor_auto, 1.0, motor),
+            thruster=_pick(jnp.clip(thrusters, 0, 1), labels.thruster_binding),
+        )
+
+
+def _pick(values: Float[Array, " u"], binding: Int[Array, " e"]) -> Float[Array, " e"]:
+    """`values[binding]` by comparison, which stays elementwise under vmap (a gather does not)."""
+    if values.shape[0] == 0:
+        return jnp.zeros(binding.shape, values.dtype)
+    last = values.shape[0] - 1
+    picked = jnp.broadcast_to(values[last], binding.shape)
+    for index in range(last):
+        picked = jnp.where(binding == index, values[index], picked)
+    return picked

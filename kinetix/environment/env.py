@@ -1,0 +1,390 @@
+"""The environment: reset, step and observation of one level, batched by `vmap`."""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from kinetix.engine.batch import worlds_last
+from kinetix.engine.pipeline import step as physics_step
+from kinetix.engine.types import Control, State, World
+from kinetix.environment.actions import ACTIONS, AbstractAction
+from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
+from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
+from kinetix.environment.params import (
+    EnvParams,
+    Parity,
+    PhysicsEngine,
+    StaticEnvParams,
+    engine_parameters,
+    physics_engine,
+    with_parity,
+)
+from kinetix.environment.renewal import fitted, renew
+from kinetix.environment.spaces import ActionType, ObservationType, Space
+from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
+from kinetix.errors import KinetixError
+from kinetix.level.compile import empty_scene
+from kinetix.pytree import pytree
+
+ResetFunction = Callable[[Array], EnvState]
+"""Draws the state in which an episode starts."""
+
+StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]
+"""Observation, state, reward, done, info."""
+
+
+@pytree
+class _Played:
+    """What is known after some of the physics steps of one environment step."""
+
+    physics: State
+    reward: Float[Array, ""]
+    """Sparse reward of the first physics step that had one."""
+    scored_position: Float[Array, "b 2"]
+    """Positions after that step, or after the last one so far."""
+    overflow: Bool[Array, ""]
+
+
+def has_nan(physics: State) -> Bool[Array, ""]:
+    """Whether anything that a step changes is NaN."""
+    reals = [x for x in jax.tree.leaves(physics) if jnp.issubdtype(x.dtype, jnp.floating)]
+    return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class KinetixEnv:
+    """One level at a time: make green and blue touch, without green touching red.
+
+    - action: `actions`, motors and thrusters by binding (the folder actions/);
+    - observation: `observations` (the folder observations/);
+    - reward: +1 when green touches blue, −1 when green touches red (which wins), plus
+      `dense_reward_scale` times the metres by which green and blue came closer;
+    - done: a touch (`terminated`), a NaN (`nan`), or the level's time limit (`truncated`);
+    - info: `GoalR` (green touched blue), `distance` [m], `terminated`, `truncated`, `nan`,
+      `overflow`, and `terminal_observation` on request.
+
+    Everything is written for one level; `reset`, `step` and `get_obs` work under `jit` and `vmap`
+    (nested too), where all levels are stepped by one kernel. Environments are values: they compare
+    and hash by all their parameters and options, so they can be static arguments of `jit`.
+    """
+
+    actions: AbstractAction
+    observations: AbstractObservation
+    reset_fn: ResetFunction | None
+    """Where episodes start when no override is given."""
+    env_params: EnvParams
+    static_env_params: StaticEnvParams
+    auto_reset: bool = True
+    """Whether `step` goes on with a new episode where one is done."""
+    keep_terminal_observation: bool = False
+    """Whether `info` carries the observation that auto-reset replaces."""
+
+    @property
+    def name(self) -> str:
+        """The environment's name."""
+        return "Kinetix"
+
+    @property
+    def default_params(self) -> EnvParams:
+        """The parameters that the environment was made with."""
+        return self.env_params
+
+    @property
+    def action_type(self) -> ActionType:
+        """The kind of action."""
+        return ActionType(self.actions.name)
+
+    @property
+    def observation_type(self) -> ObservationType:
+        """The kind of observation."""
+        return ObservationType(self.observations.name)
+
+    @property
+    def physics_engine(self) -> PhysicsEngine:
+        """Sizes and solver of the physics."""
+        return physics_engine(self.static_env_params)
+
+    @property
+    def num_actions(self) -> int:
+        """Logits of a discrete policy, or the length of a continuous action."""
+        space: Any = self.actions.action_space
+        return space.n if hasattr(space, "n") else space.shape[0]
+
+    def action_space(self, env_params: EnvParams | None = None) -> Any:
+        """The set of actions; the argument is there for gymnax's sake."""
+        return self.actions.action_space
+
+    def observation_space(self, env_params: EnvParams | None = None) -> Space:
+        """What `get_obs` returns; the argument is there for gymnax's sake."""
+        return self.observations.space
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def reset(
+        self,
+        key: Array,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> tuple[Any, EnvState]:
+        """Start an episode.
+
+        Args:
+            key: Draws the level.
+            env_params: Parameters; by default those of the environment.
+            override_reset_state: The state to start in, instead of one from `reset_fn`.
+
+        Returns:
+            Observation and state.
+
+        Raises:
+            KinetixError: There is neither an override nor a `reset_fn`, or the state does not fit.
+        """
+        state = self._start(key, override_reset_state)
+        return self._observe(state), state
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def step(
+        self,
+        key: Array,
+        state: EnvState,
+        action: Any,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> StepResult:
+        """Play one action for `frame_skip` physics steps.
+
+        Args:
+            key: Draws the next level where this step ends the episode.
+            state: From `reset` or `step`.
+            action: An element of `action_space`.
+            env_params: Parameters; by default those of the environment.
+            override_reset_state: Where the next episode starts, instead of `reset_fn`.
+
+        Returns:
+            Observation, state, reward, done and info. With `auto_reset` observation and state are
+            those of the new episode where done; reward, done and info belong to the old one.
+
+        Raises:
+            KinetixError: As for `reset`.
+        """
+        params = self.env_params if env_params is None else env_params
+        override = None if override_reset_state is None else self._fitted(override_reset_state)
+        if self.auto_reset and override is None:
+            self._require_reset_fn()
+        arguments = jax.lax.stop_gradient((key, state, action, params, override))
+        observation, state, reward, done, info = self._many_steps()(*arguments)
+        return observation, state, reward, done, info
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def get_obs(self, state: EnvState) -> Any:
+        """The observation of a state."""
+        return self._observe(state)
+
+    def _observe(self, state: EnvState) -> Any:
+        observe = worlds_last(jax.vmap(self.observations, in_axes=-1, out_axes=-1))
+        return observe(jax.lax.stop_gradient(state))
+
+    def _fitted(self, state: EnvState) -> EnvState:
+        return fitted(state, self.physics_engine)
+
+    def _require_reset_fn(self) -> ResetFunction:
+        if self.reset_fn is None:
+            raise KinetixError(
+                "the environment was made with reset_fn=None: pass a level as "
+                "override_reset_state, or make it with a reset function such as "
+                "make_reset_fn_list_of_levels(…)"
+            )
+        return self.reset_fn
+
+    def _start(self, key: Array, override: EnvState | None) -> EnvState:
+        return self._fitted(self._require_reset_fn()(key) if override is None else override)
+
+    def _many_steps(self) -> Callable[..., StepResult]:
+        """The step as a function of one world that runs worlds-last when it is batched."""
+
+        def kernel(key: Array, state: Any, action: Any, params: Any, override: Any) -> StepResult:
+            advance = jax.vmap(self._advance, in_axes=-1, out_axes=-1)
+            state, reward, done, info = advance(state, action, params)
+            observe = jax.vmap(self.observations, in_axes=-1, out_axes=-1)
+            if self.keep_terminal_observation:
+                info["terminal_observation"] = observe(state)
+            if self.auto_reset:
+                state = renew(state, done, key, override, self._start)
+            return observe(state), state, reward, done, info
+
+        return worlds_last(kernel)
+
+    def _advance(
+        self, state: EnvState, action: Any, params: EnvParams
+    ) -> tuple[EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        control = self.actions.process_action(action, state.labels)
+        played = self._play(state, control, params)
+        world, labels = state.world, state.labels
+        distance = goal_distance(played.scored_position, world, labels)
+        touched = played.reward != 0
+        nan = has_nan(played.physics) | jnp.isnan(world.gravity).any()
+        timestep = state.timestep + 1
+        limit = jnp.where(labels.max_timesteps > 0, labels.max_timesteps, params.max_timesteps)
+        done = touched | nan | (timestep >= limit)
+        reward = played.reward + dense_reward(
+            distance, state.last_distance, params.dense_reward_scale
+        )
+        advanced = dataclasses.replace(
+            state,
+            physics=played.physics,
+            timestep=timestep.astype(state.timestep.dtype),
+            last_distance=jnp.where(done, NO_DISTANCE, distance),
+        )
+        info = {
+            "GoalR": played.reward > 0,
+            "distance": distance,
+            "terminated": touched,
+            "truncated": done & ~touched & ~nan,
+            "nan": nan,
+            "overflow": played.overflow,
+        }
+        return advanced, reward, done, info
+
+    def _play(self, state: EnvState, control: Control, params: EnvParams) -> _Played:
+        """All physics steps of one environment step; what counts is the first one with a touch."""
+        engine = self.physics_engine
+        parameters = engine_parameters(params)
+        includes_joined = self.static_env_params.touch_includes_joined
+        world: World = state.world
+
+        def substep(played: _Played, _: None) -> tuple[_Played, None]:
+            physics = physics_step(
+                world, played.physics, control, parameters, spec=engine.spec, solver=engine.solver
+            )
+            reward = sparse_reward(
+                physics.touching, world, state.labels, includes_joined=includes_joined
+            )
+            ended = played.reward != 0
+            return _Played(
+                physics=physics,
+                reward=jnp.where(ended, played.reward, reward),
+                scored_position=jnp.where(ended, played.scored_position, physics.position),
+                overflow=played.overflow | physics.overflow,
+            ), None
+
+        played = _Played(
+            physics=state.physics,
+            reward=jnp.zeros(()),
+            scored_position=state.physics.position,
+            overflow=jnp.zeros((), bool),
+        )
+        if self.static_env_params.frame_skip == 1:
+            return substep(played, None)[0]
+        return jax.lax.scan(substep, played, length=self.static_env_params.frame_skip)[0]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class DummyEnv:
+    """The shapes of an environment with a step that does nothing, to debug training code quickly.
+
+    Every episode is the empty level; the reward is 0 and nothing is ever done. Everything else is
+    that of the environment it stands in for.
+    """
+
+    env: KinetixEnv
+
+    def __getattr__(self, name: str) -> Any:
+        """Spaces, parameters and names of the real environment."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.env, name)
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def reset(
+        self,
+        key: Array,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> tuple[Any, EnvState]:
+        """Observation and state of the empty level, or of the override."""
+        engine = self.env.physics_engine
+        state = override_reset_state
+        if state is None:
+            state = state_of(empty_scene(engine.spec, engine.solver))
+        state = fitted(state, engine)
+        return self.env.get_obs(state), state
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def step(
+        self,
+        key: Array,
+        state: EnvState,
+        action: Any,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> StepResult:
+        """The same state again."""
+        no = jnp.zeros((), bool)
+        info = dict.fromkeys(("GoalR", "terminated", "truncated", "nan", "overflow"), no)
+        return self.env.get_obs(state), state, jnp.zeros(()), no, info | {"distance": jnp.zeros(())}
+
+
+def make_kinetix_env(  # noqa: PLR0913 (the public signature)
+    action_type: ActionType | str = ActionType.MULTI_DISCRETE,
+    observation_type: ObservationType | str = ObservationType.SYMBOLIC_ENTITY,
+    reset_fn: ResetFunction | None = None,
+    env_params: EnvParams | None = None,
+    static_env_params: StaticEnvParams | None = None,
+    auto_reset: bool = True,
+    *,
+    keep_terminal_observation: bool = False,
+    create_dummy_env: bool = False,
+    parity: Parity | None = None,
+) -> KinetixEnv | DummyEnv:
+    """Make an environment.
+
+    Args:
+        action_type: Kind of action, or its name.
+        observation_type: Kind of observation, or its name.
+        reset_fn: Draws the state in which an episode starts; None: levels are given to `reset`
+            and `step` as overrides.
+        env_params: Parameters that need no compilation.
+        static_env_params: Sizes, physics preset, frame skip.
+        auto_reset: Whether `step` goes on with a new episode where one is done.
+        keep_terminal_observation: Whether `info["terminal_observation"]` keeps what auto-reset
+            replaces.
+        create_dummy_env: Whether stepping shall do nothing, to debug training code quickly.
+        parity: `"kinetix-3"` for the physics and touch rules of the peer.
+
+    Raises:
+        KinetixError: An argument names nothing known; the message lists what is.
+    """
+    env_params = EnvParams() if env_params is None else env_params
+    static_env_params = StaticEnvParams() if static_env_params is None else static_env_params
+    static_env_params = with_parity(static_env_params, parity)
+    physics_engine(static_env_params)
+    action_kind = ACTIONS[_member(ActionType, "action_type", action_type).value]
+    observation = _member(ObservationType, "observation_type", observation_type)
+    env = KinetixEnv(
+        actions=action_kind(
+            motor_bindings=static_env_params.num_motor_bindings,
+            thruster_bindings=static_env_params.num_thruster_bindings,
+        ),
+        observations=OBSERVATIONS[observation.value](
+            layout=Layout.of(env_params, static_env_params)
+        ),
+        reset_fn=reset_fn,
+        env_params=env_params,
+        static_env_params=static_env_params,
+        auto_reset=auto_reset,
+        keep_terminal_observation=keep_terminal_observation,
+    )
+    return DummyEnv(env=env) if create_dummy_env else env
+
+
+def _member(kind: Any, argument: str, value: Any) -> Any:
+    """The member of an enumeration that a value or a name means."""
+    try:
+        return kind(value.lower() if isinstance(value, str) else value)
+    except ValueError:
+        names = ", ".join(member.value for member in kind)
+        raise KinetixError(f"{argument}={value!r}: expected one of {names}") from None

@@ -1,0 +1,36 @@
+"""The contract of every kind of observation."""
+
+import abc
+import dataclasses
+from typing import Any, ClassVar
+
+from kinetix.environment.observations.features import Feature, Layout
+from kinetix.environment.spaces import Space
+from kinetix.environment.state import EnvState
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AbstractObservation(abc.ABC):
+    """What an agent is shown of a state: a hashable value that is called on states.
+
+    Observations are written for one world; the environment batches them with the worlds on the last
+    axis, so elementwise operations, slices and concatenations are cheap and gathers are not.
+    """
+
+    name: ClassVar[str]
+
+    layout: Layout
+
+    @property
+    @abc.abstractmethod
+    def space(self) -> Space:
+        """Exactly what calling returns."""
+
+    @property
+    @abc.abstractmethod
+    def columns(self) -> dict[str, tuple[Feature, ...]]:
+        """The meaning of the last axis of every array with named columns, by the array's name."""
+
+    @abc.abstractmethod
+    def __call__(self, state: EnvState) -> Any:
+        """The observation of one state."""

@@ -1,0 +1,214 @@
+"""The façade's two flat records of parameters, and how they split into what the engine takes."""
+
+import dataclasses
+from typing import Any, Final, Literal
+
+from kinetix.engine.presets import solver_named
+from kinetix.engine.solvers import AbstractSolver, PgsBaumgarte
+from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
+from kinetix.engine.types import Parameters
+from kinetix.errors import KinetixError
+from kinetix.level.sizes import parse_capacity
+from kinetix.pytree import pytree, static
+
+LEVEL_FRAME_SKIP: Final = 2
+"""Physics steps per environment step in every named size and in native levels."""
+
+Parity = Literal["kinetix-3"]
+"""The one value of `parity`: everything as kinetix-env 3.0.2 computes it."""
+
+
+@pytree
+class EnvParams:
+    """Numbers that may change without compiling anew; hashable by value, a pytree under jit."""
+
+    dt: float = 1 / 60
+    """Physics step [s]."""
+    slop: float = 0.01
+    """Overlap that the `jax2d` preset leaves alone [m]."""
+    baumgarte_coefficient_joints_v: float = 2.0
+    """Joint error fed into the velocity, `jax2d` preset [1/s]."""
+    baumgarte_coefficient_joints_p: float = 0.7
+    """Share of the joint error moved directly, `jax2d` preset."""
+    baumgarte_coefficient_fjoint_av: float = 2.0
+    """Angle error of a weld fed into the angular velocity, `jax2d` preset [1/s]."""
+    baumgarte_coefficient_rjoint_limit_av: float = 5.0
+    """Limit violation fed into the angular velocity, `jax2d` preset [1/s]."""
+    baumgarte_coefficient_collision: float = 0.2
+    """Share of the overlap that the `jax2d` preset resolves in a step."""
+    joint_stiffness: float = 0.6
+    """Relaxation of the joint impulses, `jax2d` preset."""
+    clip_position: float = 15
+    """Bound of each coordinate after a physics step [m]."""
+    clip_velocity: float = 100
+    """Bound of each velocity component [m/s]."""
+    clip_angular_velocity: float = 50
+    """Bound of the angular velocity [rad/s]."""
+    base_motor_speed: float = 6.0
+    """[rad/s] per unit of motor speed."""
+    base_motor_power: float = 900.0
+    """[rad/s²] per unit of motor power."""
+    base_thruster_power: float = 10.0
+    """[N] per unit of thruster power."""
+    motor_decay_coefficient: float = 0.1
+    """k in the motor's tanh(k·speed error) [s/rad]."""
+    motor_joint_limit: float = 0.1
+    """Band before a limit in which a motor fades out [rad]."""
+    base_friction: float = 0.4
+    """A pair of bodies has the coefficient base_friction·sqrt(f_a² + f_b²)."""
+    max_timesteps: int = 256
+    """Environment steps per episode, for levels that do not say (theirs is 0)."""
+    pixels_per_unit: int = 100
+    """Pixels per metre of the full-size picture."""
+    dense_reward_scale: float = 0.1
+    """Weight of the distance reward; 0 switches it off."""
+    num_shape_roles: int = 4
+    """Neutral, green, blue, red."""
+
+
+@pytree
+class StaticEnvParams:
+    """Sizes and choices: a new value means a new compilation. Hashable, never traced."""
+
+    num_polygons: int = static(default=12)
+    """Polygons, the four arena bodies included."""
+    num_circles: int = static(default=12)
+    num_joints: int = static(default=12)
+    num_thrusters: int = static(default=12)
+    max_polygon_vertices: int = static(default=4)
+    num_solver_iterations: int = static(default=10)
+    """Sweeps of the `jax2d` preset."""
+    solver_batch_size: int = static(default=16)
+    """Contacts that the `jax2d` preset solves at once."""
+    do_warm_starting: bool = static(default=True)
+    """Whether the `jax2d` preset starts from the impulses of the last step."""
+    num_static_fixated_polys: int = static(default=ARENA_BODIES)
+    """Arena bodies."""
+    screen_dim: tuple[int, int] = static(default=(500, 500))
+    """Size of the full-size picture [px]."""
+    downscale: int = static(default=4)
+    """Pixel observations are `screen_dim // downscale`."""
+    frame_skip: int = static(default=1)
+    """Physics steps per environment step."""
+    max_shape_size: float = static(default=2)
+    """Largest extent of a shape of the random levels [m]."""
+    num_motor_bindings: int = static(default=4)
+    num_thruster_bindings: int = static(default=2)
+    physics: str = static(default="balanced")
+    """Physics preset, or a solver's name at its default settings."""
+    touch_includes_joined: bool = static(default=True)
+    """Whether two bodies of one jointed component that overlap count as touching."""
+    features: Features = static(default=Features())
+    """What the levels use; less than everything specialises the compiled step."""
+
+    @property
+    def capacity(self) -> Capacity:
+        """The four capacities."""
+        return Capacity(
+            polygons=self.num_polygons,
+            circles=self.num_circles,
+            joints=self.num_joints,
+            thrusters=self.num_thrusters,
+        )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PhysicsEngine:
+    """What steps the bodies of one environment: hashable, made from `StaticEnvParams` alone."""
+
+    spec: SceneSpec
+    solver: AbstractSolver
+
+
+def engine_parameters(env_params: EnvParams) -> Parameters:
+    """The engine's share of `EnvParams`, under the engine's names."""
+    values: dict[str, Any] = dict(
+        dt=env_params.dt,
+        base_friction=env_params.base_friction,
+        base_motor_speed=env_params.base_motor_speed,
+        base_motor_power=env_params.base_motor_power,
+        base_thruster_power=env_params.base_thruster_power,
+        motor_decay_coefficient=env_params.motor_decay_coefficient,
+        motor_joint_limit=env_params.motor_joint_limit,
+        clip_position=env_params.clip_position,
+        clip_velocity=env_params.clip_velocity,
+        clip_angular_velocity=env_params.clip_angular_velocity,
+        slop=env_params.slop,
+        baumgarte_collision=env_params.baumgarte_coefficient_collision,
+        baumgarte_joint_velocity=env_params.baumgarte_coefficient_joints_v,
+        baumgarte_joint_position=env_params.baumgarte_coefficient_joints_p,
+        baumgarte_fixed_joint=env_params.baumgarte_coefficient_fjoint_av,
+        baumgarte_limit=env_params.baumgarte_coefficient_rjoint_limit_av,
+        joint_stiffness=env_params.joint_stiffness,
+    )
+    return Parameters(**values)
+
+
+def physics_engine(static_env_params: StaticEnvParams) -> PhysicsEngine:
+    """Sizes, features and solver that `StaticEnvParams` names.
+
+    Raises:
+        KinetixError: For an arena of another size than four, more than four corners, or a preset
+            that does not exist.
+    """
+    if static_env_params.num_static_fixated_polys != ARENA_BODIES:
+        raise KinetixError(
+            f"num_static_fixated_polys={static_env_params.num_static_fixated_polys!r}: "
+            f"the arena has exactly {ARENA_BODIES} bodies"
+        )
+    if static_env_params.max_polygon_vertices != 4:
+        raise KinetixError(
+            f"max_polygon_vertices={static_env_params.max_polygon_vertices!r}: expected 4"
+        )
+    if static_env_params.frame_skip < 1:
+        raise KinetixError(f"frame_skip={static_env_params.frame_skip!r}: expected at least 1")
+    solver = solver_named(static_env_params.physics)
+    if isinstance(solver, PgsBaumgarte):
+        solver = dataclasses.replace(
+            solver,
+            iterations=static_env_params.num_solver_iterations,
+            batch_size=static_env_params.solver_batch_size,
+            warm_start=static_env_params.do_warm_starting,
+        )
+    return PhysicsEngine(
+        spec=SceneSpec(capacity=static_env_params.capacity, features=static_env_params.features),
+        solver=solver,
+    )
+
+
+def static_env_params_of(capacity: Capacity, **changes: Any) -> StaticEnvParams:
+    """Static parameters for a capacity, with the frame skip of levels."""
+    values: dict[str, Any] = {
+        "num_polygons": capacity.polygons,
+        "num_circles": capacity.circles,
+        "num_joints": capacity.joints,
+        "num_thrusters": capacity.thrusters,
+        "frame_skip": LEVEL_FRAME_SKIP,
+    }
+    return StaticEnvParams(**(values | changes))
+
+
+def static_env_params_from_size(size: str, **changes: Any) -> StaticEnvParams:
+    """Static parameters of a named size (`s`, `m`, `l`, `locomotion`) or of four capacities.
+
+    Args:
+        size: A name, or polygons with the arena, circles, joints, thrusters: `12,4,6,2`.
+        **changes: Other fields of `StaticEnvParams`.
+
+    Raises:
+        LevelError: When the size is neither.
+    """
+    return static_env_params_of(parse_capacity(size), **changes)
+
+
+def with_parity(static_env_params: StaticEnvParams, parity: Parity | None) -> StaticEnvParams:
+    """The same sizes under the physics of the peer when parity is asked for.
+
+    Raises:
+        KinetixError: For any other value than `"kinetix-3"` and None.
+    """
+    if parity is None:
+        return static_env_params
+    if parity != "kinetix-3":
+        raise KinetixError(f"parity={parity!r}: expected 'kinetix-3' or None")
+    return dataclasses.replace(static_env_params, physics="jax2d", touch_includes_joined=True)

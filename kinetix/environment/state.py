@@ -1,0 +1,84 @@
+"""The state of an environment: a composition of the level, the physics and the clock."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine.types import State, World
+from kinetix.level.compile import Labels, Scene
+from kinetix.pytree import pytree
+
+NO_DISTANCE = -1.0
+"""`EnvState.last_distance` before the first step of an episode."""
+
+
+@pytree
+class BodiesView:
+    """All bodies of a state in global order: polygons first, then circles."""
+
+    position: Float[Array, "b 2"]
+    """Centres of mass [m]."""
+    rotation: Float[Array, " b"]
+    """Angles [rad]."""
+    velocity: Float[Array, "b 2"]
+    """[m/s]."""
+    angular_velocity: Float[Array, " b"]
+    """[rad/s]."""
+    active: Bool[Array, " b"]
+    """Whether the slot holds a body."""
+
+
+@pytree
+class EnvState:
+    """What `reset` returns and `step` advances; values at a reset are used as they are."""
+
+    world: World
+    """What the level fixes."""
+    physics: State
+    """What a physics step changes."""
+    labels: Labels
+    """What the level says and the engine does not need: roles, bindings, time limit."""
+    timestep: Int[Array, ""]
+    """Environment steps since the reset."""
+    last_distance: Float[Array, ""]
+    """Green-to-blue distance after the last step [m], −1 before the first one."""
+
+    @property
+    def bodies(self) -> BodiesView:
+        """Positions, velocities and activity of all bodies, polygons first."""
+        return BodiesView(
+            position=self.physics.position,
+            rotation=self.physics.rotation,
+            velocity=self.physics.velocity,
+            angular_velocity=self.physics.angular_velocity,
+            active=self.world.bodies.active,
+        )
+
+
+def state_of(scene: Scene) -> EnvState:
+    """The state in which an episode of a compiled level starts."""
+    return EnvState(
+        world=scene.world,
+        physics=scene.state,
+        labels=scene.labels,
+        timestep=jnp.zeros((), jnp.int32),
+        last_distance=jnp.full((), NO_DISTANCE, jnp.float32),
+    )
+
+
+def without_contacts(physics: State) -> State:
+    """The same bodies with no memory of contacts and impulses, as right after a reset."""
+    return dataclasses.replace(
+        physics,
+        touching=jnp.zeros_like(physics.touching),
+        overflow=jnp.zeros_like(physics.overflow),
+        cache=jax.tree.map(jnp.zeros_like, physics.cache),
+    )
+
+
+def stack_states(states: list[EnvState]) -> Any:
+    """States of equal capacity as one state with a leading axis of levels."""
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *states)
