@@ -70,6 +70,9 @@ def _real(
 ) -> Meta:
     """Metadata of a real: what it is, its unit, what a file may say, the usual range and step."""
     low, high = limits or (None, None)
+    if low is not None and high is not None:
+        # A bound such as 0.02 has no binary32 value; the nearest one must count as inside.
+        low, high = min(low, round_real(low)), max(high, round_real(high))
     extra = {"unit": unit, "slider": slider or limits, "step": step}
     return Meta(ge=low, le=high, description=description, extra=extra)
 

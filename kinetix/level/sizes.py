@@ -1,10 +1,10 @@
 """Sizes: the named capacities, and which one a level compiles to. Free of JAX."""
 
-from typing import Final
+from typing import Final, get_args
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.errors import LevelError
-from kinetix.level.model import MAX_ENTITIES, Level, Polygon, SizeHint
+from kinetix.level.model import MAX_ENTITIES, Level, Polygon, SizeHint, SizeName
 
 SIZES: Final[dict[str, Capacity]] = {
     "s": Capacity(polygons=5, circles=2, joints=1, thrusters=1),
@@ -14,7 +14,7 @@ SIZES: Final[dict[str, Capacity]] = {
 }
 """The named sizes; polygons count the four arena bodies."""
 
-AUTOMATIC: Final = ("s", "m", "l")
+AUTOMATIC: Final[tuple[SizeName, ...]] = ("s", "m", "l")
 """The sizes that a level without a hint may get, smallest first."""
 
 
@@ -54,9 +54,9 @@ def capacity_of(level: Level) -> Capacity:
     return hinted_capacity(level) or smallest_capacity(needed_capacity(level))
 
 
-def size_name(capacity: Capacity) -> str | None:
+def size_name(capacity: Capacity) -> SizeName | None:
     """The name of a capacity, when it is a named one."""
-    return next((name for name, named in SIZES.items() if named == capacity), None)
+    return next((name for name in get_args(SizeName) if SIZES[name] == capacity), None)
 
 
 def describe_capacity(capacity: Capacity) -> str:

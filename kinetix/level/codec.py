@@ -1,0 +1,257 @@
+"""Reading and writing level files: our format and the peer's, told apart by content. No JAX."""
+
+import contextlib
+import dataclasses
+import hashlib
+import re
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import msgspec
+
+from kinetix.errors import LevelError
+from kinetix.level.atomic import write_atomically
+from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text
+from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
+from kinetix.level.integrity import level_faults
+from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
+from kinetix.level.kinetix_env import (
+    KinetixEnvDocument,
+    document_from_tree,
+    from_level,
+    lost_fields,
+    to_level,
+)
+from kinetix.level.migrations import migrate
+from kinetix.level.model import Level
+from kinetix.level.schema import check_tree
+from kinetix.paths import levels_dir
+
+LevelFormat = Literal["kinetix-level", "kinetix-env"]
+LEVELSET_FORMAT: Final = "kinetix-levelset"
+_PERMUTATION = re.compile(r"\.permute\d+")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LoadedLevel:
+    """What a file held."""
+
+    level: Level
+    format: LevelFormat
+    """The format of the file."""
+    warnings: tuple[str, ...] = ()
+    """What the level does not carry of the file, one sentence each."""
+    source: KinetixEnvDocument | None = None
+    """The peer's file as it is, slots and leftovers included; None for a native file."""
+    path: Path | None = None
+    """Where it was read."""
+
+
+def resolve_path(name: str | Path) -> Path:
+    """The file that a path or the name of a bundled level means.
+
+    A path that exists is taken as it is, any other relative name is looked for among the bundled
+    levels (`s/name`); `.json` may be left out, and a suffix `.permuteN` is ignored.
+
+    Raises:
+        LevelError: There is no such file.
+    """
+    plain = Path(_PERMUTATION.sub("", str(name)))
+    candidates = [plain]
+    if not plain.is_absolute() and not str(name).startswith("."):
+        candidates.append(levels_dir() / plain)
+    for candidate in candidates:
+        with_suffix = candidate.with_name(f"{candidate.name}.json")
+        for path in (candidate, with_suffix):
+            if path.is_file():
+                return path
+    if plain.is_dir():
+        raise LevelError(f"{name}: expected a level file, got a folder")
+    raise LevelError(f"{name}: there is no such file, nor a bundled level of this name")
+
+
+def load_document(path: str | Path) -> LoadedLevel:
+    """Read a level file of either format, with what it says beyond the level.
+
+    Args:
+        path: A file, or the name of a bundled level such as `s/name`.
+
+    Raises:
+        LevelError: The file is missing or bad; one sentence with file and JSON path.
+    """
+    file = resolve_path(path)
+    loaded = loads_document(read_text(file), str(file))
+    return dataclasses.replace(loaded, path=file)
+
+
+def load_level(path: str | Path) -> Level:
+    """Read a level file, ours or the peer's, told apart by content.
+
+    Args:
+        path: A file, or the name of a bundled level such as `s/name`.
+
+    Raises:
+        LevelError: The file is missing or bad; one sentence with file and JSON path.
+    """
+    return load_document(path).level
+
+
+def loads_document(text: str, file: str = "text") -> LoadedLevel:
+    """Like `load_document`, from text; the stem of `file` names a level of the peer.
+
+    Raises:
+        LevelError: The text is bad; one sentence with file and JSON path.
+    """
+    tree = parse_json(text, file)
+    if isinstance(tree, dict) and tree.get("format") == FORMAT:
+        return LoadedLevel(level=level_from_tree(tree, file), format=FORMAT)
+    if isinstance(tree, dict) and "format" not in tree and "env_state" in tree:
+        source = document_from_tree(tree, text, file)
+        level, warnings = to_level(source, name=Path(file).stem[:120] or "level")
+        return LoadedLevel(level=level, format="kinetix-env", warnings=warnings, source=source)
+    faults = FaultCollector()
+    if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
+        faults.add("E002", "$.format", "this is a level set, expected a single level")
+    elif isinstance(tree, dict) and "format" in tree:
+        faults.expect("E002", "$.format", f'"{FORMAT}"', tree["format"])
+    else:
+        expected = f'expected a level: an object with "format": "{FORMAT}" or with "env_state"'
+        faults.add("E002", "$", expected)
+    fail(file, faults.faults)
+
+
+def loads(text: str | bytes, file: str = "text") -> Level:
+    """A level from the text of either format.
+
+    Args:
+        text: JSON text, or its bytes in UTF-8.
+        file: Name for messages.
+
+    Raises:
+        LevelError: The text is bad; one sentence with file and JSON path.
+    """
+    return loads_document(decode_text(text, file) if isinstance(text, bytes) else text, file).level
+
+
+def level_from_tree(tree: dict[str, Any], file: str, path: str = "$") -> Level:
+    """A level from the parsed JSON of our format.
+
+    Args:
+        tree: The whole object, `format` and `version` included.
+        file: Name for messages.
+        path: Where the object stands in the file.
+
+    Raises:
+        LevelError: It is bad; one sentence with file and JSON path.
+    """
+    faults = FaultCollector()
+    level = None
+    with contextlib.suppress(EnoughFaults):
+        level = _checked_level(tree, path, faults)
+    if level is None or faults.faults:
+        fail(file, faults.faults)
+    return level
+
+
+def _checked_level(tree: dict[str, Any], path: str, faults: FaultCollector) -> Level | None:
+    if "version" not in tree:
+        faults.add("E004", path, 'the key "version" is missing')
+        return None
+    version = tree["version"]
+    if type(version) is not int or version < 1:
+        faults.expect("E006", f"{path}.version", f"a whole number 1 ≤ x ≤ {VERSION}", version)
+        return None
+    if version > VERSION:
+        faults.add(
+            "E003",
+            f"{path}.version",
+            f"this file has version {found(version)}, newer than {VERSION}, the newest that this "
+            f"program reads; a newer release may open it",
+        )
+        return None
+    tree = migrate(tree, version, VERSION)
+    body = tree if isinstance(tree, DuplicateKeys) else dict(tree)
+    body.pop("format", None)
+    body.pop("version", None)
+    check_tree(body, Level, path, faults)
+    if faults.faults:
+        return None
+    level = msgspec.convert(body, Level)
+    for fault in level_faults(level):
+        faults.add(fault.code, path + fault.path[1:], fault.message)
+    return level
+
+
+def dumps(
+    level: Level,
+    *,
+    format: LevelFormat = FORMAT,
+    source: KinetixEnvDocument | None = None,
+) -> str:
+    """The text of a level file.
+
+    Args:
+        level: The document.
+        format: `kinetix-level`: our canonical text. `kinetix-env`: the peer's.
+        source: The peer's file that the level was read from. Where the level still equals it, the
+            peer's text comes out byte for byte, unused slots and all.
+
+    Raises:
+        LevelError: The peer's format cannot hold the level.
+    """
+    if format == FORMAT:
+        return tree_text(level_tree(level))
+    if format != "kinetix-env":
+        raise LevelError(f"format {format!r}: expected 'kinetix-level' or 'kinetix-env'")
+    if source is not None and _unchanged(level, source):
+        return source.text
+    return from_level(level)[0]
+
+
+def _unchanged(level: Level, source: KinetixEnvDocument) -> bool:
+    imported, _ = to_level(source, name=level.name)
+    return imported.replace(next_id=level.next_id) == level
+
+
+def save_level(
+    level: Level,
+    path: str | Path,
+    *,
+    format: LevelFormat = FORMAT,
+    source: KinetixEnvDocument | None = None,
+) -> tuple[str, ...]:
+    """Write a level file atomically: afterwards it holds the old or the new content, never a mix.
+
+    Args:
+        level: The document.
+        path: The file; its folder must exist.
+        format: As in `dumps`.
+        source: As in `dumps`.
+
+    Returns:
+        The names of the fields that the format cannot say; empty for our own format.
+
+    Raises:
+        LevelError: The file cannot be written, or the peer's format cannot hold the level.
+    """
+    path = Path(path)
+    write_atomically(path, dumps(level, format=format, source=source).encode())
+    return () if format == FORMAT else lost_fields(level, stem=path.stem)
+
+
+def level_hash(level: Level) -> str:
+    """SHA-256 of what a level is, whatever its name, history and solution (hexadecimal).
+
+    The canonical text without name, description, tags, next_id and solution, ids renumbered in
+    list order.
+    """
+    numbers = {entity.id: k for k, entity in enumerate(level.entities(), start=1)}
+    tree = level_tree(level)
+    for key in ("name", "description", "tags", "next_id", "solution"):
+        tree.pop(key, None)
+    for kind in ("bodies", "joints", "thrusters"):
+        for part in tree[kind]:
+            for key in ("id", "a", "b", "body"):
+                if isinstance(part.get(key), int):
+                    part[key] = numbers.get(part[key], -part[key])
+    return hashlib.sha256(tree_text(tree).encode()).hexdigest()

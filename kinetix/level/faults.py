@@ -1,0 +1,89 @@
+"""What is wrong with a file: coded faults with JSON paths, collected and told in one sentence."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from typing import Any, Final, NoReturn
+
+from kinetix.errors import LevelError
+
+MOST_FAULTS: Final = 20
+"""A reader gives up after so many."""
+_LONGEST: Final = 60
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One thing that is wrong in a file."""
+
+    code: str
+    """E001 … E013, see level_format.md B8."""
+    path: str
+    """Where: a JSON path such as `$.bodies[3].friction`."""
+    message: str
+    """What was expected and what was found."""
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.message}"
+
+
+class EnoughFaults(Exception):
+    """Ends a check early; caught where the collector was made."""
+
+
+class FaultCollector:
+    """Gathers faults while a tree is checked."""
+
+    def __init__(self) -> None:
+        self.faults: list[Fault] = []
+
+    def add(self, code: str, path: str, message: str) -> None:
+        """Note a fault.
+
+        Raises:
+            EnoughFaults: There are as many as a reader reports.
+        """
+        self.faults.append(Fault(code=code, path=path, message=message))
+        if len(self.faults) >= MOST_FAULTS:
+            raise EnoughFaults
+
+    def expect(self, code: str, path: str, expected: str, value: Any) -> None:
+        """Note that something else was expected.
+
+        Raises:
+            EnoughFaults: There are as many as a reader reports.
+        """
+        self.add(code, path, f"expected {expected}, got {found(value)}")
+
+
+def fail(file: str, faults: Sequence[Fault]) -> NoReturn:
+    """Raise one sentence for a file that has faults.
+
+    Raises:
+        LevelError: Always.
+    """
+    others = len(faults) - 1
+    more = (
+        f" (and {others} more: {'; '.join(fault.path for fault in faults[1:4])})" if others else ""
+    )
+    raise LevelError(f"{file}: {faults[0]}{more}", tuple(faults))
+
+
+def found(value: Any) -> str:
+    """A value of a file in a few words, for the end of a sentence."""
+    if isinstance(value, dict):
+        return "an object"
+    if isinstance(value, (list, tuple)):
+        return f"an array of {len(value)}"
+    if isinstance(value, float) and not math.isfinite(value):
+        return "a number that is not finite"
+    text = json.dumps(value, ensure_ascii=True)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
+
+
+def bounds_text(low: float | None, high: float | None) -> str:
+    """Limits in the form `0 ≤ x ≤ 10`."""
+    left = "" if low is None else f"{low:g} ≤ "
+    right = "" if high is None else f" ≤ {high:g}"
+    return f"{left}x{right}"
