@@ -6,13 +6,14 @@ bodies that are there (`b`). The contacts among those are the same for all propo
 Source: physics.md 2.6.
 """
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.generators.figures import VERTICES, Figures, has_vertex, rotate
 from kinetix.pytree import pytree
 
-_REFERENCE_BIAS = 0.01
+REFERENCE_BIAS = 0.01
 """How much the second polygon's best axis must be better to become the reference [m]."""
 
 
@@ -59,36 +60,40 @@ def outlines(figures: Figures) -> Outlines:
     )
 
 
-def count_contacts(new: Outlines, others: Outlines) -> Int[Array, "q n"]:
-    """Active contacts between each proposal and all active bodies.
+def count_contacts(new: Outlines, others: Outlines, rows: Int[Array, ""] | int) -> Int[Array, "q n"]:
+    """Active contacts between each proposal and the active ones of the first `rows` bodies.
 
     A pair of polygons counts 1 or 2 (its two contact slots), any other pair 1. Whether the pair is
     jointed or fixed plays no part.
     """
-    new = _with_axis(new, 1)
-    others = _with_axis(others, 0)
+
+    def add(row: Int[Array, ""], count: Int[Array, "q n"]) -> Int[Array, "q n"]:
+        other = jax.tree.map(
+            lambda leaf: jax.lax.dynamic_slice_in_dim(leaf, row, 1, axis=0), others
+        )
+        return count + _pair_contacts(new, other)
+
+    # One body at a time: a reduction over bodies would keep XLA from vectorising over the worlds.
+    return jax.lax.fori_loop(0, rows, add, jnp.zeros(new.radius.shape, jnp.int32))
+
+
+def _pair_contacts(new: Outlines, other: Outlines) -> Int[Array, "q n"]:
     pairs = jnp.where(
         new.circle,
-        jnp.where(others.circle, _circles(new, others), _circle_polygon(new, others)),
-        jnp.where(others.circle, _circle_polygon(others, new), _polygons(others, new)),
+        jnp.where(other.circle, _circles(new, other), _circle_polygon(new, other)),
+        jnp.where(other.circle, _circle_polygon(other, new), _polygons(other, new)),
     )
-    return jnp.sum(jnp.where(new.active & others.active, pairs, 0), axis=1)
+    return jnp.where(new.active & other.active, pairs, 0)
 
 
-def _with_axis(rows: Outlines, axis: int) -> Outlines:
-    return Outlines(
-        **{name: jnp.expand_dims(getattr(rows, name), axis) for name in rows.__dataclass_fields__}
-    )
-
-
-def _circles(a: Outlines, b: Outlines) -> Int[Array, "q b n"]:
+def _circles(a: Outlines, b: Outlines) -> Int[Array, "q n"]:
     x = a.centre[..., 0, :] - b.centre[..., 0, :]
     y = a.centre[..., 1, :] - b.centre[..., 1, :]
     reach = a.radius + b.radius
     return (x * x + y * y < reach * reach).astype(jnp.int32)
 
 
-def _circle_polygon(circle: Outlines, polygon: Outlines) -> Int[Array, "q b n"]:
+def _circle_polygon(circle: Outlines, polygon: Outlines) -> Int[Array, "q n"]:
     cx, cy = circle.centre[..., 0, :], circle.centre[..., 1, :]
     nearest, inside = jnp.inf, True
     for k in range(VERTICES):
@@ -105,17 +110,17 @@ def _circle_polygon(circle: Outlines, polygon: Outlines) -> Int[Array, "q b n"]:
     return ((nearest <= circle.radius * circle.radius) | inside).astype(jnp.int32)
 
 
-def _polygons(a: Outlines, b: Outlines) -> Int[Array, "q b n"]:
+def _polygons(a: Outlines, b: Outlines) -> Int[Array, "q n"]:
     separation_a, depth_a = _best_axis(a, b)
     separation_b, depth_b = _best_axis(b, a)
-    second_depth = jnp.where(separation_a + _REFERENCE_BIAS < separation_b, depth_b, depth_a)
+    second_depth = jnp.where(separation_a + REFERENCE_BIAS < separation_b, depth_b, depth_a)
     contacts = 1 + (second_depth > 0).astype(jnp.int32)
     return jnp.where(jnp.maximum(separation_a, separation_b) < 0, contacts, 0)
 
 
 def _best_axis(
     reference: Outlines, incident: Outlines
-) -> tuple[Float[Array, "q b n"], Float[Array, "q b n"]]:
+) -> tuple[Float[Array, "q n"], Float[Array, "q n"]]:
     """The axis of greatest separation among the reference's normals.
 
     Returns:

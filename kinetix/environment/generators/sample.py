@@ -33,6 +33,7 @@ from kinetix.environment.generators.blocks import (
     size_limit,
     thrusters_on,
 )
+from kinetix.environment.generators.boxes import Boxes, boxes, count_box_contacts
 from kinetix.environment.generators.contacts import Outlines, count_contacts, outlines
 from kinetix.environment.generators.draft import Draft, states
 from kinetix.environment.generators.draws import (
@@ -72,7 +73,8 @@ class Growing:
     """A level that grows by one body a step; rows in the order of creation."""
 
     figures: Figures
-    outlines: Outlines
+    outlines: Outlines | Boxes
+    """What contacts are counted on."""
     joint_counts: Int[Array, "b n"]
     """Active joints on each body."""
     polygon_count: Int[Array, " n"]
@@ -176,7 +178,8 @@ def _empty(worlds: int, steps: int, ued: UEDParams) -> Growing:
     none = jnp.zeros((worlds,), jnp.int32)
     return Growing(
         figures=jax.tree.map(room, floor_and_walls),
-        outlines=jax.tree.map(room, outlines(floor_and_walls)),
+        # The legacy ceiling differs on its far side only, and is no rectangle.
+        outlines=jax.tree.map(room, _traced(arena(worlds, legacy_ceiling=False), ued)),
         joint_counts=jnp.zeros((ARENA_BODIES + steps, worlds), jnp.int32),
         polygon_count=none + ARENA_BODIES,
         circle_count=none,
@@ -219,7 +222,7 @@ def _propose(
     row: Int[Array, ""],
     capacity: Capacity,
     ued: UEDParams,
-) -> tuple[Proposals, Outlines]:
+) -> tuple[Proposals, Outlines | Boxes]:
     """The best proposal of the planned kind in each world, and its outline."""
     draws = shape_draws(shape_rows)
     around = look_around(
@@ -240,14 +243,26 @@ def _propose(
     figure = proposals.figure
     figure = figure.replace(active=figure.active & happens)
     proposals = proposals.replace(figure=figure, joint=proposals.joint & happens)
-    candidates = outlines(figure)
+    candidates = _traced(figure, ued)
     if shape_rows.shape[1] == 1:
         best = jnp.zeros((shape_rows.shape[2],), jnp.int32)
     else:
-        score = count_contacts(candidates, grown.outlines).astype(jnp.float32)
-        score = score + jnp.where(proposals.valid, 0.0, ued.connect_no_visibility_bias)
+        count = _count(candidates, grown.outlines, row).astype(jnp.float32)
+        score = count + jnp.where(proposals.valid, 0.0, ued.connect_no_visibility_bias)
         best = _first_minimum(score)
     return jax.tree.map(lambda leaf: pick(leaf, best), (proposals, candidates))
+
+
+def _traced(figures: Figures, ued: UEDParams) -> Outlines | Boxes:
+    """Bodies in the cheapest form that contacts can be counted on."""
+    return outlines(figures) if ued.generate_triangles else boxes(figures)
+
+
+def _count(new: Outlines | Boxes, others: Outlines | Boxes, rows: Int[Array, ""]) -> Array:
+    if isinstance(new, Boxes) and isinstance(others, Boxes):
+        return count_box_contacts(new, others, rows)
+    assert isinstance(new, Outlines) and isinstance(others, Outlines)
+    return count_contacts(new, others, rows)
 
 
 def _over(condition: Bool[Array, " n"], like: Array) -> Array:
@@ -266,7 +281,7 @@ def _first_minimum(score: Float[Array, "q n"]) -> Int[Array, " n"]:
 
 
 def _added(
-    grown: Growing, chosen: Proposals, outline: Outlines, joint: JointRows, row: Int[Array, ""]
+    grown: Growing, chosen: Proposals, outline: Outlines | Boxes, joint: JointRows, row: Int[Array, ""]
 ) -> Growing:
     """The level with the chosen body in the given row (inactive where there is none)."""
 
