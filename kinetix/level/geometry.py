@@ -37,6 +37,10 @@ MIN_AREA: Final = 1e-4
 """A polygon smaller than this is degenerate [m²]."""
 CENTRE_TOLERANCE: Final = 1e-4
 """How far a free body's centre of mass may lie from the origin of its frame [m]."""
+MASS_TOLERANCE: Final = 1e-5
+"""Relative difference below which a stored mass is the derived one (rounding stays below 1e-6)."""
+PLACE_TOLERANCE: Final = 1e-6
+"""Difference below which an arena body is where it always is [m]."""
 
 _SLAB = ((2.5, 5.2), (-2.5, 5.2), (-2.5, -5.2), (2.5, -5.2))
 STANDARD_ARENA: Final[dict[ArenaName, Geometry]] = {
@@ -197,6 +201,22 @@ def inverse_mass(body: Body, inertia_model: InertiaModel) -> tuple[float, float]
         return 0.0, 0.0
     mass, inertia = body_mass(body, inertia_model)
     return round_real(1 / (mass or 1.0)), round_real(1 / (inertia or 1.0))
+
+
+def same_masses(inverses: tuple[float, float], derived: tuple[float, float]) -> bool:
+    """Whether stored inverses (mass, inertia) say what shape and density give, but for rounding."""
+    return all(
+        abs(inverse * value - 1) <= MASS_TOLERANCE
+        for inverse, value in zip(inverses, derived, strict=True)
+    )
+
+
+def same_geometry(a: Geometry, b: Geometry) -> bool:
+    """Whether two arena bodies have the same place and shape, but for rounding."""
+    return len(a.vertices) == len(b.vertices) and all(
+        math.dist(p, q) <= PLACE_TOLERANCE
+        for p, q in zip((a.position, *a.vertices), (b.position, *b.vertices), strict=True)
+    )
 
 
 def recentred(body: Body, inertia_model: InertiaModel) -> Body:

@@ -25,6 +25,8 @@ from kinetix.level.geometry import (
     inverse_mass,
     reverse_winding,
     rotate,
+    same_geometry,
+    same_masses,
     shape_mass,
 )
 from kinetix.level.integrity import level_faults
@@ -71,10 +73,6 @@ from kinetix.level.slots import body_slots
 STANDARD_GRAVITY: Final = (0.0, round_real(-9.81))
 """What the peer's reader always uses, whatever a file says [m/s²]."""
 
-_MASS_TOLERANCE: Final = 1e-5
-"""Relative difference above which stored mass properties are kept (rounding stays below 1e-6)."""
-_PLACE_TOLERANCE: Final = 1e-6
-"""Difference above which an arena body counts as moved or reshaped [m]."""
 _CACHE_TOLERANCE: Final = 1e-3
 """Difference above which a cached anchor is no mere rounding [m]."""
 
@@ -406,10 +404,7 @@ def _import_body(
         )
     elif stored[0] > 0:
         derived = shape_mass(shape, row.density, "kinetix")
-        if any(
-            abs(inverse * value - 1) > _MASS_TOLERANCE
-            for inverse, value in zip(stored, derived, strict=True)
-        ):
+        if not same_masses(stored, derived):
             mass_properties = MassProperties(mass=1 / stored[0], inertia=1 / stored[1])
     return Body(
         id=body_id,
@@ -470,16 +465,9 @@ def _import_arena(document: KinetixEnvDocument, faults: FaultCollector) -> Arena
             restitution=row.restitution,
             density=row.density,
             collision=COLLISIONS[row.collision_mode],
-            geometry=None if _same_place(geometry, STANDARD_ARENA[name]) else geometry,
+            geometry=None if same_geometry(geometry, STANDARD_ARENA[name]) else geometry,
         )
     return Arena(**parts)
-
-
-def _same_place(a: Geometry, b: Geometry) -> bool:
-    return len(a.vertices) == len(b.vertices) and all(
-        math.dist(p, q) <= _PLACE_TOLERANCE
-        for p, q in zip((a.position, *a.vertices), (b.position, *b.vertices), strict=True)
-    )
 
 
 def _peer_path(path: str, places: dict[str, str]) -> str:
