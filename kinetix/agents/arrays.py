@@ -1,0 +1,154 @@
+"""Trees of arrays on disk: orbax directories, which hold JSON and numbers, nothing that runs."""
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from kinetix.errors import CheckpointError
+
+Tree = Mapping[str, Any]
+"""Nested dictionaries whose leaves are arrays (or shapes and dtypes)."""
+
+_MANY = 3
+"""How many differing tensors a sentence names before it only counts the rest."""
+
+
+def flatten(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Leaves with their paths joined by "/", in the order of the names."""
+    for key in sorted(tree):
+        value = tree[key]
+        if isinstance(value, Mapping):
+            yield from flatten(value, f"{prefix}{key}/")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def unflatten(leaves: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """The inverse of `flatten`."""
+    root: dict[str, Any] = {}
+    for path, value in leaves:
+        *parents, leaf = path.split("/")
+        node = root
+        for parent in parents:
+            node = node.setdefault(parent, {})
+        node[leaf] = value
+    return root
+
+
+def digest(tree: Tree) -> str:
+    """SHA-256 over names, dtypes, shapes and bytes of all leaves."""
+    state = hashlib.sha256()
+    for name, leaf in flatten(tree):
+        array = np.ascontiguousarray(leaf)
+        state.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
+        state.update(array.tobytes())
+    return state.hexdigest()
+
+
+def compare_shapes(where: Path, expected: Mapping[str, Any], found: Mapping[str, Any]) -> None:
+    """Check names and shapes of tensors.
+
+    Args:
+        where: The file or directory, for the sentence.
+        expected: Shape of every tensor that must be there.
+        found: Shape of every tensor that is there.
+
+    Raises:
+        CheckpointError: Some are missing, superfluous or of another shape; the sentence names the
+            first few.
+    """
+    problems = [f"tensor {name!r} is missing" for name in sorted(expected.keys() - found.keys())]
+    for name in sorted(expected.keys() & found.keys()):
+        if tuple(expected[name]) != tuple(found[name]):
+            problems.append(
+                f"tensor {name!r} has the shape {tuple(found[name])}, "
+                f"expected {tuple(expected[name])}"
+            )
+    problems += [f"tensor {name!r} is unknown" for name in sorted(found.keys() - expected.keys())]
+    if problems:
+        rest = len(problems) - _MANY
+        more = f" (and {rest} more)" if rest > 0 else ""
+        raise CheckpointError(f"{where}: {'; '.join(problems[:_MANY])}{more}")
+
+
+def write_arrays(directory: Path, tree: Tree) -> None:
+    """Write a tree of arrays.
+
+    Args:
+        directory: Made by this call; must not exist.
+        tree: Nested dictionaries of arrays.
+    """
+    # Importing orbax takes a second; only those who save or load pay for it.
+    import orbax.checkpoint as ocp
+
+    host = jax.tree.map(np.asarray, dict(tree))
+    with ocp.StandardCheckpointer() as checkpointer:
+        checkpointer.save(directory.resolve(), host)
+
+
+def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
+    """Read a tree of arrays, after checking that it is the expected one.
+
+    Args:
+        directory: Written by `write_arrays`.
+        shapes: Nested dictionaries with a `jax.ShapeDtypeStruct` for every array.
+
+    Returns:
+        The tree, with numpy arrays as leaves.
+
+    Raises:
+        CheckpointError: The directory is missing, damaged, reaches outside itself, or holds
+            other arrays.
+    """
+    import orbax.checkpoint as ocp
+
+    check_inside(directory)
+    # Orbax and tensorstore raise whatever their file formats lead them to; here it is all the
+    # same: these arrays cannot be read.
+    try:
+        with ocp.StandardCheckpointer() as checkpointer:
+            metadata: Any = checkpointer.metadata(directory.resolve())
+        stored = dict(flatten(metadata.item_metadata.tree))
+    except Exception as error:
+        raise _damaged(directory, error) from None
+    expected = dict(flatten(shapes))
+    compare_shapes(
+        directory,
+        {name: leaf.shape for name, leaf in expected.items()},
+        {name: leaf.shape for name, leaf in stored.items()},
+    )
+    for name, leaf in expected.items():
+        if np.dtype(stored[name].dtype) != np.dtype(leaf.dtype):
+            raise CheckpointError(
+                f"{directory}: tensor {name!r} is of type {stored[name].dtype}, "
+                f"expected {leaf.dtype}"
+            )
+    try:
+        with ocp.PyTreeCheckpointer() as checkpointer:
+            as_numpy = jax.tree.map(lambda _: ocp.RestoreArgs(restore_type=np.ndarray), shapes)
+            return checkpointer.restore(directory.resolve(), restore_args=as_numpy)
+    except Exception as error:
+        raise _damaged(directory, error) from None
+
+
+def check_inside(directory: Path) -> None:
+    """Refuse a directory that is missing or whose links lead out of it.
+
+    Raises:
+        CheckpointError: It is so.
+    """
+    if not directory.is_dir():
+        raise CheckpointError(f"{directory}: expected a directory of parameters, found none")
+    root = directory.resolve()
+    for path in directory.rglob("*"):
+        if path.is_symlink() and not path.resolve().is_relative_to(root):
+            raise CheckpointError(f"{path}: this link leads out of the checkpoint; it is not read")
+
+
+def _damaged(directory: Path, error: Exception) -> CheckpointError:
+    first_line = str(error).strip().split("\n", 1)[0][:200]
+    return CheckpointError(f"{directory}: the arrays cannot be read: {first_line}")

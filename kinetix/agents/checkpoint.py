@@ -1,0 +1,179 @@
+"""Our checkpoints: a directory with `agent.json` and `params/`. Nothing in it can execute."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from kinetix.agents.arrays import (
+    Tree,
+    check_inside,
+    compare_shapes,
+    digest,
+    flatten,
+    read_arrays,
+    write_arrays,
+)
+from kinetix.agents.card import AgentCard, Inventory, read_card, write_card
+from kinetix.agents.shapes import parameter_shapes
+from kinetix.errors import CheckpointError, KinetixError
+
+CARD = "agent.json"
+PARAMS = "params"
+RUN_CHECKPOINTS = "checkpoints"
+"""Where a training run keeps its checkpoints, one directory a step."""
+
+
+def write_checkpoint(
+    directory: Path,
+    card: AgentCard,
+    params: Tree,
+    *,
+    extra: Callable[[Path], None] | None = None,
+) -> None:
+    """Write a checkpoint: complete or not at all.
+
+    Everything is written under a temporary name beside the target and renamed at the end. An
+    existing checkpoint of that name is replaced.
+
+    Args:
+        directory: The checkpoint.
+        card: The agent's description.
+        params: Its parameters (the tree below "params").
+        extra: Writes what lies beside them, into the directory that it is given.
+
+    Raises:
+        CheckpointError: The target is no checkpoint, or cannot be written.
+    """
+    if directory.exists() and any(directory.iterdir()) and not (directory / CARD).is_file():
+        raise CheckpointError(f"{directory}: is not empty and holds no agent; choose another place")
+    shapes = {name: tuple(leaf.shape) for name, leaf in flatten(params)}
+    temporary = directory.with_name(f".{directory.name}.{os.getpid()}.tmp")
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        shutil.rmtree(temporary, ignore_errors=True)
+        temporary.mkdir()
+        write_arrays(temporary / PARAMS, params)
+        if extra is not None:
+            extra(temporary)
+        write_card(temporary / CARD, card, Inventory(shapes=shapes, digest=digest(params)))
+        replace_directory(temporary, directory)
+    except OSError as error:
+        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def replace_directory(source: Path, target: Path) -> None:
+    """Put a finished directory in its place and make that durable.
+
+    Args:
+        source: The finished directory, on the same file system.
+        target: Its place; what is there is removed.
+    """
+    for path in source.rglob("*"):
+        if path.is_file():
+            _sync(path)
+    if target.exists():
+        # A directory cannot be replaced in one step; whoever dies in between leaves the old one
+        # under this name and the new one complete under its temporary one.
+        old = target.with_name(f".{target.name}.{os.getpid()}.old")
+        target.rename(old)
+        source.rename(target)
+        shutil.rmtree(old, ignore_errors=True)
+    else:
+        source.rename(target)
+    _sync(target.parent)
+
+
+def read_checkpoint(
+    directory: Path, accept: Callable[[AgentCard], None] | None = None
+) -> tuple[AgentCard, dict[str, Any]]:
+    """Read a checkpoint.
+
+    Args:
+        directory: The checkpoint.
+        accept: Looks at the description before any array is read; raises if it does not fit.
+
+    Returns:
+        The agent's description and its parameters.
+
+    Raises:
+        CheckpointError: Something in it is missing, damaged or does not fit; one sentence.
+    """
+    check_inside(directory)
+    card, inventory = read_card(directory / CARD)
+    if accept is not None:
+        accept(card)
+    expected = expected_shapes(directory / CARD, card)
+    leaves = {name: leaf.shape for name, leaf in flatten(expected)}
+    compare_shapes(directory / CARD, leaves, inventory.shapes)
+    params = read_arrays(directory / PARAMS, expected)
+    if digest(params) != inventory.digest:
+        raise CheckpointError(
+            f"{directory / PARAMS}: the parameters are not those that {CARD} was written for"
+        )
+    return card, params
+
+
+def expected_shapes(path: Path, card: AgentCard) -> Tree:
+    """`shapes.parameter_shapes`, with errors that name the file.
+
+    Args:
+        path: The file that the description is from.
+        card: The description.
+
+    Raises:
+        CheckpointError: No network can be made from the description.
+    """
+    try:
+        return parameter_shapes(card)
+    except (ValueError, TypeError, KeyError, KinetixError) as error:
+        raise CheckpointError(f"{path}: no network can be made from this: {error}") from None
+
+
+def steps_of_run(run: Path) -> list[int]:
+    """Steps of the complete checkpoints of a training run, ascending.
+
+    Args:
+        run: The run's directory.
+    """
+    folder = run / RUN_CHECKPOINTS
+    if not folder.is_dir():
+        return []
+    return sorted(
+        int(path.name)
+        for path in folder.iterdir()
+        if path.name.isdigit() and (path / CARD).is_file()
+    )
+
+
+def newest_checkpoint(directory: Path) -> Path:
+    """The checkpoint that a directory means: itself, or the newest of a training run.
+
+    Args:
+        directory: A checkpoint or a run.
+
+    Raises:
+        CheckpointError: There is none.
+    """
+    if (directory / CARD).is_file():
+        return directory
+    steps = steps_of_run(directory)
+    if steps:
+        return directory / RUN_CHECKPOINTS / str(steps[-1])
+    if (directory / RUN_CHECKPOINTS).is_dir():
+        raise CheckpointError(f"{directory}: this training run has no complete checkpoint yet")
+    raise CheckpointError(
+        f"{directory}: expected an agent: {CARD} with {PARAMS}/, or params.safetensors with "
+        "config.json, or a training run with checkpoints/"
+    )
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

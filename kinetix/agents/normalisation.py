@@ -1,0 +1,119 @@
+"""Running mean and variance of observations, one statistic per column, shared by all rows."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from kinetix.agents.card import NormalisationCard
+from kinetix.pytree import pytree
+
+EPSILON = 1e-4
+"""Keeps the division finite, and is the weight of the prior (mean 0, variance 1)."""
+
+
+@pytree
+class Normalisation:
+    """Statistics by field; observations that are one array have the single field ""."""
+
+    count: Float[Array, ""]
+    """Rows seen so far."""
+    mean: dict[str, Float[Array, " f"]]
+    variance: dict[str, Float[Array, " f"]]
+
+
+def fields_of(observation: Any) -> dict[str, Array]:
+    """The parts of an observation that are real numbers, by field.
+
+    Args:
+        observation: A named tuple, or one array.
+    """
+    if not hasattr(observation, "_asdict"):
+        return {"": observation}
+    fields = observation._asdict()
+    return {
+        name: value
+        for name, value in fields.items()
+        if value is not None and jnp.issubdtype(value.dtype, jnp.floating)
+    }
+
+
+def start(observation: Any) -> Normalisation:
+    """Statistics of nothing yet.
+
+    Args:
+        observation: Any observation, for its fields and widths.
+    """
+    fields = fields_of(observation)
+    return Normalisation(
+        count=jnp.asarray(EPSILON),
+        mean={name: jnp.zeros(value.shape[-1]) for name, value in fields.items()},
+        variance={name: jnp.ones(value.shape[-1]) for name, value in fields.items()},
+    )
+
+
+def update(statistics: Normalisation, observation: Any) -> Normalisation:
+    """Take in a batch of observations.
+
+    Args:
+        statistics: What was seen before.
+        observation: Any leading axes.
+
+    Returns:
+        Statistics of everything, weighted by rows.
+
+    Source: Chan, Golub & LeVeque, "Updating Formulae and a Pairwise Algorithm for Computing Sample
+    Variances" (1979).
+    """
+    fields = fields_of(observation)
+    batch = jnp.asarray(max(np.prod(v.shape[:-1]) for v in fields.values()), jnp.float32)
+    total = statistics.count + batch
+    mean, variance = {}, {}
+    for name, value in fields.items():
+        axes = tuple(range(value.ndim - 1))
+        difference = jnp.mean(value, axes) - statistics.mean[name]
+        mean[name] = statistics.mean[name] + difference * batch / total
+        squares = (
+            statistics.variance[name] * statistics.count
+            + jnp.var(value, axes) * batch
+            + difference**2 * statistics.count * batch / total
+        )
+        variance[name] = squares / total
+    return Normalisation(count=total, mean=mean, variance=variance)
+
+
+def normalise(statistics: Normalisation | None, observation: Any) -> Any:
+    """Shift and scale every column to mean 0 and variance 1.
+
+    Args:
+        statistics: What was seen in training; None leaves the observation as it is.
+        observation: Any leading axes.
+    """
+    if statistics is None:
+        return observation
+    changed = {
+        name: (value - statistics.mean[name]) / jnp.sqrt(statistics.variance[name] + EPSILON)
+        for name, value in fields_of(observation).items()
+    }
+    return observation._replace(**changed) if hasattr(observation, "_replace") else changed[""]
+
+
+def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
+    """The statistics as plain numbers."""
+    if statistics is None:
+        return None
+    as_lists: Any = jax.tree.map(lambda x: np.asarray(x).tolist(), statistics)
+    return NormalisationCard(count=as_lists.count, mean=as_lists.mean, variance=as_lists.variance)
+
+
+def from_card(card: NormalisationCard | None) -> Normalisation | None:
+    """The inverse of `to_card`."""
+    if card is None:
+        return None
+    return Normalisation(
+        count=jnp.asarray(card.count, jnp.float32),
+        mean={name: jnp.asarray(x, jnp.float32) for name, x in card.mean.items()},
+        variance={name: jnp.asarray(x, jnp.float32) for name, x in card.variance.items()},
+    )

@@ -1,0 +1,107 @@
+"""What parameters an agent must have, found without making any."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from kinetix.agents.arrays import Tree
+from kinetix.agents.card import AgentCard, CapacityCard
+from kinetix.agents.networks.build import build_network
+from kinetix.agents.networks.distributions import action_head
+from kinetix.agents.networks.recurrent import initial_carry
+from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
+from kinetix.environment.params import EnvParams, StaticEnvParams
+from kinetix.environment.spaces import Dict
+
+_USUAL = CapacityCard(polygons=5, circles=2, joints=1, thrusters=1)
+"""Stands in where an agent does not say; its parameters do not depend on it."""
+
+
+def static_env_params_of_card(card: AgentCard, **changes: Any) -> StaticEnvParams:
+    """Sizes and physics of the environment that an agent was trained in.
+
+    Args:
+        card: The agent's description.
+        **changes: Other fields of `StaticEnvParams`.
+    """
+    capacity = card.capacity or _USUAL
+    values: dict[str, Any] = {
+        "num_polygons": capacity.polygons,
+        "num_circles": capacity.circles,
+        "num_joints": capacity.joints,
+        "num_thrusters": capacity.thrusters,
+        "num_motor_bindings": capacity.motor_bindings,
+        "num_thruster_bindings": capacity.thruster_bindings,
+        "frame_skip": card.environment.frame_skip,
+        "physics": card.environment.physics,
+    }
+    return StaticEnvParams(**(values | changes))
+
+
+def observations_of_card(
+    card: AgentCard, env_params: EnvParams, static_env_params: StaticEnvParams
+) -> AbstractObservation:
+    """What the agent sees of an environment, with the agent's own options.
+
+    Args:
+        card: The agent's description.
+        env_params: The environment's parameters.
+        static_env_params: Its sizes.
+    """
+    layout = Layout.of(env_params, static_env_params)
+    options: dict[str, Any] = dict(card.observation.options)
+    if card.network.kind == "permutation_invariant_mlp" and card.observation.type.endswith(
+        "entity"
+    ):
+        options.setdefault("attention", False)
+    return OBSERVATIONS[card.observation.type](layout=layout, **options)
+
+
+def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
+    """An observation of nothing: zeros of the right shapes.
+
+    Args:
+        observations: The kind of observation.
+        *axes: Leading axes.
+    """
+    space: Any = observations.space
+    if isinstance(space, Dict):
+        parts: dict[str, Any] = dict(space.spaces)
+        return SimpleNamespace(
+            **{name: jnp.zeros((*axes, *part.shape), part.dtype) for name, part in parts.items()}
+        )
+    return jnp.zeros((*axes, *space.shape), space.dtype)
+
+
+def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
+    """Fresh parameters for an agent.
+
+    Args:
+        card: Its description.
+        key: Random key.
+
+    Returns:
+        The tree below "params".
+    """
+    static_env_params = static_env_params_of_card(card)
+    observations = observations_of_card(card, EnvParams(), static_env_params)
+    head = action_head(
+        card.action.type,
+        motor_bindings=static_env_params.num_motor_bindings,
+        thruster_bindings=static_env_params.num_thruster_bindings,
+    )
+    network = build_network(card.network, head)
+    inputs = (zero_observation(observations, 1, 1), jnp.zeros((1, 1), bool))
+    variables: Any = network.init(key, initial_carry(1), inputs)
+    return variables["params"]
+
+
+def parameter_shapes(card: AgentCard) -> Tree:
+    """Shape and dtype of every parameter, as nested dictionaries.
+
+    Args:
+        card: The agent's description.
+    """
+    return jax.eval_shape(lambda: init_parameters(card, jax.random.key(0)))
