@@ -6,8 +6,9 @@ Nothing here knows a toolkit or JAX.
 
 import dataclasses
 import logging
+import math
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
@@ -16,12 +17,14 @@ from editor.camera import Camera
 from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
 from editor.document import Document, Outcome
+from editor.events import NO_MODIFIERS, Modifiers, PointerEvent
 from editor.jobs import Worker, WorkerSimulator
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
 from editor.requests import Pull
 from editor.settings import Settings
+from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
 from editor.tools.base import NOTHING, Driver, Tool
 from kinetix.errors import CommandError, KinetixError
@@ -153,7 +156,14 @@ class Session:
         """What the mouse pulls at in Play."""
         self.probe: dict[str, Any] = {}
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
+        self.modifiers = NO_MODIFIERS
+        """Modifier keys that are down."""
+        self.from_centre = False
+        """Whether rectangles grow from their centre (Alt as a switch)."""
+        self.last_click: PointerEvent | None = None
+        """The last click that selected, to notice a second one at the same place."""
         self._queue: list[Queued] = []
+        self._targets: tuple[Level, frozenset[EntityId], Targets] | None = None
         self._posed: tuple[Any, Level] | None = None
 
     @property
@@ -210,6 +220,34 @@ class Session:
     def marks(self) -> tuple[Mark, ...]:
         """What the tool wants to be seen on top."""
         return self.driver.feedback.marks if self.editing else ()
+
+    @property
+    def metres(self) -> float:
+        """What one pixel of the canvas covers [m]."""
+        return 1.0 / self.camera.scale
+
+    @property
+    def angle_step(self) -> float:
+        """Grid of angles [rad]."""
+        return math.radians(self.settings.angle_step_deg)
+
+    def rules(self, modifiers: Modifiers = NO_MODIFIERS) -> Rules:
+        """Which snaps are on; Ctrl inverts them."""
+        smart = self.settings.snap_smart != modifiers.ctrl
+        grid = self.settings.snap_grid != modifiers.ctrl
+        return Rules(
+            smart=smart,
+            grid=self.settings.grid_step if grid else None,
+            catch=CATCH_PIXELS * self.metres,
+            release=RELEASE_PIXELS * self.metres,
+        )
+
+    def targets(self, moving: Collection[EntityId] = ()) -> Targets:
+        """What can be snapped to, hidden and moving bodies left out; kept while nothing changes."""
+        level, without = self.document.level, frozenset(moving) | self.document.hidden
+        if self._targets is None or self._targets[0] is not level or self._targets[1] != without:
+            self._targets = (level, without, targets(level, without))
+        return self._targets[2]
 
     @property
     def hint(self) -> str:

@@ -1,0 +1,63 @@
+"""Edits of bodies: adding one, taking over a simulated pose."""
+
+import dataclasses
+from collections.abc import Hashable
+from typing import Any, Protocol
+
+from kinetix.level.model import Body, Circle, Level
+
+
+class Poses(Protocol):
+    """Where the bodies of a level are at some moment; rows in the order of `level.bodies`."""
+
+    position: Any
+    """Shape (b, 2) [m]."""
+    angle: Any
+    """Shape (b,) [rad]."""
+    velocity: Any
+    """Shape (b, 2) [m/s]."""
+    angular_velocity: Any
+    """Shape (b,) [rad/s]."""
+
+
+def posed(level: Level, poses: Poses) -> Level:
+    """The level with its bodies where a simulation has put them."""
+    rows = zip(
+        level.bodies,
+        poses.position.tolist(),
+        poses.angle.tolist(),
+        poses.velocity.tolist(),
+        poses.angular_velocity.tolist(),
+        strict=True,
+    )
+    return level.replace(
+        bodies=tuple(
+            body.replace(
+                position=tuple(position),
+                angle=angle,
+                velocity=tuple(velocity),
+                angular_velocity=angular_velocity,
+            )
+            for body, position, angle, velocity, angular_velocity in rows
+        )
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AddBody:
+    """Puts a new body on top of those of its kind; its id is given when it is added."""
+
+    body: Body
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Names the shape."""
+        if isinstance(self.body.shape, Circle):
+            return "Add circle"
+        return "Add triangle" if len(self.body.shape.vertices) == 3 else "Add rectangle"
+
+    def apply(self, level: Level) -> Level:
+        """Append the body."""
+        body = self.body.replace(id=level.next_id)
+        return level.replace(bodies=(*level.bodies, body), next_id=level.next_id + 1)

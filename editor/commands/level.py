@@ -1,0 +1,55 @@
+"""Edits of a level as a whole: another content, the state of a simulation."""
+
+import dataclasses
+from collections.abc import Hashable
+
+from editor.commands.bodies import Poses, posed
+from kinetix.level.model import Level
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ReplaceLevel:
+    """Puts another level in the place of this one (random level, mutation, reload, recovery).
+
+    Where ids are the same in both, they mean the same entity (a mutation); a level from elsewhere
+    brings ids of its own, which are shifted out of the way by `fresh`.
+    """
+
+    level: Level
+    label: str
+    fresh: bool = False
+    """Give every entity a new id: the content has nothing to do with the old one."""
+    merge_key: Hashable | None = None
+
+    def apply(self, level: Level) -> Level:
+        """The other level; the id counter never falls."""
+        if not self.fresh:
+            return self.level.replace(next_id=max(level.next_id, self.level.next_id))
+        new = {old.id: level.next_id + k for k, old in enumerate(self.level.entities())}
+        return renumbered(self.level, new).replace(next_id=level.next_id + len(new))
+
+
+def renumbered(level: Level, new: dict[int, int]) -> Level:
+    """The level with other ids; `new` names every old one."""
+
+    def end(reference: int | str) -> int | str:
+        return reference if isinstance(reference, str) else new[reference]
+
+    return level.replace(
+        bodies=tuple(body.replace(id=new[body.id]) for body in level.bodies),
+        joints=tuple(j.replace(id=new[j.id], a=end(j.a), b=end(j.b)) for j in level.joints),
+        thrusters=tuple(t.replace(id=new[t.id], body=new[t.body]) for t in level.thrusters),
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class TakePoses:
+    """Starts the level from where a simulation has taken its bodies."""
+
+    poses: Poses
+    label: str = "Edit from here"
+    merge_key: Hashable | None = None
+
+    def apply(self, level: Level) -> Level:
+        """Put the bodies there."""
+        return posed(level, self.poses)

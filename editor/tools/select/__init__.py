@@ -1,0 +1,1 @@
+"""The select tool: one file for each gesture."""

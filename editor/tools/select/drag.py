@@ -1,0 +1,75 @@
+"""Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
+
+from typing import TYPE_CHECKING
+
+from editor.commands.group import Move
+from editor.commands.joints import MoveJoint
+from editor.commands.thrusters import PlaceThruster
+from editor.events import Pointer, PointerEvent
+from editor.overlay import Cursor, Label
+from editor.snapping import snap_point, snap_shift
+from editor.tools.base import Feedback, Gesture
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
+    """Move bodies: Shift keeps to one axis, Ctrl inverts snapping, typed numbers are the shift.
+
+    Args:
+        session: The app.
+        press: Where the drag began.
+        ids: The bodies that move.
+    """
+    level = session.document.level
+    bodies = [body for body in level.bodies if body.id in ids]
+    # The grabbed body leads: its centre is what the grid takes.
+    bodies.sort(key=lambda body: body.id not in session.selection)
+    available = session.targets(ids)
+    snapped, command = None, None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        shift = (event.world[0] - press.world[0], event.world[1] - press.world[1])
+        if event.modifiers.shift:
+            shift = (shift[0], 0.0) if abs(shift[0]) >= abs(shift[1]) else (0.0, shift[1])
+        snapped = snap_shift(bodies, shift, session.rules(event.modifiers), available, snapped)
+        dx, dy = snapped.point
+        if event.modifiers.shift:
+            dx, dy = (dx, 0.0) if shift[1] == 0.0 else (0.0, dy)
+        if event.typed:
+            dx, dy = event.typed[0], event.typed[1] if len(event.typed) > 1 else 0.0
+        command = Move(ids=ids, shift=(dx, dy))
+        if event.kind is Pointer.RELEASE:
+            return command
+        label = Label(at=event.world, text=f"{dx:+.2f}, {dy:+.2f} m")
+        feedback = Feedback(command=command, marks=(*snapped.guides, label), cursor=Cursor.MOVE)
+
+
+def drag_joint(session: "Session", press: PointerEvent, joint: int) -> Gesture:
+    """Move a joint's anchor."""
+    del press
+    available, snapped = session.targets(), None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+        command = MoveJoint(joint=joint, point=snapped.point)
+        if event.kind is Pointer.RELEASE:
+            return command
+        feedback = Feedback(command=command, marks=snapped.guides, cursor=Cursor.MOVE)
+
+
+def drag_thruster(session: "Session", press: PointerEvent, thruster: int) -> Gesture:
+    """Move a thruster on its body."""
+    del press
+    available, snapped = session.targets(), None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+        command = PlaceThruster(thruster=thruster, point=snapped.point)
+        if event.kind is Pointer.RELEASE:
+            return command
+        feedback = Feedback(command=command, marks=snapped.guides, cursor=Cursor.MOVE)

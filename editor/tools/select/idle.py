@@ -1,0 +1,143 @@
+"""Selects and moves: decides at the press which gesture begins."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from editor.commands.base import EntityId, Selection
+from editor.commands.rigid import component
+from editor.events import Pointer, PointerEvent
+from editor.overlay import Cursor, Handle, HandleKind
+from editor.picking import HANDLE_PIXELS, PICK_PIXELS, handles, pick_handle, stack
+from editor.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool
+from editor.tools.select.box import rubber_band
+from editor.tools.select.drag import drag_bodies, drag_joint, drag_thruster
+from editor.tools.select.resize import resize
+from editor.tools.select.rotate import aim, rotate_bodies
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+CYCLE_PIXELS: Final = 4.0
+CYCLE_SECONDS: Final = 0.6
+"""A second click this near and this soon goes one deeper into the stack."""
+
+_CURSORS: Final = {
+    HandleKind.ROTATE: Cursor.ROTATE,
+    HandleKind.AIM: Cursor.ROTATE,
+}
+
+
+class SelectTool(Tool):
+    """Click to select, drag to move, drag a handle to turn or resize, drag nothing for a band."""
+
+    id = "select"
+    label = "Select"
+    hint = "Click to select, drag to move. Shift+click adds, click again for what lies below."
+
+    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+        """Show what a press would take."""
+        handle = _handle_at(session, event)
+        if handle is not None:
+            return Feedback(cursor=_CURSORS.get(handle.kind, Cursor.RESIZE))
+        under = under_pointer(session, event)
+        session.hovered = under[0] if under else None
+        return Feedback(cursor=Cursor.MOVE if under else Cursor.ARROW)
+
+    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+        """Begin the gesture that fits what lies under the pointer."""
+        handle = _handle_at(session, event)
+        if handle is not None:
+            if handle.kind is HandleKind.ROTATE:
+                return rotate_bodies(session, event)
+            if handle.kind is HandleKind.AIM:
+                return aim(session)
+            return resize(session, handle)
+        under = under_pointer(session, event)
+        if not under:
+            return rubber_band(session, event)
+        return self._click_or_drag(session, event, under)
+
+    def _click_or_drag(
+        self, session: "Session", event: PointerEvent, under: Selection
+    ) -> Gesture:
+        press = event
+        before = session.selection
+        taken = next((i for i in under if i in before), under[0])
+        if taken not in before and not (press.modifiers.shift or press.modifiers.alt):
+            session.selection = (taken,)
+        feedback = Feedback(cursor=Cursor.MOVE)
+        while True:
+            event = yield feedback
+            if event.kind is Pointer.RELEASE:
+                self._clicked(session, press, under, before)
+                return None
+            if math.dist(event.screen, press.screen) >= DRAG_PIXELS:
+                break
+        if taken not in session.selection:
+            session.selection = (*before, taken) if press.modifiers.shift else (taken,)
+        dragging = begin_drag(session, press, taken)
+        if dragging is None:
+            session.complain("Floor, walls and ceiling do not move.")
+            return None
+        next(dragging)
+        try:
+            while True:
+                event = yield dragging.send(event)
+        except StopIteration as finished:
+            return finished.value
+        finally:
+            dragging.close()
+
+    def _clicked(
+        self, session: "Session", press: PointerEvent, under: Selection, before: Selection
+    ) -> None:
+        last, session.last_click = session.last_click, press
+        if press.modifiers.shift:
+            top = under[0]
+            without = tuple(i for i in before if i != top)
+            session.selection = without if top in before else (*before, top)
+            return
+        again = (
+            last is not None
+            and math.dist(last.screen, press.screen) <= CYCLE_PIXELS
+            and press.time - last.time <= CYCLE_SECONDS
+        )
+        if (again or press.modifiers.alt) and len(before) == 1 and before[0] in under:
+            deeper = (under.index(before[0]) + 1) % len(under)
+            session.selection = (under[deeper],)
+        else:
+            session.selection = (under[0],)
+
+
+def begin_drag(session: "Session", press: PointerEvent, taken: EntityId) -> Gesture | None:
+    """The drag of what was taken: a joint, a thruster, or bodies with what hangs on them."""
+    level = session.document.level
+    alone = len(session.selection) == 1
+    if alone and any(joint.id == taken for joint in level.joints):
+        return drag_joint(session, press, int(taken))
+    if alone and any(thruster.id == taken for thruster in level.thrusters):
+        return drag_thruster(session, press, int(taken))
+    ids = {body.id for body in level.bodies if body.id in session.selection}
+    if session.settings.move_jointed and not press.modifiers.alt:
+        ids = component(level, ids)
+    ids -= {i for i in session.document.locked if isinstance(i, int)}
+    if not ids:
+        return None
+    return drag_bodies(session, press, tuple(b.id for b in level.bodies if b.id in ids))
+
+
+def under_pointer(session: "Session", event: PointerEvent) -> Selection:
+    """What can be selected under the pointer, the uppermost first."""
+    document = session.document
+    return stack(
+        document.level,
+        event.world,
+        PICK_PIXELS * session.metres,
+        without=document.locked | document.hidden,
+        arena=session.view.edit_arena,
+    )
+
+
+def _handle_at(session: "Session", event: PointerEvent) -> Handle | None:
+    available = handles(session.document.level, session.selection, session.metres)
+    return pick_handle(available, event.world, HANDLE_PIXELS * session.metres)

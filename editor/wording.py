@@ -1,0 +1,40 @@
+"""Words for entities: what menus, lists and messages call them."""
+
+from typing import Final
+
+from kinetix.level.model import Body, Circle, Joint, Level, Record
+
+ARENA_LABELS: Final = {
+    "floor": "Floor",
+    "left_wall": "Left wall",
+    "right_wall": "Right wall",
+    "ceiling": "Ceiling",
+}
+
+
+def shape_name(body: Body) -> str:
+    """Circle, triangle or rectangle (any four corners)."""
+    if isinstance(body.shape, Circle):
+        return "circle"
+    return "triangle" if len(body.shape.vertices) == 3 else "rectangle"
+
+
+def kind_name(record: Record) -> str:
+    """What an entity is, in one word."""
+    if isinstance(record, Body):
+        return shape_name(record)
+    if isinstance(record, Joint):
+        return "weld" if record.kind == "fixed" else "joint"
+    return "thruster"
+
+
+def describe(level: Level, entity_id: int | str) -> str:
+    """What to call an entity: "Green circle 3", "Floor", "Weld 7"."""
+    if isinstance(entity_id, str):
+        return ARENA_LABELS.get(entity_id, entity_id)
+    try:
+        entity = level.entity(entity_id)
+    except KeyError:
+        return f"Missing {entity_id}"
+    role = f"{entity.role} " if isinstance(entity, Body) and entity.role != "none" else ""
+    return f"{role}{kind_name(entity)} {entity_id}".capitalize()
