@@ -505,9 +505,8 @@ def level_from_scene(
         description: Text of the new level.
         tags: Tags of the new level.
     """
-    scene = jax.tree.map(
-        np.asarray, dataclasses.replace(scene, state=scene.state.replace(cache=()))
-    )
+    bare = dataclasses.replace(scene, state=dataclasses.replace(scene.state, cache=()))
+    scene = jax.tree.map(np.asarray, bare)
     world = scene.world
     capacity = capacity_of_world(world)
     references: dict[int, BodyReference] = dict(enumerate(ARENA_NAMES))

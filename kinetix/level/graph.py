@@ -1,0 +1,67 @@
+"""Which bodies hang together by joints."""
+
+from collections.abc import Collection
+
+from kinetix.level.model import Body, BodyReference, Level
+
+
+def components(level: Level) -> dict[BodyReference, BodyReference]:
+    """For every jointed body a representative of its component; arena and fixed bodies connect.
+
+    Bodies of one component never push each other. Bodies without joints are left out.
+    """
+    parents: dict[BodyReference, BodyReference] = {}
+
+    def root(reference: BodyReference) -> BodyReference:
+        while parents.setdefault(reference, reference) != reference:
+            reference = parents[reference]
+        return reference
+
+    for joint in level.joints:
+        parents[root(joint.b)] = root(joint.a)
+    return {reference: root(reference) for reference in tuple(parents)}
+
+
+def may_push(
+    a: tuple[BodyReference, Body],
+    b: tuple[BodyReference, Body],
+    component: dict[BodyReference, BodyReference],
+) -> bool:
+    """Whether two bodies can ever push each other.
+
+    Args:
+        a: Reference and body.
+        b: Reference and body.
+        component: From `components`.
+    """
+    if a[1].fixed and b[1].fixed:
+        return False
+    if a[0] in component and b[0] in component and component[a[0]] == component[b[0]]:
+        return False
+    return modes_meet(a[1], b[1])
+
+
+def modes_meet(a: Body, b: Body) -> bool:
+    """Whether the collision modes of two bodies let them touch at all."""
+    modes = {a.collision, b.collision}
+    return "always" in modes or modes == {"normal"}
+
+
+def jointed_bodies(level: Level, ids: Collection[int]) -> frozenset[int]:
+    """The bodies that hang together with these by joints, themselves included.
+
+    A chain of joints ends at the arena: what is pinned to the floor does not hang together.
+    """
+    neighbours: dict[int, set[int]] = {}
+    for joint in level.joints:
+        if isinstance(joint.a, int) and isinstance(joint.b, int):
+            neighbours.setdefault(joint.a, set()).add(joint.b)
+            neighbours.setdefault(joint.b, set()).add(joint.a)
+    found = set(ids)
+    open_ids = list(ids)
+    while open_ids:
+        for neighbour in neighbours.get(open_ids.pop(), ()):
+            if neighbour not in found:
+                found.add(neighbour)
+                open_ids.append(neighbour)
+    return frozenset(found)
