@@ -29,9 +29,11 @@ from kinetix.level.model import (
     ARENA_NAMES,
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
+    Arena,
     Body,
     BodyReference,
     Entity,
+    Geometry,
     Joint,
     Level,
     Polygon,
@@ -150,11 +152,11 @@ def _own_faults(entity: Record) -> tuple[tuple[str, str, str], ...]:
         # Bindings have E110; a wrong number of corners has E107.
         if not fault.path.endswith(("binding", ".vertices")):
             found.append(("E106", fault.path, f"{fault.path[1:]}: {fault.message}"))
-    shape = getattr(entity, "shape", None) or getattr(entity, "geometry", None)
-    if not found and isinstance(shape, (Polygon, Geometry)):
-        reason = polygon_fault(shape.vertices)
-        if reason:
-            found.append(("E107", ".shape.vertices", reason))
+    for name in ("shape", "geometry"):
+        shape = getattr(entity, name, None)
+        reason = isinstance(shape, (Polygon, Geometry)) and polygon_fault(shape.vertices)
+        if reason and not found:
+            found.append(("E107", f".{name}.vertices", reason))
     return tuple(found)
 
 
