@@ -89,7 +89,7 @@ def goal_distance(position: Float[Array, "b 2"], world: World, labels: Labels) -
 
 
 def dense_reward(
-    distance: Float[Array, ""], last_distance: Float[Array, ""], scale: Float[Array, ""]
+    distance: Float[Array, ""], last_distance: Float[Array, ""], scale: float
 ) -> Float[Array, ""]:
     """What coming closer is worth: the distance lost in this step times the scale.
 

@@ -122,25 +122,25 @@ class PhysicsEngine:
 
 def engine_parameters(env_params: EnvParams) -> Parameters:
     """The engine's share of `EnvParams`, under the engine's names."""
-    values: dict[str, Any] = dict(
-        dt=env_params.dt,
-        base_friction=env_params.base_friction,
-        base_motor_speed=env_params.base_motor_speed,
-        base_motor_power=env_params.base_motor_power,
-        base_thruster_power=env_params.base_thruster_power,
-        motor_decay_coefficient=env_params.motor_decay_coefficient,
-        motor_joint_limit=env_params.motor_joint_limit,
-        clip_position=env_params.clip_position,
-        clip_velocity=env_params.clip_velocity,
-        clip_angular_velocity=env_params.clip_angular_velocity,
-        slop=env_params.slop,
-        baumgarte_collision=env_params.baumgarte_coefficient_collision,
-        baumgarte_joint_velocity=env_params.baumgarte_coefficient_joints_v,
-        baumgarte_joint_position=env_params.baumgarte_coefficient_joints_p,
-        baumgarte_fixed_joint=env_params.baumgarte_coefficient_fjoint_av,
-        baumgarte_limit=env_params.baumgarte_coefficient_rjoint_limit_av,
-        joint_stiffness=env_params.joint_stiffness,
-    )
+    values: dict[str, Any] = {
+        "dt": env_params.dt,
+        "base_friction": env_params.base_friction,
+        "base_motor_speed": env_params.base_motor_speed,
+        "base_motor_power": env_params.base_motor_power,
+        "base_thruster_power": env_params.base_thruster_power,
+        "motor_decay_coefficient": env_params.motor_decay_coefficient,
+        "motor_joint_limit": env_params.motor_joint_limit,
+        "clip_position": env_params.clip_position,
+        "clip_velocity": env_params.clip_velocity,
+        "clip_angular_velocity": env_params.clip_angular_velocity,
+        "slop": env_params.slop,
+        "baumgarte_collision": env_params.baumgarte_coefficient_collision,
+        "baumgarte_joint_velocity": env_params.baumgarte_coefficient_joints_v,
+        "baumgarte_joint_position": env_params.baumgarte_coefficient_joints_p,
+        "baumgarte_fixed_joint": env_params.baumgarte_coefficient_fjoint_av,
+        "baumgarte_limit": env_params.baumgarte_coefficient_rjoint_limit_av,
+        "joint_stiffness": env_params.joint_stiffness,
+    }
     return Parameters(**values)
 
 

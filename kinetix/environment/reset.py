@@ -1,0 +1,220 @@
+"""Where episodes start: levels from files, lists of levels, random levels, the empty level."""
+
+import dataclasses
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import jax
+import jax.numpy as jnp
+import msgspec
+import numpy as np
+from jaxtyping import Array
+
+from kinetix.engine.spec import SceneSpec
+from kinetix.environment.params import (
+    EnvParams,
+    Parity,
+    StaticEnvParams,
+    physics_engine,
+    static_env_params_of,
+    with_parity,
+)
+from kinetix.environment.rearrange import check_bindings, expand_state, permute_state
+from kinetix.environment.state import EnvState, stack_states, state_of
+from kinetix.errors import KinetixError
+from kinetix.level.codec import LoadedLevel, load_document
+from kinetix.level.compile import compile_kinetix_env, compile_level, empty_scene
+from kinetix.level.kinetix_env import STANDARD_GRAVITY
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
+
+if TYPE_CHECKING:
+    from kinetix.environment.generators.params import UEDParams
+
+ResetFunction = Callable[[Array], EnvState]
+"""Draws the state in which an episode starts from a key; works under jit and vmap."""
+
+Source = Literal["file", "fixed"]
+"""Whether a number comes from the file or is the one that the peer always uses."""
+
+LevelLike = str | Path | Level | EnvState
+"""A level in any form: file, bundled name, document, state."""
+
+_PERMUTATION = re.compile(r"\.permute(\d+)")
+
+
+def load_from_json_file(
+    path: str | Path,
+    *,
+    static_env_params: StaticEnvParams | None = None,
+    gravity: Source = "file",
+    time_limit: Source = "file",
+    physics: str | None = None,
+    parity: Parity | None = None,
+) -> tuple[EnvState, StaticEnvParams, EnvParams]:
+    """A level file, ready for the environment.
+
+    A file of the peer keeps its slots, gaps and stored inverse masses; a native file is compiled
+    without gaps.
+
+    Args:
+        path: A file of either format, or the name of a bundled level such as `s/name`.
+        static_env_params: The sizes to compile to; by default the file's own.
+        gravity: `"fixed"`: (0, −9.81) whatever the file says.
+        time_limit: `"fixed"`: 256 steps whatever the file says.
+        physics: Physics preset of the result; by default that of `static_env_params`.
+        parity: `"kinetix-3"`: everything as the peer does (physics `jax2d`, both `"fixed"`).
+
+    Returns:
+        The state at the start, and the parameters that fit it.
+
+    Raises:
+        LevelError: The file is missing or bad, or the level does not fit.
+    """
+    loaded = load_document(path)
+    if parity is not None:
+        gravity = time_limit = "fixed"
+    static = static_env_params or _static_of(loaded)
+    if physics is not None:
+        static = dataclasses.replace(static, physics=physics)
+    static = with_parity(static, parity)
+    state = _compiled(loaded, static, gravity=gravity, time_limit=time_limit)
+    check_bindings(state, static, name=str(path))
+    return _permuted(state, path), static, _env_params_of(loaded, time_limit)
+
+
+def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvState:
+    """A level in any form as a state of the given sizes.
+
+    Args:
+        level: A file, a bundled name (with a suffix `.permuteN`, its entities are permuted with
+            the seed N), a document or a state.
+        static_env_params: The sizes and the physics.
+
+    Raises:
+        LevelError: The file is bad, or the level does not fit.
+        KinetixError: The state does not fit.
+    """
+    if isinstance(level, EnvState):
+        name = "the level"
+        state = expand_state(level, static_env_params)
+    elif isinstance(level, Level):
+        name = f"level {level.name!r}"
+        engine = physics_engine(static_env_params)
+        state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+    else:
+        name = str(level)
+        state, _, _ = load_from_json_file(level, static_env_params=static_env_params)
+    check_bindings(state, static_env_params, name=name)
+    return state
+
+
+def make_reset_fn_list_of_levels(
+    levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
+) -> ResetFunction:
+    """A reset function that picks one of some levels.
+
+    Args:
+        levels: Files, bundled names, documents or states, one of those, or a level set (its file
+            or the loaded one, whose weights are the probabilities).
+        static_env_params: The common sizes; every level is expanded to them.
+
+    Returns:
+        A function of a key; every level is equally likely where no weights are given.
+
+    Raises:
+        KinetixError: There is no level, or one does not fit; the message says which and why.
+    """
+    entries, weights = _entries(levels)
+    if not entries:
+        raise KinetixError("levels is empty: expected at least one level")
+    stacked = stack_states([level_state(level, static_env_params) for level in entries])
+    if len(entries) == 1:
+        only = jax.tree.map(lambda x: x[0], stacked)
+        return lambda key: only
+    edges = np.cumsum(weights) / np.sum(weights)
+
+    def reset(key: Array) -> EnvState:
+        drawn = jax.random.uniform(key)
+        index = jnp.sum(drawn >= jnp.asarray(edges[:-1], drawn.dtype), dtype=jnp.int32)
+        return jax.tree.map(lambda x: x[index], stacked)
+
+    return reset
+
+
+def make_reset_fn_sample_kinetix_level(
+    env_params: EnvParams,
+    static_env_params: StaticEnvParams,
+    ued_params: "UEDParams | None" = None,
+) -> ResetFunction:
+    """A reset function that draws a random level of the given sizes.
+
+    Args:
+        env_params: Parameters.
+        static_env_params: Sizes and physics.
+        ued_params: Options of the random levels; None: the usual ones.
+    """
+    from kinetix.environment.generators.params import UEDParams
+    from kinetix.environment.generators.sample import sample_kinetix_level
+
+    options = UEDParams() if ued_params is None else ued_params
+    engine = physics_engine(static_env_params)
+
+    def reset(key: Array) -> EnvState:
+        return sample_kinetix_level(key, engine, env_params, static_env_params, options)
+
+    return reset
+
+
+def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
+    """A reset function that always gives the level without any body but the arena."""
+    return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
+
+
+def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
+    """The levels, and how likely each is (not normalised)."""
+    if isinstance(levels, (str, Path, Level, EnvState)):
+        levels = [levels]
+    entries = list(levels)
+    return entries, np.ones(len(entries))
+
+
+def _static_of(loaded: LoadedLevel) -> StaticEnvParams:
+    if loaded.source is None:
+        return static_env_params_of(capacity_of(loaded.level))
+    names = {field.name for field in dataclasses.fields(StaticEnvParams)}
+    block = {name: value for name, value in loaded.source.static.items() if name in names}
+    return StaticEnvParams(**block | {"screen_dim": (500, 500), "downscale": 4})
+
+
+def _env_params_of(loaded: LoadedLevel, time_limit: Source) -> EnvParams:
+    block = {} if loaded.source is None else dict(loaded.source.parameters)
+    limit = EnvParams().max_timesteps if time_limit == "fixed" else loaded.level.max_timesteps
+    return EnvParams(**block | {"max_timesteps": limit})
+
+
+def _compiled(
+    loaded: LoadedLevel, static: StaticEnvParams, *, gravity: Source, time_limit: Source
+) -> EnvState:
+    engine = physics_engine(static)
+    if loaded.source is not None:
+        own = SceneSpec(capacity=loaded.source.capacity)
+        scene = compile_kinetix_env(
+            loaded.source, spec=own, solver=engine.solver, gravity=gravity, time_limit=time_limit
+        )
+        return expand_state(state_of(scene), static, name=loaded.source.file)
+    level = loaded.level
+    if gravity == "fixed":
+        level = msgspec.structs.replace(level, gravity=STANDARD_GRAVITY)
+    if time_limit == "fixed":
+        level = msgspec.structs.replace(level, max_timesteps=EnvParams().max_timesteps)
+    return state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+
+
+def _permuted(state: EnvState, path: str | Path) -> EnvState:
+    found = _PERMUTATION.search(str(path))
+    if found is None:
+        return state
+    return permute_state(jax.random.key(int(found[1])), state)

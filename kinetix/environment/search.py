@@ -1,0 +1,230 @@
+"""Searching for actions that win a level: many random plans at once, the best ones varied.
+
+A plan holds each control for a while, as a player would. Each round plays a batch of plans from
+the start of the level; the next round keeps the plans that came closest, replaces their ends, and
+adds fresh ones. That needs no training and solves levels of moderate difficulty within seconds.
+"""
+
+import dataclasses
+import functools
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.level.compile import features_of
+from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level, Solution
+from kinetix.level.sizes import capacity_of
+
+Plans = Int[np.ndarray, "n k 6"]
+"""One multi-discrete action per plan and environment step."""
+
+BATCH: Final = 256
+"""Plans a round: enough variety, and small enough for a first result within seconds on a CPU."""
+ELITE: Final = 24
+"""Plans that a round keeps."""
+FRESH: Final = 64
+"""Plans a round that owe nothing to earlier ones."""
+HOLD: Final = (2, 48)
+"""Fewest and most environment steps for which a control is held (1/30 s each)."""
+LOST: Final = 10.0
+"""How many metres of distance a loss is worth when plans are ranked."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Progress:
+    """What a search knows after a round."""
+
+    plans: int
+    """Plans played so far."""
+    won: int
+    """How many of them won."""
+    distance: float
+    """Least distance between green and blue in a plan that was not lost [m]."""
+    seconds: float
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Outcome:
+    """How each plan of a batch went."""
+
+    won: Bool[np.ndarray, " n"]
+    steps: Int[np.ndarray, " n"]
+    """Environment steps until the episode ended."""
+    score: Float[np.ndarray, " n"]
+    """The less the better."""
+    distance: Float[np.ndarray, " n"]
+
+
+def solve_level(
+    level: Level,
+    *,
+    physics: str,
+    seed: int = 0,
+    seconds: float = 60.0,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> Solution | None:
+    """Search for a solution of a level.
+
+    Args:
+        level: A level that is neither won nor lost at its start.
+        physics: Physics preset under which the solution shall hold.
+        seed: Same seed, same search (but for where the time runs out).
+        seconds: How long to search; the round that is on when time is up is finished.
+        report: Called after each round.
+
+    Returns:
+        Actions from the start to the winning step, or None.
+
+    Raises:
+        KinetixError: The physics is unknown.
+    """
+    started = time.perf_counter()
+    env, start = solving_env(level, physics=physics)
+    random = np.random.default_rng(seed)
+    channels = channels_in_use(level)
+    plans = random_plans(random, BATCH, level.max_timesteps, channels)
+    elite, scores = plans[:0], np.empty(0)
+    played = won = 0
+    while True:
+        outcome = _play(env, start, plans)
+        played, won = played + len(plans), won + int(outcome.won.sum())
+        for index in np.flatnonzero(outcome.won)[np.argsort(outcome.steps[outcome.won])]:
+            actions = plans[index, : outcome.steps[index]]
+            # A batch of one rounds differently; only what holds there too is a proof.
+            if _play(env, start, actions[None]).won[0]:
+                return Solution(
+                    physics=physics,
+                    frame_skip=env.static_env_params.frame_skip,
+                    actions=_runs(actions),
+                )
+        elite, scores = _best(
+            np.concatenate([elite, plans]), np.concatenate([scores, outcome.score])
+        )
+        elapsed = time.perf_counter() - started
+        report(Progress(plans=played, won=won, distance=float(scores[0]), seconds=elapsed))
+        if elapsed > seconds or not channels:
+            return None
+        fresh = random_plans(random, FRESH, level.max_timesteps, channels)
+        plans = np.concatenate([_varied(random, elite, BATCH - FRESH, channels), fresh])
+
+
+def solving_env(level: Level, *, physics: str) -> tuple[KinetixEnv, EnvState]:
+    """An environment made for one level alone, which ends its episodes, and the start in it."""
+    static = static_env_params_of(capacity_of(level), physics=physics, features=features_of(level))
+    env = make_kinetix_env(
+        ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
+    )
+    assert isinstance(env, KinetixEnv)
+    return env, level_state(level, static)
+
+
+def channels_in_use(level: Level) -> tuple[int, ...]:
+    """The entries of a multi-discrete action that drive anything in a level."""
+    motors = {
+        joint.motor.binding
+        for joint in level.joints
+        if joint.kind == "revolute" and joint.motor and joint.motor.on and not joint.motor.auto
+    }
+    thrusters = {MOTOR_BINDINGS + thruster.binding for thruster in level.thrusters}
+    return tuple(sorted(motors | thrusters))
+
+
+def random_plans(
+    random: np.random.Generator, count: int, steps: int, channels: tuple[int, ...]
+) -> Plans:
+    """Plans that hold a random value of each used control for a random while."""
+    plans = np.zeros((count, steps, MOTOR_BINDINGS + THRUSTER_BINDINGS), np.int32)
+    for channel in channels:
+        values = 3 if channel < MOTOR_BINDINGS else 2
+        # Each plan has its own tempo, so that both taps and long holds are tried.
+        longest = random.integers(HOLD[0] + 1, HOLD[1] + 1, (count, 1))
+        holds = random.integers(HOLD[0], longest + 1, (count, steps // HOLD[0] + 1))
+        segment = np.array([np.repeat(np.arange(h.size), h)[:steps] for h in holds])
+        drawn = random.integers(0, values, holds.shape)
+        plans[:, :, channel] = np.take_along_axis(drawn, segment, axis=1)
+    return plans
+
+
+def _varied(
+    random: np.random.Generator, elite: Plans, count: int, channels: tuple[int, ...]
+) -> Plans:
+    """Children of good plans: another end, another stretch, or the same a little shifted."""
+    steps = elite.shape[1]
+    # Squared: the best parents have the most children.
+    children = elite[(len(elite) * random.random(count) ** 2).astype(int)].copy()
+    other = random_plans(random, count, steps, channels)
+    for child, source in zip(children, other, strict=True):
+        first = random.integers(0, steps)
+        kind = random.integers(0, 3)
+        if kind == 0:
+            child[first:] = source[first:]
+        elif kind == 1:
+            last = first + random.integers(2, HOLD[1])
+            channel = random.choice(channels)
+            child[first:last, channel] = source[first:last, channel]
+        else:
+            child[first:] = np.roll(child[first:], random.integers(-6, 7), axis=0)
+    return children
+
+
+def _best(plans: Plans, scores: Float[np.ndarray, " n"]) -> tuple[Plans, Float[np.ndarray, " n"]]:
+    order = np.argsort(scores, kind="stable")[:ELITE]
+    return plans[order], scores[order]
+
+
+def _runs(actions: Int[np.ndarray, "k 6"]) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Run-length encoding of an action sequence."""
+    changes = np.flatnonzero(np.any(np.diff(actions, axis=0) != 0, axis=1)) + 1
+    pieces = np.split(actions, changes)
+    return tuple((len(piece), tuple(int(value) for value in piece[0])) for piece in pieces)
+
+
+def _play(env: KinetixEnv, start: EnvState, plans: Plans) -> _Outcome:
+    won, lost, steps, distance = (np.asarray(x) for x in _rollout(env, start, jnp.asarray(plans)))
+    return _Outcome(won=won, steps=steps, score=distance + LOST * lost, distance=distance)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _rollout(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> tuple[Array, ...]:
+    """Play plans until each has ended.
+
+    Returns:
+        Per plan: won, lost, steps played, least distance [m].
+    """
+    count, limit = plans.shape[:2]
+    key = jax.random.key(0)  # nothing in a step of one level is random
+    step = jax.vmap(env.step, in_axes=(None, 0, 0))
+
+    def going_on(carry: tuple[Any, ...]) -> Array:
+        t, _, done, *_ = carry
+        return (t < limit) & ~jnp.all(done)
+
+    def advance(carry: tuple[Any, ...]) -> tuple[Any, ...]:
+        t, state, done, won, lost, steps, distance = carry
+        _, state, _, ended, info = step(key, state, plans[:, t])
+        fresh = ~done
+        return (
+            t + 1,
+            state,
+            done | ended,
+            won | (fresh & info["GoalR"]),
+            lost | (fresh & info["terminated"] & ~info["GoalR"]) | (fresh & info["nan"]),
+            steps + fresh,
+            jnp.where(fresh, jnp.minimum(distance, info["distance"]), distance),
+        )
+
+    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *jnp.shape(x))), start)
+    no, zero = jnp.zeros(count, bool), jnp.zeros(count, jnp.int32)
+    nowhere = jnp.full(count, jnp.inf, jnp.float32)
+    carry = (jnp.int32(0), states, no, no, no, zero, nowhere)
+    return jax.lax.while_loop(going_on, advance, carry)[3:]

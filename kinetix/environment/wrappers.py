@@ -1,0 +1,96 @@
+"""Wrappers around the environment, one concern each."""
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import EnvParams
+from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
+
+
+@pytree
+class LogState:
+    """The environment's state, and how the episodes go."""
+
+    env_state: EnvState
+    episode_returns: Float[Array, ""]
+    """Reward so far."""
+    episode_lengths: Int[Array, ""]
+    """Environment steps so far."""
+    returned_episode_returns: Float[Array, ""]
+    """Reward of the last episode that ended."""
+    returned_episode_lengths: Int[Array, ""]
+    """Steps of the last episode that ended."""
+    timestep: Int[Array, ""]
+    """Environment steps of all episodes."""
+
+
+class LogWrapper:
+    """Counts returns, lengths and solved episodes, and reports them in `info`."""
+
+    def __init__(self, env: Any) -> None:
+        self._env: KinetixEnv = env
+
+    def __getattr__(self, name: str) -> Any:
+        """Everything else is the environment's own."""
+        if name == "_env":
+            raise AttributeError(name)
+        return getattr(self._env, name)
+
+    def reset(
+        self,
+        key: Array,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> tuple[Any, LogState]:
+        """Start an episode, and counting."""
+        observation, env_state = self._env.reset(key, env_params, override_reset_state)
+        count = jnp.zeros((), jnp.int32)
+        state = LogState(
+            env_state=env_state,
+            episode_returns=jnp.zeros(()),
+            episode_lengths=count,
+            returned_episode_returns=jnp.zeros(()),
+            returned_episode_lengths=count,
+            timestep=count,
+        )
+        return observation, state
+
+    def step(
+        self,
+        key: Array,
+        state: LogState,
+        action: Any,
+        env_params: EnvParams | None = None,
+        override_reset_state: EnvState | None = None,
+    ) -> tuple[Any, LogState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        """Step, and report.
+
+        Returns:
+            As the environment's `step`; `info` gains `returned_episode_returns`,
+            `returned_episode_lengths`, `returned_episode_solved`, `timestep` and
+            `returned_episode` (whether an episode ended in this step).
+        """
+        observation, env_state, reward, done, info = self._env.step(
+            key, state.env_state, action, env_params, override_reset_state
+        )
+        returns, lengths = state.episode_returns + reward, state.episode_lengths + 1
+        logged = LogState(
+            env_state=env_state,
+            episode_returns=jnp.where(done, 0.0, returns),
+            episode_lengths=jnp.where(done, 0, lengths),
+            returned_episode_returns=jnp.where(done, returns, state.returned_episode_returns),
+            returned_episode_lengths=jnp.where(done, lengths, state.returned_episode_lengths),
+            timestep=state.timestep + 1,
+        )
+        report = {
+            "returned_episode_returns": logged.returned_episode_returns,
+            "returned_episode_lengths": logged.returned_episode_lengths,
+            "returned_episode_solved": info["GoalR"],
+            "timestep": logged.timestep,
+            "returned_episode": done,
+        }
+        return observation, logged, reward, done, info | report
