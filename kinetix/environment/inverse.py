@@ -194,7 +194,7 @@ def _shows_body(table: _Table) -> Bool[Array, " e"]:
 
 
 def _with_arena(listed: _Table, layout: Layout) -> _Table:
-    """The polygons' rows with those of the walls and the ceiling, which the flat form leaves out."""
+    """The polygons with walls and ceiling, which the flat form leaves out."""
     walls, _ = body_rows(_empty(layout), layout)
     rows = jnp.concatenate([listed.rows[:1], walls[1:ARENA_BODIES], listed.rows[1:]])
     return _Table(rows=rows, features=listed.features)

@@ -25,7 +25,7 @@ from kinetix.environment.rearrange import check_bindings, expand_state, permute_
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import LoadedLevel, load_document
-from kinetix.level.compile import compile_kinetix_env, compile_level, empty_scene
+from kinetix.level.compile import compile_kinetix_env, compile_level
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
