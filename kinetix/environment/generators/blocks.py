@@ -217,6 +217,16 @@ def _draw_figure(
     return figure, extent
 
 
+def new_dimensions(
+    draws: ShapeDraws,
+    circle: Bool[Array, "q n"],
+    limit: Float[Array, "1 n"] | float,
+    ued: UEDParams,
+) -> Figures:
+    """A shape as a new body would have it, at the origin: a rectangle, or a circle where asked."""
+    return _draw_figure(draws, circle, limit, ued.replace(generate_triangles=False))[0]
+
+
 def _corners(
     draws: ShapeDraws,
     circle: Bool[Array, "q n"],

@@ -133,14 +133,11 @@ def has_vertex(figures: Figures, vertex: int) -> Bool[Array, "*r n"]:
 
 def area(figures: Figures) -> Float[Array, "*r n"]:
     """Area of each body [m²], whether active or not."""
-    x, y = figures.vertices[..., 0, :], figures.vertices[..., 1, :]
-
-    def fan(j: int, k: int) -> Float[Array, "*r n"]:
-        origin_x, origin_y = x[..., 0, :], y[..., 0, :]
-        across = (x[..., j, :] - origin_x) * (y[..., k, :] - origin_y)
-        return jnp.abs(across - (y[..., j, :] - origin_y) * (x[..., k, :] - origin_x)) / 2
-
-    polygon = fan(1, 2) + jnp.where(has_vertex(figures, 3), fan(2, 3), 0.0)
+    corners = [figures.vertices[..., k, :, :] for k in range(VERTICES)]
+    polygon = _triangle_area(*corners[:3])
+    polygon = polygon + jnp.where(
+        has_vertex(figures, 3), _triangle_area(corners[0], *corners[2:]), 0.0
+    )
     return jnp.where(figures.circle, jnp.pi * figures.radius**2, polygon)
 
 
@@ -177,6 +174,38 @@ def inertia(
         total = total + jnp.where(has_vertex(figures, k), edge, 0.0)
     disc = (jnp.pi / (4 if inertia_model == "kinetix" else 2)) * figures.radius**4
     return figures.density * jnp.where(figures.circle, disc, total)
+
+
+def centroid(
+    figures: Figures, inertia_model: Literal["kinetix", "exact"]
+) -> Float[Array, "*r 2 n"]:
+    """Centre of mass of polygons in their own frame [m]; 0 for circles.
+
+    Args:
+        figures: The bodies.
+        inertia_model: `"kinetix"` takes the mean of the corners, `"exact"` the area's centre.
+
+    Source: level_format.md B4.
+    """
+    corners = [figures.vertices[..., k, :, :] for k in range(VERTICES)]
+    fourth = has_vertex(figures, 3)[..., None, :]
+    three = corners[0] + corners[1] + corners[2]
+    if inertia_model == "kinetix":
+        centre = jnp.where(fourth, (three + corners[3]) / 4, three / 3)
+    else:
+        first, second = (
+            _triangle_area(corners[0], corners[k], corners[k + 1])[..., None, :] for k in (1, 2)
+        )
+        second = jnp.where(fourth, second, 0.0)
+        total = jnp.maximum(first + second, 1e-12)
+        moments = first * three + second * (corners[0] + corners[2] + corners[3])
+        centre = moments / (3 * total)
+    return jnp.where(figures.circle[..., None, :], 0.0, centre)
+
+
+def _triangle_area(a: Array, b: Array, c: Array) -> Array:
+    p, q = b - a, c - a
+    return jnp.abs(p[..., 0, :] * q[..., 1, :] - p[..., 1, :] * q[..., 0, :]) / 2
 
 
 def bounds(figures: Figures) -> tuple[Float[Array, "*r 2 n"], Float[Array, "*r 2 n"]]:

@@ -13,11 +13,11 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.generators.arrange import arranged, shuffle_length
+from kinetix.environment.generators.batching import for_one_world
 from kinetix.environment.generators.blocks import (
     BLUE,
     GREEN,
@@ -333,40 +333,6 @@ def _swap_roles(role: Int[Array, "b n"], swap: Bool[Array, " n"]) -> Int[Array, 
     return jnp.where(goal & swap[None], GREEN + BLUE - role, role)
 
 
-def single_or_batched(
-    batched: Callable[[UInt[Array, "n 2"]], EnvState],
-) -> Callable[[Key[Array, ""] | UInt[Array, "2"]], EnvState]:
-    """Make a function of one key from a natively batched one, which `vmap` then finds again.
-
-    Args:
-        batched: Takes keys on the first axis, gives leaves with worlds on the first axis.
-    """
-
-    @custom_vmap
-    def many(keys: UInt[Array, "n 2"]) -> EnvState:
-        return batched(keys)
-
-    @many.def_vmap
-    def flatten(axis_size: int, in_batched: list[bool], keys: UInt[Array, "m n 2"]) -> Any:
-        del in_batched  # Only ever called with mapped keys.
-        shape = (axis_size, keys.shape[1])
-        flat = many(keys.reshape(-1, keys.shape[-1]))
-        out = jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), flat)
-        return out, jax.tree.map(lambda _: True, out)
-
-    @custom_vmap
-    def single(key: UInt[Array, "2"]) -> EnvState:
-        return jax.tree.map(lambda leaf: leaf[0], many(key[None]))
-
-    @single.def_vmap
-    def gather(axis_size: int, in_batched: list[bool], keys: UInt[Array, "n 2"]) -> Any:
-        del axis_size, in_batched
-        out = many(keys)
-        return out, jax.tree.map(lambda _: True, out)
-
-    return lambda key: single(raw_keys(key))
-
-
 @functools.cache
 def level_sampler(
     engine: PhysicsEngine, ued: UEDParams, capacity: Capacity | None = None
@@ -384,7 +350,8 @@ def level_sampler(
         draft = draw_levels(keys, capacity or slots, ued, slots)
         return states(draft, engine, ued.inertia_model)
 
-    return single_or_batched(batched)
+    single = for_one_world(batched)
+    return lambda key: single(raw_keys(key))
 
 
 def sample_kinetix_level(

@@ -1,0 +1,208 @@
+"""Mutations of environment states: one by name, or the random series of the ACCEL curriculum."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Key
+
+from kinetix.engine import Control, SceneSpec, default_parameters, solver_named, step
+from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.environment.generators.batching import for_one_world
+from kinetix.environment.generators.draft import Draft, draft_of, states
+from kinetix.environment.generators.draws import Tape, choose, raw_keys
+from kinetix.environment.generators.mutators import MUTATORS, NUMBERS, SETTLED
+from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.params import PhysicsEngine
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.compile import capacity_of_world
+
+SETTLING_STEPS: Final = 5
+"""Physics steps that put jointed bodies together again."""
+SETTLING_PHYSICS: Final = "jax2d"
+"""The peer's engine: what "together again" means is part of the distribution."""
+
+ACCEL_WEIGHTS: Final[dict[str, float]] = {
+    "add_shape": 1.0,
+    "add_connected_shape": 1.0,
+    "swap_role": 1.0,
+    "add_thruster": 1.0,
+    "remove_thruster": 1.0,
+    "toggle_fixture": 0.1,
+    "change_size": 1.0,
+    "change_location": 1.0,
+    "change_rotation": 1.0,
+}
+"""How often the ACCEL edit draws each mutation, where there is room for it."""
+
+
+def mutate_state(
+    key: Key[Array, ""], state: EnvState, name: str, ued_params: UEDParams | None = None
+) -> EnvState:
+    """A level with one mutation; the same level where the mutation finds nothing to act on.
+
+    Args:
+        key: Random key.
+        state: The level, at the start of an episode; `vmap` for many.
+        name: One of `MUTATORS`.
+        ued_params: The options; None for the defaults.
+
+    Raises:
+        KinetixError: There is no such mutation.
+    """
+    if name not in MUTATORS:
+        raise KinetixError(f"unknown mutation {name!r}: expected one of {', '.join(MUTATORS)}")
+    ued = ued_params or UEDParams()
+    return _mutation(name, ued, capacity_of_world(state.world))(raw_keys(key), state)
+
+
+def accel_edit(
+    key: Key[Array, ""],
+    state: EnvState,
+    num_edits: int,
+    ued_params: UEDParams | None = None,
+) -> EnvState:
+    """A level with a series of random mutations, drawn by `ACCEL_WEIGHTS`.
+
+    Args:
+        key: Random key.
+        state: The level, at the start of an episode; `vmap` for many.
+        num_edits: How many mutations are made in a row.
+        ued_params: The options; None for the defaults.
+    """
+    ued = ued_params or UEDParams()
+    return _series(num_edits, ued, capacity_of_world(state.world))(raw_keys(key), state)
+
+
+@functools.cache
+def _mutation(
+    name: str, ued: UEDParams, capacity: Capacity
+) -> Callable[[Array, EnvState], EnvState]:
+    def batched(keys: Array, state: EnvState) -> EnvState:
+        numbers = Tape(keys, NUMBERS).take(NUMBERS)
+        everywhere = jnp.ones((keys.shape[0],), bool)
+        before = draft_of(state)
+        draft = MUTATORS[name](before, numbers, everywhere, ued, capacity)
+        if name in SETTLED:
+            draft = settled(draft, everywhere, capacity, ued)
+        return _rebuilt(state, before, draft, capacity, ued)
+
+    return for_one_world(batched)
+
+
+@functools.cache
+def _series(
+    num_edits: int, ued: UEDParams, capacity: Capacity
+) -> Callable[[Array, EnvState], EnvState]:
+    def batched(keys: Array, state: EnvState) -> EnvState:
+        rows = Tape(keys, num_edits * (NUMBERS + 1)).take(num_edits, NUMBERS + 1)
+
+        def edit(draft: Draft, numbers: Array) -> tuple[Draft, None]:
+            drawn = choose(numbers[NUMBERS], _weights(draft))
+            for index, name in enumerate(ACCEL_WEIGHTS):
+                draft = MUTATORS[name](draft, numbers[:NUMBERS], drawn == index, ued, capacity)
+            loose = [drawn == index for index, name in enumerate(ACCEL_WEIGHTS) if name in SETTLED]
+            return settled(draft, functools.reduce(jnp.logical_or, loose), capacity, ued), None
+
+        before = draft_of(state)
+        draft, _ = jax.lax.scan(edit, before, rows)
+        return _rebuilt(state, before, draft, capacity, ued)
+
+    return for_one_world(batched)
+
+
+def _weights(draft: Draft) -> Array:
+    """Weights of the ACCEL mutations, 0 where there is no room or nothing to take away."""
+    body = jnp.any(~draft.figures.active[ARENA_BODIES:], axis=0)
+    possible = {
+        "add_shape": body,
+        "add_connected_shape": body & jnp.any(~draft.joints.active, axis=0),
+        "add_thruster": jnp.any(~draft.thrusters.active, axis=0),
+        "remove_thruster": jnp.any(draft.thrusters.active, axis=0),
+    }
+    always = jnp.ones_like(body)
+    return jnp.stack(
+        [
+            jnp.where(possible.get(name, always), weight, 0.0)
+            for name, weight in ACCEL_WEIGHTS.items()
+        ]
+    )
+
+
+def settled(
+    draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UEDParams
+) -> Draft:
+    """Put jointed bodies together again in the marked worlds, and everything there at rest.
+
+    A few physics steps without gravity, collisions and controls, from rest each time.
+    """
+    engine = PhysicsEngine(spec=SceneSpec(capacity=capacity), solver=solver_named(SETTLING_PHYSICS))
+    start = states(draft, engine, ued.inertia_model)
+    world = start.world.replace(
+        gravity=jnp.zeros_like(start.world.gravity),
+        collides=jnp.zeros_like(start.world.collides),
+    )
+    worlds = marked.shape[0]
+    control = Control(
+        motor=jnp.zeros((worlds, capacity.joints)),
+        thruster=jnp.zeros((worlds, capacity.thrusters)),
+    )
+    advance = functools.partial(
+        step, parameters=default_parameters(), spec=engine.spec, solver=engine.solver
+    )
+
+    def at_rest(physics: Any) -> Any:
+        return physics.replace(
+            velocity=jnp.zeros_like(physics.velocity),
+            angular_velocity=jnp.zeros_like(physics.angular_velocity),
+        )
+
+    def once(_: Any, physics: Any) -> Any:
+        return at_rest(jax.vmap(advance)(world, physics, control))
+
+    physics = jax.lax.fori_loop(0, SETTLING_STEPS, once, at_rest(start.physics))
+    position = jnp.moveaxis(physics.position, 0, -1)
+    rotation = jnp.moveaxis(physics.rotation, 0, -1)
+    figures = draft.figures
+    return draft.replace(
+        figures=figures.replace(
+            position=jnp.where(marked[None, None], position, figures.position),
+            rotation=jnp.where(marked[None], rotation, figures.rotation),
+        ),
+        velocity=jnp.where(marked[None, None], 0.0, draft.velocity),
+        angular_velocity=jnp.where(marked[None], 0.0, draft.angular_velocity),
+    )
+
+
+def _rebuilt(
+    state: EnvState, before: Draft, after: Draft, capacity: Capacity, ued: UEDParams
+) -> EnvState:
+    """The mutated state: what no mutation touched stays as it was, stored masses included."""
+    engine = PhysicsEngine(spec=SceneSpec(capacity=capacity), solver=solver_named(SETTLING_PHYSICS))
+    new = states(after, engine, ued.inertia_model)
+    same = _same_bodies(before, after)
+    bodies = new.world.bodies.replace(
+        inverse_mass=jnp.where(
+            same, state.world.bodies.inverse_mass, new.world.bodies.inverse_mass
+        ),
+        inverse_inertia=jnp.where(
+            same, state.world.bodies.inverse_inertia, new.world.bodies.inverse_inertia
+        ),
+    )
+    return new.replace(
+        world=new.world.replace(bodies=bodies),
+        physics=new.physics.replace(cache=jax.tree.map(jnp.zeros_like, state.physics.cache)),
+        labels=new.labels.replace(max_timesteps=state.labels.max_timesteps),
+    )
+
+
+def _same_bodies(before: Draft, after: Draft) -> Bool[Array, "n b"]:
+    """Bodies whose mass has no reason to change."""
+    old, new = before.figures, after.figures
+    same = jnp.all(old.vertices == new.vertices, axis=(1, 2)) & (old.radius == new.radius)
+    same = same & (old.density == new.density)
+    same = same & (old.fixed == new.fixed) & (old.active == new.active)
+    return jnp.moveaxis(same, -1, 0)

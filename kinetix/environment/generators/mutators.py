@@ -1,0 +1,449 @@
+"""Mutations of drafts, each applied to the worlds that are marked.
+
+Every mutation takes the drafts, its own uniform numbers and the marks, and leaves the other worlds
+as they are; so a batch in which every world gets another mutation runs each of them once. What they
+have in common: where there is nothing to act on, nothing happens.
+
+Source: level_generation.md 4; Q2, Q9 and Q10 are quirks of `UEDParams.kinetix_quirks`.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine.spec import Capacity
+from kinetix.environment.generators.blocks import (
+    JointRows,
+    Proposals,
+    SizeLimit,
+    Surroundings,
+    connected_shape,
+    free_shape,
+    joint_of,
+    look_around,
+    new_dimensions,
+    size_limit,
+    thrusters_on,
+)
+from kinetix.environment.generators.draft import Draft, components
+from kinetix.environment.generators.draws import (
+    PER_JOINT,
+    PER_SHAPE,
+    PER_THRUSTER,
+    between,
+    choose,
+    joint_draws,
+    shape_draws,
+    thruster_draws,
+)
+from kinetix.environment.generators.figures import (
+    ARENA_SIDE,
+    FLOOR_TOP,
+    Figures,
+    VERTICES,
+    bounds,
+    centroid,
+    has_vertex,
+    movable_rows,
+    pick,
+    rotate,
+)
+from kinetix.environment.generators.params import UEDParams
+
+LARGEST_STEP: Final = 0.5
+"""How far a body is moved along each axis at most [m]."""
+LARGEST_TURN: Final = math.pi / 2
+"""How far a body is turned at most [rad]."""
+MUTATED_GRAVITY: Final = -9.8
+"""Gravity that half of the mutated levels get, and the strongest of the others [m/s²]."""
+OFF_CENTRE: Final = 1e-5
+"""How far a frame's origin may be from the centre of mass before it is moved there [m]."""
+NUMBERS: Final = PER_SHAPE + PER_JOINT
+"""Uniform numbers that any one mutation uses at most."""
+
+Numbers = Float[Array, "22 n"]
+Marks = Bool[Array, " n"]
+Mutation = Callable[[Draft, Numbers, Marks, UEDParams, Capacity], Draft]
+
+
+def _hit(rows: Array, index: Int[Array, " n"], marked: Marks) -> Bool[Array, "b n"]:
+    """Which row is meant in each marked world, as marks over the rows."""
+    numbers = jnp.arange(rows.shape[0], dtype=jnp.int32)[:, None]
+    return (numbers == index[None]) & marked[None]
+
+
+def _some(candidates: Bool[Array, "b n"], u: Float[Array, " n"]) -> Int[Array, " n"]:
+    return choose(u, candidates.astype(jnp.float32))
+
+
+def _any_row(candidates: Bool[Array, "b n"]) -> Marks:
+    return jnp.any(candidates, axis=0)
+
+
+def _one_body(
+    draft: Draft, u: Float[Array, " n"], marked: Marks
+) -> tuple[Int[Array, " n"], Bool[Array, "b n"]]:
+    """A uniform active body besides the arena: its row, and the same as marks."""
+    candidates = movable_rows(draft.figures)
+    row = _some(candidates, u)
+    return row, _hit(draft.figures.active, row, marked & _any_row(candidates))
+
+
+def _with_figures(draft: Draft, **changes: Array) -> Draft:
+    return draft.replace(figures=draft.figures.replace(**changes))
+
+
+def _spread(marks: Bool[Array, "b n"], like: Array) -> Array:
+    """Marks over rows with as many axes as `like`, worlds last."""
+    return marks.reshape(marks.shape[0], *(1,) * (like.ndim - 2), marks.shape[1])
+
+
+def _ends(joints: JointRows, body: Bool[Array, "b n"]) -> tuple[Array, Array]:
+    """Of active joints: whether the marked body is their body a, and their body b."""
+    return (
+        joints.active & pick(body, joints.body_a),
+        joints.active & pick(body, joints.body_b),
+    )
+
+
+def remove_shape(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Take away a body with its joints and thrusters."""
+    del ued, capacity
+    _, gone = _one_body(draft, numbers[0], marked)
+    at_a, at_b = _ends(draft.joints, gone)
+    thrusters, joints = draft.thrusters, draft.joints
+    loose = pick(gone, thrusters.body)
+    return _with_figures(draft, active=draft.figures.active & ~gone).replace(
+        joints=joints.replace(active=joints.active & ~(at_a | at_b)),
+        thrusters=thrusters.replace(active=thrusters.active & ~loose),
+    )
+
+
+def remove_joint(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Take away a joint."""
+    del ued, capacity
+    active = draft.joints.active
+    gone = _hit(active, _some(active, numbers[0]), marked)
+    return draft.replace(joints=draft.joints.replace(active=active & ~gone))
+
+
+def remove_thruster(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Take away a thruster."""
+    del ued, capacity
+    active = draft.thrusters.active
+    gone = _hit(active, _some(active, numbers[0]), marked)
+    return draft.replace(thrusters=draft.thrusters.replace(active=active & ~gone))
+
+
+def swap_role(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Exchange the roles of two bodies whose roles differ."""
+    del ued, capacity
+    bodies, role = movable_rows(draft.figures), draft.figures.role
+    first = _some(bodies, numbers[0])
+    first_role = pick(role, first)
+    others = bodies & (role != first_role[None])
+    second = _some(others, numbers[1])
+    marked = marked & _any_row(bodies) & _any_row(others)
+    role = jnp.where(_hit(role, first, marked), pick(draft.figures.role, second)[None], role)
+    return _with_figures(
+        draft, role=jnp.where(_hit(role, second, marked), first_role[None], role)
+    )
+
+
+def toggle_fixture(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Fix a body, or free a fixed one, which then turns about its centre of mass."""
+    del capacity
+    _, body = _one_body(draft, numbers[0], marked)
+    draft = _recentred(draft, body & draft.figures.fixed, ued)
+    return _with_figures(draft, fixed=draft.figures.fixed ^ body)
+
+
+def _recentred(draft: Draft, freed: Bool[Array, "b n"], ued: UEDParams) -> Draft:
+    """Make the centre of mass of some bodies the origin of their frames; nothing moves."""
+    figures, joints, thrusters = draft.figures, draft.joints, draft.thrusters
+    shift = centroid(figures, ued.inertia_model)
+    # Rounding alone is no reason to touch a body.
+    off = jnp.max(jnp.abs(shift), axis=1) > OFF_CENTRE
+    shift = jnp.where((freed & off & ~figures.circle)[:, None], shift, 0.0)
+    real = jnp.stack([has_vertex(figures, k) for k in range(VERTICES)], axis=1)[:, :, None]
+    return draft.replace(
+        figures=figures.replace(
+            vertices=figures.vertices - jnp.where(real, shift[:, None], 0.0),
+            position=figures.position + rotate(shift, figures.rotation),
+        ),
+        joints=joints.replace(
+            anchor_a=joints.anchor_a - pick(shift, joints.body_a),
+            anchor_b=joints.anchor_b - pick(shift, joints.body_b),
+        ),
+        thrusters=thrusters.replace(position=thrusters.position - pick(shift, thrusters.body)),
+    )
+
+
+def change_gravity(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Ordinary gravity, or any weaker one."""
+    del ued, capacity
+    pull = jnp.where(numbers[0] < 0.5, 1.0, numbers[1]) * MUTATED_GRAVITY
+    gravity = jnp.stack([jnp.zeros_like(pull), pull])
+    return draft.replace(gravity=jnp.where(marked[None], gravity, draft.gravity))
+
+
+def change_size(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Give a body new dimensions, its anchors with it; jointed bodies are to be settled."""
+    del capacity
+    row, body = _one_body(draft, numbers[-1], marked)
+    old = draft.figures
+    circle = pick(old.circle, row)
+    draws = shape_draws(numbers[:PER_SHAPE, None])
+    new = jax.tree.map(
+        lambda leaf: leaf[0], new_dimensions(draws, circle[None], size_limit(ued).limit, ued)
+    )
+    # The drawn rectangle says how large the bounding box's corner is to be, whatever the shape.
+    was = jnp.abs(_leftmost(pick(old.vertices, row), pick(old.vertex_count, row)))
+    drawn = jnp.abs(_leftmost(new.vertices, new.vertex_count))
+    scale = jnp.where(was > 1e-6, drawn / jnp.maximum(was, 1e-6), 1.0)
+    round_scale = new.radius / jnp.maximum(pick(old.radius, row), 1e-6)
+    scale = jnp.where(circle[None], round_scale[None], scale)
+    figures = old.replace(
+        vertices=jnp.where(_spread(body, old.vertices), old.vertices * scale[None, None], old.vertices),
+        radius=jnp.where(body & circle[None], new.radius[None], old.radius),
+    )
+    joints, thrusters = draft.joints, draft.thrusters
+    at_a, at_b = (end[:, None] for end in _ends(joints, body))
+    joints = joints.replace(
+        anchor_a=jnp.where(at_a, joints.anchor_a * scale[None], joints.anchor_a),
+        anchor_b=jnp.where(at_b, joints.anchor_b * scale[None], joints.anchor_b),
+    )
+    if not ued.kinetix_quirks:
+        # Q9: the peer leaves thrusters where they were.
+        moved = (thrusters.active & pick(body, thrusters.body))[:, None]
+        thrusters = thrusters.replace(
+            position=jnp.where(moved, thrusters.position * scale[None], thrusters.position)
+        )
+    return draft.replace(figures=figures, joints=joints, thrusters=thrusters)
+
+
+def _leftmost(vertices: Float[Array, "4 2 n"], count: Int[Array, " n"]) -> Float[Array, "2 n"]:
+    """The corner with the least 100·x + y."""
+    score = 100 * vertices[:, 0] + vertices[:, 1]
+    real = jnp.arange(vertices.shape[0])[:, None] < count[None]
+    return pick(vertices, jnp.argmin(jnp.where(real, score, jnp.inf), axis=0).astype(jnp.int32))
+
+
+def change_location(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Move a body and everything jointed to it, but keep it inside the arena."""
+    row, body = _one_body(draft, numbers[0], marked)
+    label = components(draft.joints, capacity.bodies)
+    bodies = movable_rows(draft.figures)
+    moved = bodies & (label == pick(label, row)[None]) & _any_row(body)[None]
+    step = between(numbers[1:3], -LARGEST_STEP, LARGEST_STEP)
+    position = draft.figures.position + jnp.where(moved[:, None], step[None], 0.0)
+    figures = draft.figures.replace(position=position)
+    # Q10: the peer measures all bodies, unturned, but moves the component only.
+    low, high = _extents(figures, turned=not ued.kinetix_quirks)
+    measured = (bodies if ued.kinetix_quirks else moved)[:, None]
+    low = jnp.min(jnp.where(measured, low, jnp.inf), axis=0)
+    high = jnp.max(jnp.where(measured, high, -jnp.inf), axis=0)
+    least = jnp.array([0.0, FLOOR_TOP])[:, None]
+    back = jnp.maximum(0.0, least - low) - jnp.maximum(0.0, high - ARENA_SIDE)
+    position = position + jnp.where(moved[:, None], back[None], 0.0)
+    return _with_figures(draft, position=position)
+
+
+def _extents(figures: Figures, *, turned: bool) -> tuple[Array, Array]:
+    """Bounding boxes of all bodies [m], with their rotation or without it."""
+    if turned:
+        angles = figures.rotation[:, None]
+        figures = figures.replace(vertices=rotate(figures.vertices, angles))
+    low, high = bounds(figures)
+    low = jnp.where(figures.circle[:, None], -figures.radius[:, None], low)
+    high = jnp.where(figures.circle[:, None], figures.radius[:, None], high)
+    return figures.position + low, figures.position + high
+
+
+def change_rotation(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Turn a body; its welds keep the new angle, jointed bodies are to be settled."""
+    del ued, capacity
+    _, body = _one_body(draft, numbers[0], marked)
+    turn = numbers[1] * LARGEST_TURN
+    joints = draft.joints
+    at_a, at_b = _ends(joints, body)
+    change = jnp.where(at_a, -turn[None], 0.0) + jnp.where(at_b, turn[None], 0.0)
+    reference = joints.reference_angle + jnp.where(joints.weld, change, 0.0)
+    rotation = draft.figures.rotation + jnp.where(body, turn[None], 0.0)
+    return _with_figures(draft, rotation=rotation).replace(
+        joints=joints.replace(reference_angle=reference)
+    )
+
+
+def _around(draft: Draft, capacity: Capacity) -> Surroundings:
+    free = ~draft.figures.active
+    return look_around(
+        draft.figures,
+        polygon_room=_any_row(free[: capacity.polygons]),
+        circle_room=_any_row(free[capacity.polygons :]),
+        joint_room=_any_row(~draft.joints.active),
+    )
+
+
+def _first(free: Bool[Array, "k n"], offset: int = 0) -> Int[Array, " n"]:
+    """The first marked row; `offset` where none is."""
+    if free.shape[0] == 0:
+        return jnp.full(free.shape[1:], offset, jnp.int32)
+    return jnp.argmax(free, axis=0).astype(jnp.int32) + offset
+
+
+def _put(rows: Any, new: Any, index: Int[Array, " n"], marked: Marks) -> Any:
+    """Rows (a pytree) with one new row in each marked world."""
+
+    def put(old: Array, fresh: Array) -> Array:
+        if old.shape[0] == 0:
+            return old
+        return jnp.where(_spread(_hit(old, index, marked), old), fresh[None], old)
+
+    return jax.tree.map(put, rows, new)
+
+
+def _insert(
+    draft: Draft, proposals: Proposals, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> tuple[Draft, Int[Array, " n"], Proposals]:
+    """The draft with the one proposed body in the lowest free slot of its kind."""
+    chosen = jax.tree.map(lambda leaf: leaf[0], proposals)
+    free = ~draft.figures.active
+    slot = jnp.where(
+        chosen.figure.circle,
+        _first(free[capacity.polygons :], capacity.polygons),
+        _first(free[: capacity.polygons]),
+    )
+    marked = marked & chosen.figure.active
+    figure = chosen.figure
+    if ued.kinetix_quirks:
+        # Q2: a slot keeps the density of the body that was there before.
+        figure = figure.replace(density=pick(draft.figures.density, slot))
+    body = _hit(draft.figures.active, slot, marked)
+    return (
+        draft.replace(
+            figures=_put(draft.figures, figure, slot, marked),
+            velocity=jnp.where(body[:, None], 0.0, draft.velocity),
+            angular_velocity=jnp.where(body, 0.0, draft.angular_velocity),
+            friction=jnp.where(body, 1.0, draft.friction),
+            restitution=jnp.where(body, 0.0, draft.restitution),
+            collision_mode=jnp.where(body, 1, draft.collision_mode),
+        ),
+        slot,
+        chosen,
+    )
+
+
+def add_shape(
+    draft: Draft,
+    numbers: Numbers,
+    marked: Marks,
+    ued: UEDParams,
+    capacity: Capacity,
+    *,
+    size: SizeLimit | None = None,
+) -> Draft:
+    """Add a free body; `size` overrides the limits of the options."""
+    draws = shape_draws(numbers[:PER_SHAPE, None])
+    around = _around(draft, capacity)
+    proposals = free_shape(draws, around, False, ued, size or size_limit(ued))
+    return _insert(draft, proposals, marked, ued, capacity)[0]
+
+
+def add_connected_shape(
+    draft: Draft,
+    numbers: Numbers,
+    marked: Marks,
+    ued: UEDParams,
+    capacity: Capacity,
+    *,
+    force_rjoint: bool = False,
+    size: SizeLimit | None = None,
+) -> Draft:
+    """Add a body that is jointed to one that is there; `size` overrides the options' limits."""
+    joints = draft.joints
+    rows = jnp.arange(capacity.bodies, dtype=jnp.int32)[:, None, None]
+    ends = (rows == joints.body_a[None]) | (rows == joints.body_b[None])
+    counts = jnp.sum((ends & joints.active[None]).astype(jnp.int32), axis=1)
+    proposals = connected_shape(
+        shape_draws(numbers[:PER_SHAPE, None]),
+        draft.figures,
+        counts,
+        _around(draft, capacity),
+        ued,
+        size or size_limit(ued),
+        new_polygon_row=_first(~draft.figures.active[: capacity.polygons])[None],
+        triangles=True,
+    )
+    grown, slot, chosen = _insert(draft, proposals, marked, ued, capacity)
+    joint = joint_of(
+        chosen,
+        slot,
+        joint_draws(numbers[PER_SHAPE:]),
+        force_rjoint=force_rjoint,
+        revolute_count=jnp.sum((joints.active & ~joints.weld).astype(jnp.int32), axis=0),
+        ued=ued,
+    )
+    place = _first(~joints.active)
+    return grown.replace(joints=_put(joints, joint, place, marked & joint.active))
+
+
+def add_thruster(
+    draft: Draft, numbers: Numbers, marked: Marks, ued: UEDParams, capacity: Capacity
+) -> Draft:
+    """Add a thruster to a body that can move."""
+    del capacity
+    figures, thrusters = draft.figures, draft.thrusters
+    new = thrusters_on(
+        thruster_draws(numbers[:PER_THRUSTER, None]),
+        figures,
+        movable_rows(figures) & ~figures.fixed,
+        ued,
+        triangles=True,
+    )
+    new = jax.tree.map(lambda leaf: leaf[0], new)
+    free = ~thrusters.active
+    marked = marked & _any_row(free) & new.active
+    return draft.replace(thrusters=_put(thrusters, new, _first(free), marked))
+
+
+MUTATORS: Final[dict[str, Mutation]] = {
+    "add_shape": add_shape,
+    "add_connected_shape": add_connected_shape,
+    "remove_joint": remove_joint,
+    "remove_shape": remove_shape,
+    "swap_role": swap_role,
+    "add_thruster": add_thruster,
+    "remove_thruster": remove_thruster,
+    "toggle_fixture": toggle_fixture,
+    "change_size": change_size,
+    "change_location": change_location,
+    "change_rotation": change_rotation,
+    "change_gravity": change_gravity,
+}
+"""All mutations by name."""
+
+SETTLED: Final = frozenset({"change_size", "change_rotation"})
+"""After these, jointed bodies are put together again."""
