@@ -222,7 +222,7 @@ def same_geometry(a: Geometry, b: Geometry) -> bool:
 def recentred(body: Body, inertia_model: InertiaModel) -> Body:
     """The same body in the same place, with the origin of its frame at its centre of mass.
 
-    Anchors and thrusters of the body must be shifted by the caller (`edit.set_fixed` does).
+    Anchors and thrusters of the body must be shifted by the caller.
     """
     shift = centre_of_mass(body.shape, inertia_model)
     if isinstance(body.shape, Circle) or shift == (0.0, 0.0):

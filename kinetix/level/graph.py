@@ -1,7 +1,5 @@
 """Which bodies hang together by joints."""
 
-from collections.abc import Collection
-
 from kinetix.level.model import Body, BodyReference, Level
 
 
@@ -45,23 +43,3 @@ def modes_meet(a: Body, b: Body) -> bool:
     """Whether the collision modes of two bodies let them touch at all."""
     modes = {a.collision, b.collision}
     return "always" in modes or modes == {"normal"}
-
-
-def jointed_bodies(level: Level, ids: Collection[int]) -> frozenset[int]:
-    """The bodies that hang together with these by joints, themselves included.
-
-    A chain of joints ends at the arena: what is pinned to the floor does not hang together.
-    """
-    neighbours: dict[int, set[int]] = {}
-    for joint in level.joints:
-        if isinstance(joint.a, int) and isinstance(joint.b, int):
-            neighbours.setdefault(joint.a, set()).add(joint.b)
-            neighbours.setdefault(joint.b, set()).add(joint.a)
-    found = set(ids)
-    open_ids = list(ids)
-    while open_ids:
-        for neighbour in neighbours.get(open_ids.pop(), ()):
-            if neighbour not in found:
-                found.add(neighbour)
-                open_ids.append(neighbour)
-    return frozenset(found)

@@ -118,7 +118,7 @@ _Role = Annotated[Role, _note("Part in the game: green must reach blue and shun 
 _Collision = Annotated[
     Collision, _note("What it touches: two bodies collide when one is always or both are normal")
 ]
-_Tag = Annotated[str, Meta(min_length=1, max_length=40, pattern="^[a-z0-9_-]*$")]
+Tag = Annotated[str, Meta(min_length=1, max_length=40, pattern="^[a-z0-9_-]*$")]
 BodyReference = int | ArenaName
 """A body's id, or the name of an arena body."""
 
@@ -356,7 +356,7 @@ class Level(Record, frozen=True, kw_only=True):
     description: Annotated[str, Meta(max_length=4000, description="What to do, hints, credits")] = (
         ""
     )
-    tags: tuple[_Tag, ...] = ()
+    tags: tuple[Tag, ...] = ()
     size: Annotated[
         SizeName | SizeHint | None,
         _note("Capacity to compile to; none: the smallest that fits", optional=True),

@@ -1,0 +1,46 @@
+"""Turn a level file from one format into the other, and say what the other cannot hold."""
+
+import dataclasses
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from tyro.conf import Positional
+
+from kinetix.level.canonical import FORMAT
+from kinetix.level.codec import LevelFormat, load_document, save_level
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Convert:
+    """Turn a level file from one format into the other."""
+
+    source: Annotated[Positional[str], tyro.conf.arg(name="in", metavar="IN")]
+    """A level file of either format, or the name of a bundled level."""
+    target: Annotated[Positional[Path], tyro.conf.arg(name="out", metavar="OUT")]
+    """The file to write."""
+    format: LevelFormat | None = None
+    """Format to write; by default the one that the source is not in."""
+
+
+def run(command: Convert) -> int:
+    """Convert one file; a warning on stderr names what is lost.
+
+    Returns:
+        0; errors are raised.
+    """
+    loaded = load_document(command.source)
+    other: LevelFormat = "kinetix-env" if loaded.format == FORMAT else FORMAT
+    target = command.format or other
+    lost = save_level(loaded.level, command.target, format=target, source=loaded.source)
+    if target == FORMAT:
+        for warning in loaded.warnings:
+            print(f"{command.source}: {warning}", file=sys.stderr)
+    elif lost and loaded.source is None:
+        print(
+            f"{command.target}: kinetix-env cannot say, or its reader ignores: {', '.join(lost)}",
+            file=sys.stderr,
+        )
+    print(f"{command.target}: {target}")
+    return 0

@@ -1,0 +1,207 @@
+"""Build, check and split level sets."""
+
+import dataclasses
+import json as json_module
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from tyro.conf import Positional
+
+from kinetix.cli.validate import issue_tree
+from kinetix.level.model import Level, Solution
+from kinetix.level.sets import (
+    DEFAULT_SPLIT,
+    LoadedSet,
+    SetLevel,
+    build_set,
+    gather_levels,
+    load_set,
+    save_set,
+    split_set,
+)
+from kinetix.level.validate import Issue, validate
+
+_NOOP_FRAME_SKIP = 2
+_UNSOLVED = "unsolved"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Build:
+    """Write a level set; equal levels go in once, levels with an error are refused."""
+
+    out: Annotated[Positional[Path], tyro.conf.arg(metavar="OUT.json")]
+    """The set to write."""
+    levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
+    """Folders (every level below), level files, or level sets."""
+    split: float = DEFAULT_SPLIT
+    """Share of the levels that go to training."""
+    seed: int = 0
+    """What the split is drawn from."""
+    inline: bool = False
+    """Put the levels themselves into the file."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Verify:
+    """Check that every level is valid, open at the start, no gift, and won by its solution."""
+
+    source: Annotated[Positional[str], tyro.conf.arg(metavar="DIR|SET")]
+    """A folder of levels, a level set, or a level file."""
+    json: bool = False
+    """Print one JSON object a level on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Split:
+    """Draw the split of a set anew."""
+
+    source: Annotated[Positional[Path], tyro.conf.arg(metavar="SET")]
+    """The set; it is written in place."""
+    seed: int
+    """What the split is drawn from."""
+    split: float = DEFAULT_SPLIT
+    """Share of the levels that go to training."""
+
+
+Levelset = (
+    Annotated[Build, tyro.conf.subcommand("build")]
+    | Annotated[Verify, tyro.conf.subcommand("verify")]
+    | Annotated[Split, tyro.conf.subcommand("split")]
+)
+
+
+def run(command: Build | Verify | Split) -> int:
+    """Run one of the three.
+
+    Returns:
+        0 done, 1 a level did not pass `verify`.
+    """
+    if isinstance(command, Build):
+        return _build(command)
+    if isinstance(command, Split):
+        return _split(command)
+    return _verify(command)
+
+
+def _build(command: Build) -> int:
+    found = gather_levels(command.levels)
+    made = build_set(
+        found,
+        name=command.out.stem,
+        folder=command.out.parent,
+        split=command.split,
+        seed=command.seed,
+    )
+    save_set(made, command.out, inline=command.inline)
+    print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
+    return 0
+
+
+def _split(command: Split) -> int:
+    loaded = load_set(command.source)
+    folder = command.source.parent
+    made = split_set(loaded, split=command.split, seed=command.seed, folder=folder)
+    save_set(made, command.source)
+    print(_summary(command.source, made))
+    return 0
+
+
+def _summary(path: Path, made: LoadedSet, *, doubles: int = 0) -> str:
+    train = sum(each.split == "train" for each in made.levels)
+    text = f"{path}: {len(made.levels)} levels, {train} train, {len(made.levels) - train} eval"
+    return f"{text}, {doubles} left out because they equal others" if doubles else text
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What `verify` found out about one level."""
+
+    level: str
+    issues: tuple[Issue, ...]
+    noop: str | None
+    """Outcome of doing nothing; None where the level could not be played."""
+    solution: str | None
+    """Outcome of the recorded solution; None where there is none."""
+    unsolved: bool
+    """Whether the level is tagged so, which makes it only reported."""
+
+    @property
+    def problems(self) -> list[str]:
+        """Why the level does not pass."""
+        found = [f"{i.code} {i.path}: {i.message}" for i in self.issues if i.severity == "error"]
+        if self.noop == "won":
+            found.append("doing nothing wins it")
+        if self.solution is None and self.noop is not None:
+            found.append("it has no recorded solution")
+        elif self.solution not in (None, "won"):
+            found.append(f"its recorded solution ends with {self.solution}")
+        return found
+
+    @property
+    def ok(self) -> bool:
+        """Whether it passes."""
+        return not self.problems or self.unsolved
+
+
+def _verify(command: Verify) -> int:
+    ok = True
+    for each in _levels(command.source):
+        verdict = verdict_on(each)
+        ok = ok and verdict.ok
+        print(_json_line(verdict) if command.json else _text(verdict), flush=True)
+    return 0 if ok else 1
+
+
+def _levels(source: str) -> list[SetLevel]:
+    return gather_levels([source])
+
+
+def verdict_on(each: SetLevel) -> Verdict:
+    """Check one level: first by itself, then by playing it."""
+    from kinetix.environment.replay import replay_solution  # here: only playing needs JAX
+
+    level, issues = each.level, validate(each.level)
+    playable = not any(issue.severity == "error" for issue in issues)
+    noop = solution = None
+    if playable:
+        noop = replay_solution(_doing_nothing(level))
+        solution = replay_solution(level) if level.solution else None
+    return Verdict(
+        level=each.name,
+        issues=issues,
+        noop=noop,
+        solution=solution,
+        unsolved=_UNSOLVED in level.tags,
+    )
+
+
+def _doing_nothing(level: Level) -> Level:
+    """The level with the solution never to act, under the same physics as its own solution."""
+    own = level.solution
+    nothing = Solution(
+        physics=own.physics if own else "balanced",
+        frame_skip=own.frame_skip if own else _NOOP_FRAME_SKIP,
+        actions=((level.max_timesteps, (0, 0, 0, 0, 0, 0)),),
+    )
+    return level.replace(solution=nothing)
+
+
+def _json_line(verdict: Verdict) -> str:
+    tree: dict[str, Any] = {
+        "level": verdict.level,
+        "ok": verdict.ok,
+        "problems": verdict.problems,
+        "noop": verdict.noop,
+        "solution": verdict.solution,
+        "unsolved": verdict.unsolved,
+        "issues": [issue_tree(issue) for issue in verdict.issues],
+    }
+    return json_module.dumps(tree, ensure_ascii=False)
+
+
+def _text(verdict: Verdict) -> str:
+    if not verdict.problems:
+        return f"{verdict.level}: ok"
+    mark = "reported only" if verdict.ok else "FAILED"
+    return f"{verdict.level}: {mark}: {'; '.join(verdict.problems)}"

@@ -1,0 +1,123 @@
+"""List the problems of levels and level sets; exit status 1 when one of them is an error."""
+
+import dataclasses
+import json as json_module
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from tyro.conf import Positional
+
+from kinetix.errors import LevelError
+from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
+from kinetix.level.sets import is_set_file, load_set
+from kinetix.level.validate import Issue, validate
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Validate:
+    """List the problems of levels and level sets."""
+
+    files: Annotated[Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE …")]
+    """Level files of either format, names of bundled levels, level sets, or folders of them."""
+    json: bool = False
+    """Print one JSON object a file on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Report:
+    """What is wrong with one file."""
+
+    file: str
+    format: str | None
+    """Format of the file; None where it could not be read."""
+    issues: tuple[Issue, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is no error."""
+        return not any(issue.severity == "error" for issue in self.issues)
+
+
+def run(command: Validate) -> int:
+    """Print the problems of each file.
+
+    Returns:
+        0 when no file has an error, 1 when one has, 2 when no file was named.
+    """
+    if not command.files:
+        print("kinetix validate: expected at least one file", file=sys.stderr)
+        return 2
+    ok = True
+    for file in named_files(command.files):
+        report = file_report(file)
+        ok = ok and report.ok
+        print(_json_line(report) if command.json else _text(report), flush=True)
+    return 0 if ok else 1
+
+
+def named_files(files: tuple[str, ...]) -> Iterator[str]:
+    """The files that the command line means: folders stand for every JSON file below them."""
+    for file in files:
+        if Path(file).is_dir():
+            yield from map(str, sorted(Path(file).rglob("*.json")))
+        else:
+            yield file
+
+
+def file_report(file: str) -> Report:
+    """The problems of one file, those of reading it included."""
+    try:
+        path = resolve_path(file)
+        if is_set_file(path):
+            return Report(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
+        loaded = load_document(path)
+    except LevelError as error:
+        return Report(file=file, format=None, issues=tuple(_reading_issues(error)))
+    return Report(file=file, format=loaded.format, issues=validate(loaded.level))
+
+
+def _set_issues(path: Path) -> Iterator[Issue]:
+    for k, each in enumerate(load_set(path).levels):
+        for issue in validate(each.level):
+            where = f"$.levels[{k}].level{issue.path[1:]}"
+            message = f"{each.name}: {issue.message}"
+            yield dataclasses.replace(issue, path=where, message=message)
+
+
+def _reading_issues(error: LevelError) -> Iterator[Issue]:
+    for fault in error.faults:
+        yield Issue(code=fault.code, severity="error", path=fault.path, message=fault.message)
+    if not error.faults:
+        yield Issue(code="E001", severity="error", path="$", message=str(error))
+
+
+def issue_tree(issue: Issue) -> dict[str, Any]:
+    """An issue as commands print it in JSON."""
+    return {
+        "code": issue.code,
+        "severity": issue.severity,
+        "path": issue.path,
+        "message": issue.message,
+    }
+
+
+def _json_line(report: Report) -> str:
+    tree = {
+        "file": report.file,
+        "ok": report.ok,
+        "format": report.format,
+        "issues": [issue_tree(issue) for issue in report.issues],
+    }
+    return json_module.dumps(tree, ensure_ascii=False)
+
+
+def _text(report: Report) -> str:
+    if not report.issues:
+        return f"{report.file}: no problems"
+    return "\n".join(
+        f"{report.file}: {issue.severity} {issue.code} {issue.path}: {issue.message}"
+        for issue in report.issues
+    )

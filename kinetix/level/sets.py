@@ -1,0 +1,415 @@
+"""Level sets: manifests of levels with weights and a split into train and eval.
+
+Source: level_format.md B10. Free of JAX.
+"""
+
+import contextlib
+import dataclasses
+import hashlib
+import importlib.metadata
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import msgspec
+from msgspec import Meta
+
+from kinetix.engine.spec import Capacity
+from kinetix.errors import LevelError
+from kinetix.level.atomic import write_atomically
+from kinetix.level.canonical import level_tree, record_tree, tree_text
+from kinetix.level.codec import (
+    LEVELSET_FORMAT,
+    level_from_tree,
+    level_hash,
+    load_document,
+    resolve_path,
+)
+from kinetix.level.faults import EnoughFaults, FaultCollector, fail
+from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
+from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
+from kinetix.level.schema import check_tree
+from kinetix.level.sizes import SIZES, capacity_of, needed_capacity
+from kinetix.level.validate import validate
+
+Split = Literal["train", "eval"]
+
+VERSION: Final = 1
+MAX_SET_BYTES: Final = 64 * 2**20
+"""Larger set files are refused; a set of a thousand inline levels has about 10 MB."""
+DEFAULT_SPLIT: Final = 0.8
+
+
+class SetEntry(Record, frozen=True, kw_only=True):
+    """One level of a set, by the path of its file or (with `path` None) inline."""
+
+    path: Annotated[
+        str | None,
+        Meta(description="Relative to the set's folder", extra={"optional": True}),
+    ] = None
+    sha256: Annotated[str, Meta(min_length=64, max_length=64)]
+    """`level_hash` of the level."""
+    tags: tuple[Tag, ...] = ()
+    weight: Annotated[float, Meta(ge=1e-6, le=1e6)] = 1.0
+    """Relative probability in training."""
+    split: Split = "train"
+
+
+class LevelSet(Record, frozen=True, kw_only=True):
+    """A manifest."""
+
+    name: Annotated[str, Meta(min_length=1, max_length=120)]
+    size: Annotated[
+        SizeName | SizeHint | None,
+        Meta(description="Common capacity; none: the largest of each", extra={"optional": True}),
+    ] = None
+    seed: int = 0
+    """What the split was drawn from."""
+    engine_version: Annotated[str, Meta(max_length=120)] = ""
+    """The version that wrote the set."""
+    levels: tuple[SetEntry, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetLevel:
+    """A level that was loaded from a set, a folder or a file."""
+
+    name: str
+    """How reports call it: the path below the folder or set, without suffix."""
+    level: Level
+    sha256: str
+    tags: tuple[str, ...] = ()
+    weight: float = 1.0
+    split: Split = "train"
+    path: Path | None = None
+    """Its file; None when it was inline."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LoadedSet:
+    """A manifest with its levels."""
+
+    manifest: LevelSet
+    levels: tuple[SetLevel, ...]
+    path: Path | None = None
+
+    @property
+    def capacity(self) -> Capacity:
+        """The common capacity: the manifest's, else the largest of each level's."""
+        size = self.manifest.size
+        if isinstance(size, str):
+            return SIZES[size]
+        if size is not None:
+            return Capacity(
+                polygons=size.polygons,
+                circles=size.circles,
+                joints=size.joints,
+                thrusters=size.thrusters,
+            )
+        return common_capacity(each.level for each in self.levels)
+
+
+def common_capacity(levels: Iterable[Level]) -> Capacity:
+    """The element-wise largest capacity of several levels.
+
+    Raises:
+        LevelError: There is no level.
+    """
+    capacity: Capacity | None = None
+    for level in levels:
+        own = capacity_of(level)
+        capacity = own if capacity is None else capacity.union(own)
+    if capacity is None:
+        raise LevelError("expected at least one level, got none")
+    return capacity
+
+
+def is_set_file(path: Path) -> bool:
+    """Whether a JSON file is a level set; a file that cannot be read is none."""
+    try:
+        tree = parse_json(read_text(path, limit=MAX_SET_BYTES), str(path))
+    except LevelError:
+        return False
+    return isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT
+
+
+def load_set(path: str | Path) -> LoadedSet:
+    """Read a level set and all its levels, and check every hash.
+
+    Raises:
+        LevelError: The set or one of its levels is bad, or a level is not the one that was listed.
+    """
+    file = resolve_path(path)
+    return loads_set(read_text(file, limit=MAX_SET_BYTES), str(file), folder=file.parent)
+
+
+def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
+    """Like `load_set`, from text.
+
+    Args:
+        text: The manifest.
+        file: Name for messages.
+        folder: What paths in the manifest are relative to.
+
+    Raises:
+        LevelError: As for `load_set`.
+    """
+    tree = parse_json(text, file)
+    faults = FaultCollector()
+    manifest, inline = None, {}
+    with contextlib.suppress(EnoughFaults):
+        manifest, inline = _read_manifest(tree, file, faults)
+    if manifest is None or faults.faults:
+        fail(file, faults.faults)
+    levels = []
+    for k, entry in enumerate(manifest.levels):
+        if entry.path is None:
+            level, where = inline[k], None
+        else:
+            where = folder / entry.path
+            level = load_document(where if where.is_absolute() else Path.cwd() / where).level
+        own = level_hash(level)
+        if own != entry.sha256:
+            message = f"expected the level with this hash, got one with {own}"
+            faults.add("E007", f"$.levels[{k}].sha256", message)
+        levels.append(
+            SetLevel(
+                name=level.name if entry.path is None else _plain_name(entry.path),
+                level=level,
+                sha256=own,
+                tags=entry.tags,
+                weight=entry.weight,
+                split=entry.split,
+                path=where,
+            )
+        )
+    if faults.faults:
+        fail(file, faults.faults)
+    return LoadedSet(manifest=manifest, levels=tuple(levels), path=Path(file))
+
+
+def _plain_name(path: str) -> str:
+    return path.removesuffix(".json")
+
+
+def _read_manifest(
+    tree: Any, file: str, faults: FaultCollector
+) -> tuple[LevelSet | None, dict[int, Level]]:
+    if not isinstance(tree, dict) or tree.get("format") != LEVELSET_FORMAT:
+        faults.add("E002", "$", f'expected an object with "format": "{LEVELSET_FORMAT}"')
+        return None, {}
+    version = tree.get("version")
+    if type(version) is not int or version < 1:
+        faults.expect("E006", "$.version", f"a whole number 1 ≤ x ≤ {VERSION}", version)
+        return None, {}
+    if version > VERSION:
+        faults.add("E003", "$.version", f"this set has a newer version than {VERSION}")
+        return None, {}
+    body = tree if isinstance(tree, DuplicateKeys) else dict(tree)
+    body.pop("format", None)
+    body.pop("version", None)
+    inline: dict[int, Level] = {}
+    entries = body.get("levels")
+    if isinstance(entries, list):
+        body["levels"] = [
+            _without_level(entry, k, file, inline, faults) for k, entry in enumerate(entries)
+        ]
+    check_tree(body, LevelSet, "$", faults)
+    if faults.faults:
+        return None, {}
+    manifest = msgspec.convert(body, LevelSet)
+    seen: dict[str, int] = {}
+    for k, entry in enumerate(manifest.levels):
+        if entry.sha256 in seen:
+            message = f"expected a hash of its own, levels[{seen[entry.sha256]}] has it too"
+            faults.add("E008", f"$.levels[{k}].sha256", message)
+        seen.setdefault(entry.sha256, k)
+    return manifest, inline
+
+
+def _without_level(
+    entry: Any, index: int, file: str, inline: dict[int, Level], faults: FaultCollector
+) -> Any:
+    """An entry without its inline level, which goes to `inline`."""
+    path = f"$.levels[{index}]"
+    if not isinstance(entry, dict):
+        return entry
+    if ("path" in entry) == ("level" in entry):
+        faults.add("E004", path, 'expected either "path" or "level"')
+        return entry
+    if "level" not in entry:
+        return entry
+    if not isinstance(entry["level"], dict):
+        faults.expect("E006", f"{path}.level", "an object", entry["level"])
+    else:
+        inline[index] = level_from_tree(entry["level"], file, f"{path}.level")
+    rest = entry if isinstance(entry, DuplicateKeys) else dict(entry)
+    del rest["level"]
+    return rest
+
+
+def level_files(folder: Path) -> Iterator[Path]:
+    """Every level file below a folder, in the order of names; level sets are left out."""
+    for path in sorted(folder.rglob("*.json")):
+        if path.is_file() and not is_set_file(path):
+            yield path
+
+
+def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
+    """The levels that a command line means: folders, files, names of bundled levels, level sets.
+
+    Args:
+        sources: Each a folder (every level below it), a level file or name, or a level set.
+
+    Raises:
+        LevelError: Something is missing or bad, or there is no level at all.
+    """
+    levels: list[SetLevel] = []
+    for source in sources:
+        path = Path(source)
+        if path.is_dir():
+            levels += [_from_file(file, file.relative_to(path)) for file in level_files(path)]
+            continue
+        path = resolve_path(source)
+        if is_set_file(path):
+            levels += load_set(path).levels
+        else:
+            levels.append(_from_file(path, Path(source)))
+    if not levels:
+        raise LevelError(f"{', '.join(map(str, sources))}: expected levels, found none")
+    return levels
+
+
+def _from_file(path: Path, name: Path) -> SetLevel:
+    level = load_document(path).level
+    return SetLevel(
+        name=_plain_name(name.as_posix()),
+        level=level,
+        sha256=level_hash(level),
+        tags=level.tags,
+        path=path,
+    )
+
+
+def build_set(
+    levels: Sequence[SetLevel],
+    *,
+    name: str,
+    folder: Path,
+    size: SizeName | SizeHint | None = None,
+    split: float = DEFAULT_SPLIT,
+    seed: int = 0,
+) -> LoadedSet:
+    """A set of levels: equal ones once, none with an error, split by the seed.
+
+    Args:
+        levels: What goes in; of equal levels (by hash) the first stays.
+        name: Name of the set.
+        folder: Where the set will be saved; paths are relative to it.
+        size: Common capacity, when it shall be other than the largest of each.
+        split: Share of the levels that go to training, 0 … 1.
+        seed: What the split is drawn from.
+
+    Raises:
+        LevelError: A level has an error, or does not fit the common capacity.
+    """
+    kept = {each.sha256: each for each in reversed(levels)}
+    chosen = [each for each in levels if kept.get(each.sha256) is each]
+    for each in chosen:
+        errors = [issue for issue in validate(each.level) if issue.severity == "error"]
+        if errors:
+            where = each.path or each.name
+            raise LevelError(f"{where}: {errors[0].path}: {errors[0].code} {errors[0].message}")
+    made = LoadedSet(
+        manifest=LevelSet(name=name, size=size, seed=seed, engine_version=engine_version()),
+        levels=tuple(chosen),
+    )
+    for each in chosen:
+        if not made.capacity.covers(needed_capacity(each.level)):
+            raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
+    return _with_split(made, split, seed, folder)
+
+
+def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:
+    """The same set with a split that is drawn anew.
+
+    Raises:
+        LevelError: The share is not between 0 and 1.
+    """
+    return _with_split(loaded, split, seed, folder)
+
+
+def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> LoadedSet:
+    chosen = draw_split([each.sha256 for each in loaded.levels], share=split, seed=seed)
+    levels = tuple(dataclasses.replace(each, split=chosen[each.sha256]) for each in loaded.levels)
+    entries = tuple(
+        SetEntry(
+            path=None if each.path is None else relative_path(each.path, folder),
+            sha256=each.sha256,
+            tags=each.tags,
+            weight=each.weight,
+            split=each.split,
+        )
+        for each in levels
+    )
+    manifest = loaded.manifest.replace(seed=seed, levels=entries)
+    return dataclasses.replace(loaded, manifest=manifest, levels=levels)
+
+
+def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, Split]:
+    """Which levels are for training: a draw that depends on hashes and seed alone.
+
+    Both parts get a level where there are two or more and the share is neither 0 nor 1.
+
+    Raises:
+        LevelError: The share is not between 0 and 1.
+    """
+    if not 0.0 <= share <= 1.0:
+        raise LevelError(f"split {share}: expected 0 ≤ x ≤ 1")
+    ranked = sorted(hashes, key=lambda one: hashlib.sha256(f"{seed}:{one}".encode()).digest())
+    count = round(share * len(ranked))
+    if 0.0 < share < 1.0 and len(ranked) > 1:
+        count = min(max(count, 1), len(ranked) - 1)
+    return {one: "train" if k < count else "eval" for k, one in enumerate(ranked)}
+
+
+def relative_path(path: Path, folder: Path) -> str:
+    """A path as a manifest in `folder` says it, with forward slashes."""
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+
+
+def engine_version() -> str:
+    """The version of this program."""
+    try:
+        return importlib.metadata.version("kinetix-editor")
+    except importlib.metadata.PackageNotFoundError:
+        return "unknown"
+
+
+def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
+    """Canonical text of a set.
+
+    Args:
+        loaded: The set.
+        inline: Whether the levels themselves stand in it instead of paths; levels without a file
+            always do.
+    """
+    tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)
+    tree["levels"] = []
+    for entry, each in zip(loaded.manifest.levels, loaded.levels, strict=True):
+        part = record_tree(entry)
+        if inline or entry.path is None:
+            part.pop("path", None)
+            part = {"level": level_tree(each.level)} | part
+        tree["levels"].append(part)
+    return tree_text(tree)
+
+
+def save_set(loaded: LoadedSet, path: str | Path, *, inline: bool = False) -> None:
+    """Write a set atomically.
+
+    Raises:
+        LevelError: The file cannot be written.
+    """
+    write_atomically(Path(path), dumps_set(loaded, inline=inline).encode())
