@@ -1,17 +1,20 @@
 """One open level: what is committed, what a gesture previews, what undo remembers."""
 
 import dataclasses
+import itertools
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
 from editor.commands.base import Command, EntityId, Selection
 from editor.history import Entry, History
 from kinetix.level.codec import level_hash
+from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.model import ARENA_NAMES, Level
 from kinetix.level.validate import Issue, validate
 
 Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
 
+_NUMBERS = itertools.count(1)
 _TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
 """What may change without making a recorded solution invalid."""
 
@@ -48,7 +51,14 @@ class Document:
         path: Path | None = None,
         format: Format = "kinetix-level",
         warnings: tuple[str, ...] = (),
+        source: KinetixEnvDocument | None = None,
     ) -> None:
+        self.number = next(_NUMBERS)
+        """Tells the documents of one run apart."""
+        self.source = source
+        """The peer's file as it was read, for writing it back byte for byte."""
+        self.stamp: object = None
+        """What the file looked like on disk when it was last read or written."""
         self.path = path
         self.format: Format = format
         self.warnings = warnings

@@ -119,9 +119,7 @@ def stack(
     return tuple(entity for _, entity in found if entity not in without)
 
 
-def _joint_distance(
-    level: Level, bodies: dict[int, Body], joint: Joint, point: Point
-) -> float:
+def _joint_distance(level: Level, bodies: dict[int, Body], joint: Joint, point: Point) -> float:
     known = all(isinstance(end, str) or end in bodies for end in (joint.a, joint.b))
     return math.dist(joint_position(level, joint), point) if known else math.inf
 
@@ -244,10 +242,7 @@ def _single_handles(body: Body, metres: float) -> tuple[Handle, ...]:
             Handle(kind=HandleKind.SCALE, at=to_world(body, at), index=i)
             for i, at in enumerate(corners)
         ),
-        *(
-            Handle(kind=kind, at=to_world(body, at), index=i)
-            for i, (kind, at) in enumerate(edges)
-        ),
+        *(Handle(kind=kind, at=to_world(body, at), index=i) for i, (kind, at) in enumerate(edges)),
     )
 
 
@@ -258,9 +253,7 @@ def _aim_handle(level: Level, thruster: Thruster, metres: float) -> Handle:
     return Handle(kind=HandleKind.AIM, at=(x + dx, y + dy))
 
 
-def pick_handle(
-    candidates: Collection[Handle], point: Point, radius: float
-) -> Handle | None:
+def pick_handle(candidates: Collection[Handle], point: Point, radius: float) -> Handle | None:
     """The handle under a point: the nearest within `radius` [m], or None."""
     near = [(math.dist(h.at, point), i, h) for i, h in enumerate(candidates)]
     near = [item for item in near if item[0] <= radius]

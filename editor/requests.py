@@ -2,12 +2,32 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, Protocol, TypeAlias
+from pathlib import Path
+from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
 from jaxtyping import UInt8
 
+from editor.recording import Snapshot, Trace
 from kinetix.level.model import Level
+
+
+MUTATIONS: Final = (
+    ("add_shape", "Add a shape"),
+    ("add_connected_shape", "Add a connected shape"),
+    ("add_thruster", "Add a thruster"),
+    ("remove_shape", "Remove a shape"),
+    ("remove_joint", "Remove a joint"),
+    ("remove_thruster", "Remove a thruster"),
+    ("swap_role", "Swap roles"),
+    ("toggle_fixture", "Fix or free a shape"),
+    ("change_gravity", "Change gravity"),
+    ("change_size", "Change a size"),
+    ("change_location", "Move a shape"),
+    ("change_rotation", "Rotate a shape"),
+    ("permute", "Permute the order"),
+)
+"""Names and labels of the mutations that the simulation offers."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -58,7 +78,7 @@ class Restore:
     """Go on from an earlier snapshot of the same episode. Gives nothing."""
 
     run: int
-    snapshot: Any
+    snapshot: Snapshot
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -104,6 +124,33 @@ class CheckDynamics:
     attempts: int = 64
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ExportPicture:
+    """Write a PNG of the arena. Gives the path."""
+
+    level: Level
+    state: Any
+    """A snapshot's `state`, or None for the first state."""
+    path: Path
+    factor: int = 1
+    """1 … 8 times 500 pixels."""
+    transparent: bool = False
+    palette: str = "Kinetix"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ExportFilm:
+    """Write a GIF or MP4 (by the path's suffix) of a played episode. Gives the path."""
+
+    level: Level
+    trace: Trace
+    path: Path
+    pixels: int = 500
+    stride: int = 1
+    """Every how many environment steps a picture is taken."""
+    palette: str = "Kinetix"
+
+
 Request: TypeAlias = (
     WarmUp
     | StartEpisode
@@ -113,6 +160,8 @@ Request: TypeAlias = (
     | RandomLevel
     | Mutate
     | CheckDynamics
+    | ExportPicture
+    | ExportFilm
 )
 
 

@@ -17,7 +17,7 @@ from editor.camera import Camera
 from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
 from editor.document import Document, Outcome
-from editor.events import NO_MODIFIERS, Modifiers, PointerEvent
+from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
 from editor.jobs import Worker, WorkerSimulator
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
@@ -154,6 +154,14 @@ class Session:
         """Set when the app may end."""
         self.pull: Pull | None = None
         """What the mouse pulls at in Play."""
+        self.pan: tuple[Point, Point, bool] | None = None
+        """While a button pans: where it began, where it was last [px], whether it has moved."""
+        self.recording: int | None = None
+        """From which step on what is played is to become a film, or None."""
+        self.screenshot: Path | None = None
+        """Where the host shall save a picture of the window; it clears this when done."""
+        self.autosaved_at: float | None = None
+        """When copies of unsaved work were last made [s]."""
         self.probe: dict[str, Any] = {}
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
         self.modifiers = NO_MODIFIERS

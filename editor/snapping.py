@@ -234,9 +234,7 @@ def _aligned(
             if best is None or cost < best[0] - _SAME:
                 best = (
                     cost,
-                    _Catch(
-                        shift=shift, value=coordinate.value, start=coordinate.at, feature=point
-                    ),
+                    _Catch(shift=shift, value=coordinate.value, start=coordinate.at, feature=point),
                 )
     return best[1] if best else None
 

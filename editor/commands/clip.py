@@ -42,9 +42,7 @@ def copied(level: Level, selection: Selection) -> Clip:
     return Clip(
         bodies=bodies,
         joints=tuple(
-            j
-            for j in level.joints
-            if all(isinstance(end, str) or end in ids for end in (j.a, j.b))
+            j for j in level.joints if all(isinstance(end, str) or end in ids for end in (j.a, j.b))
         ),
         thrusters=tuple(t for t in level.thrusters if t.body in ids),
     )
@@ -124,9 +122,7 @@ def _on_arena(level: Level, joint: Joint) -> Joint:
     if isinstance(joint.a, str) == isinstance(joint.b, str):
         return joint
     arena, body = ("a", "b") if isinstance(joint.a, str) else ("b", "a")
-    point = to_world(
-        referenced_body(level, getattr(joint, body)), getattr(joint, f"anchor_{body}")
-    )
+    point = to_world(referenced_body(level, getattr(joint, body)), getattr(joint, f"anchor_{body}"))
     local = to_local(referenced_body(level, getattr(joint, arena)), point)
     return joint.replace(**{f"anchor_{arena}": local})
 

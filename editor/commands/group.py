@@ -188,9 +188,7 @@ class Stretch:
         return _resized(level, (self.body,), (fx, fy), lambda _: place)
 
 
-def _resized(
-    level: Level, ids: Selection, factors: Point, place: Callable[[Body], Point]
-) -> Level:
+def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body], Point]) -> Level:
     def scaled(point: Point) -> Point:
         return factors[0] * point[0], factors[1] * point[1]
 
@@ -253,8 +251,7 @@ class SetVertices:
             for joint in level.joints
         )
         thrusters = tuple(
-            t.replace(position=kept(t.position)) if t.body == old.id else t
-            for t in level.thrusters
+            t.replace(position=kept(t.position)) if t.body == old.id else t for t in level.thrusters
         )
         changed = with_bodies(level, (old.id,), lambda _: new)
         return changed.replace(joints=joints, thrusters=thrusters)
@@ -312,7 +309,9 @@ class Mirror:
                 for end, inside in ends.items()
                 if inside
             }
-            return _reversed(old.replace(**anchors)) if all(ends.values()) else old.replace(**anchors)
+            return (
+                _reversed(old.replace(**anchors)) if all(ends.values()) else old.replace(**anchors)
+            )
 
         def thruster(old: Thruster) -> Thruster:
             if old.body not in self.ids:
@@ -391,9 +390,7 @@ class Remove:
         gone = set(self.ids)
         return level.replace(
             bodies=tuple(b for b in level.bodies if b.id not in gone),
-            joints=tuple(
-                j for j in level.joints if not gone & {j.id, *_ids(j.a), *_ids(j.b)}
-            ),
+            joints=tuple(j for j in level.joints if not gone & {j.id, *_ids(j.a), *_ids(j.b)}),
             thrusters=tuple(t for t in level.thrusters if not gone & {t.id, t.body}),
         )
 

@@ -174,4 +174,3 @@ def _with_joint(level: Level, joint_id: int, change: Callable[[Joint], Joint]) -
     return level.replace(
         joints=tuple(change(joint) if joint.id == joint_id else joint for joint in level.joints)
     )
-

@@ -88,8 +88,7 @@ def freed(level: Level, body_id: int) -> Level:
         for joint in level.joints
     )
     thrusters = tuple(
-        t.replace(position=shifted(t.position)) if t.body == body_id else t
-        for t in level.thrusters
+        t.replace(position=shifted(t.position)) if t.body == body_id else t for t in level.thrusters
     )
     level = with_bodies(level, (body_id,), lambda b: recentred(b, level.inertia_model))
     return level.replace(joints=joints, thrusters=thrusters)

@@ -61,9 +61,7 @@ class AddThruster:
             power=default_power(body, level.inertia_model),
             binding=next_binding(level),
         )
-        return level.replace(
-            thrusters=(*level.thrusters, thruster), next_id=level.next_id + 1
-        )
+        return level.replace(thrusters=(*level.thrusters, thruster), next_id=level.next_id + 1)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

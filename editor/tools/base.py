@@ -176,9 +176,7 @@ class Driver:
         try:
             document.preview(feedback.command)
         except CommandError as error:
-            self.feedback = dataclasses.replace(
-                feedback, hint=str(error), cursor=Cursor.REFUSED
-            )
+            self.feedback = dataclasses.replace(feedback, hint=str(error), cursor=Cursor.REFUSED)
 
     def _end(self) -> None:
         self._gesture = self._press = self._last = None

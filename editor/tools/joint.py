@@ -36,7 +36,9 @@ class JointTool(Tool):
         pairs = self._pairs(session, point)
         if not pairs:
             return Feedback(hint=TOO_FEW, cursor=Cursor.REFUSED)
-        return Feedback(marks=pair_marks(session.document.level, pairs[0], point), cursor=Cursor.CROSS)
+        return Feedback(
+            marks=pair_marks(session.document.level, pairs[0], point), cursor=Cursor.CROSS
+        )
 
     def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
         """Join at the release; several pairs are asked about."""
@@ -91,9 +93,7 @@ class JointTool(Tool):
         rules = session.rules(event.modifiers)
         return snap_point(event.world, rules, session.targets()).point
 
-    def _pairs(
-        self, session: "Session", point: Point
-    ) -> list[tuple[BodyReference, BodyReference]]:
+    def _pairs(self, session: "Session", point: Point) -> list[tuple[BodyReference, BodyReference]]:
         level = session.document.level
         selected = [i for i in session.selection if any(i == body.id for body in level.bodies)]
         under = list(bodies_at(level, point, without=session.document.hidden))

@@ -21,9 +21,7 @@ AIM_PIXELS: Final = 6.0
 """A shorter drag does not aim; the thruster then pushes towards the centre, or upwards."""
 
 
-def aimed(
-    body: Body, point: Point, pointer: Point, *, step: float | None
-) -> float:
+def aimed(body: Body, point: Point, pointer: Point, *, step: float | None) -> float:
     """Where a thruster at `point` pushes when dragged to `pointer` [rad].
 
     Args:

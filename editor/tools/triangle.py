@@ -35,9 +35,7 @@ class TriangleTool(Tool):
         reach = session.metres * 3
         while len(corners) < 3:
             event = yield Feedback(marks=_marks(corners, snapped.point), cursor=Cursor.CROSS)
-            snapped = snap_point(
-                event.world, session.rules(event.modifiers), available, snapped
-            )
+            snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
             far = max(abs(snapped.point[k] - corners[-1][k]) for k in (0, 1)) > reach
             if event.kind is Pointer.PRESS or (event.kind is Pointer.RELEASE and far):
                 corners.append(snapped.point)

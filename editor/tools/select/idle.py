@@ -57,9 +57,7 @@ class SelectTool(Tool):
             return rubber_band(session, event)
         return self._click_or_drag(session, event, under)
 
-    def _click_or_drag(
-        self, session: "Session", event: PointerEvent, under: Selection
-    ) -> Gesture:
+    def _click_or_drag(self, session: "Session", event: PointerEvent, under: Selection) -> Gesture:
         press = event
         before = session.selection
         taken = next((i for i in under if i in before), under[0])

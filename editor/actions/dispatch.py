@@ -1,0 +1,162 @@
+"""From events and time to actions: key chords, the pointer, the queue, the clock."""
+
+from pathlib import Path
+from typing import Final
+
+from editor import files
+from editor.actions import file
+from editor.actions.base import Action, Context
+from editor.actions.pointer import move_wheel, use_pointer
+from editor.actions.table import ACTIONS, BY_ID
+from editor.events import (
+    NO_MODIFIERS,
+    DropEvent,
+    FocusEvent,
+    InputEvent,
+    KeyEvent,
+    PointerEvent,
+    QuitEvent,
+    TextEvent,
+    WheelEvent,
+)
+from editor.session import Session
+from kinetix.errors import CommandError
+
+AUTOSAVE_SECONDS: Final = 30.0
+OUTSIDE_SECONDS: Final = 2.0
+"""How often the file in front is looked at for changes from outside."""
+
+
+def chords(session: Session, action: Action) -> tuple[str, ...]:
+    """The chords of an action, rebound ones included."""
+    return tuple(session.settings.keys.get(action.id, action.keys))
+
+
+def find(session: Session, chord: str) -> Action | None:
+    """The action that a chord means now: of the mode's context first, then of all."""
+    here = Context.EDIT if session.editing else Context.PLAY
+    for context in (here, Context.GLOBAL):
+        for action in ACTIONS:
+            if action.context is context and chord in (*chords(session, action), *action.variants):
+                return action
+    return None
+
+
+def run(session: Session, action_id: str) -> bool:
+    """Do an action now.
+
+    Args:
+        session: The app.
+        action_id: Its id.
+
+    Returns:
+        Whether it was enabled.
+
+    Raises:
+        CommandError: There is no such action.
+    """
+    if action_id not in BY_ID:
+        raise CommandError(f"there is no action {action_id!r}; there are {', '.join(BY_ID)}")
+    action = BY_ID[action_id]
+    if action.context is not Context.GLOBAL:
+        wanted = action.context is Context.EDIT
+        if wanted != session.editing:
+            return False
+    if not action.enabled(session):
+        return False
+    if session.driver.active and action_id not in ("edit.cancel", "edit.undo"):
+        session.driver.cancel()
+    with session.guard():
+        action.run(session)
+    return True
+
+
+def handle(session: Session, event: InputEvent) -> bool:
+    """Take one event that the toolkit does not want for itself.
+
+    Returns:
+        Whether it meant something.
+    """
+    match event:
+        case KeyEvent():
+            return _key(session, event)
+        case TextEvent(text=text):
+            return session.editing and session.driver.text(text)
+        case PointerEvent():
+            with session.guard():
+                use_pointer(session, event)
+        case WheelEvent():
+            move_wheel(session, event)
+        case FocusEvent(focused=False):
+            session.release_all()
+            session.modifiers = NO_MODIFIERS
+        case DropEvent(path=path):
+            file.open_path(session, Path(path))
+        case QuitEvent():
+            run(session, "file.quit")
+        case _:
+            return False
+    return True
+
+
+def _key(session: Session, event: KeyEvent) -> bool:
+    session.modifiers = event.modifiers
+    if not event.pressed:
+        session.held.discard(event.key)
+        return True
+    session.held.add(event.key)
+    if session.prompts:
+        return False
+    if session.editing and session.driver.active:
+        if event.key == "backspace" and session.driver.backspace():
+            return True
+        if event.key in ("return", "enter") and session.driver.accept():
+            return True
+    action = find(session, event.chord)
+    if action is None or (event.repeat and not _repeats(action)):
+        return False
+    if not session.editing and not event.modifiers.prefix and event.key in session.control_keys:
+        return True
+    return run(session, action.id)
+
+
+def _repeats(action: Action) -> bool:
+    """Whether holding the key does the action again and again."""
+    return action.id.startswith(("transform.", "run.step", "edit.undo", "edit.redo"))
+
+
+def update(session: Session, seconds: float) -> None:
+    """Let a frame pass: do what is queued, take finished jobs, play on, save copies.
+
+    Args:
+        session: The app.
+        seconds: Time since the last frame [s].
+    """
+    before = session.time
+    session.time += seconds
+    session.toasts = [toast for toast in session.toasts if toast.until > session.time]
+    for item in session.take_queue():
+        if isinstance(item, str):
+            with session.guard():
+                run(session, item)
+        elif callable(item):
+            with session.guard():
+                item()
+        else:
+            session.execute(item)
+    with session.guard():
+        session.worker.poll()
+    with session.guard():
+        session.playback.tick(seconds, session.action, session.pull)
+    if _passed(before, session.time, AUTOSAVE_SECONDS):
+        with session.guard():
+            for tab in session.tabs:
+                files.autosave(tab.document)
+            session.autosaved_at = session.time
+    if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
+        with session.guard():
+            file.check_outside(session)
+
+
+def _passed(before: float, now: float, period: float) -> bool:
+    return int(before / period) != int(now / period)

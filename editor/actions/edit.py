@@ -1,0 +1,252 @@
+"""What the Edit and Arrange menus do."""
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+from editor.commands import clip
+from editor.commands.base import Command, Selection
+from editor.commands.fields import PasteProperties
+from editor.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
+from editor.commands.rigid import component
+from editor.session import Session
+from editor.tools import TOOLS
+from kinetix.errors import CommandError
+from kinetix.level.geometry import bounds
+from kinetix.level.model import Body
+
+PASTE_SHIFT = (0.1, 0.1)
+"""How far a duplicate stands off [m]."""
+NUDGE_FINE = 0.005
+"""What Alt+arrow moves [m]."""
+NUDGE_COARSE = 10
+"""Shift+arrow moves this many steps."""
+
+
+def undo(session: Session) -> None:
+    """Take the last edit back."""
+    if session.driver.cancel():
+        return
+    if session.document.undo() is None:
+        session.complain("There is nothing to undo.")
+
+
+def redo(session: Session) -> None:
+    """Do the next edit again."""
+    session.driver.cancel()
+    if session.document.redo() is None:
+        session.complain("There is nothing to redo.")
+
+
+def copy(session: Session) -> None:
+    """Put the selection on the clipboard."""
+    found = clip.copied(session.document.level, session.selection)
+    if not (found.bodies or found.joints or found.thrusters):
+        raise CommandError("Nothing that can be copied is selected.")
+    session.clipboard.set(clip.dumps(found))
+
+
+def cut(session: Session) -> None:
+    """Copy, then delete."""
+    copy(session)
+    session.execute(Remove(ids=session.selection))
+
+
+def paste(session: Session) -> None:
+    """Put the clipboard's content at the pointer, or beside the original."""
+    found = clip.loads(session.clipboard.get())
+    at = session.cursor
+    shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
+    session.execute(clip.Paste(clip=found, shift=shift))
+
+
+def duplicate(session: Session) -> None:
+    """Copy and paste beside the original, without the clipboard."""
+    found = clip.copied(session.document.level, session.selection)
+    session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
+
+
+def paste_properties(session: Session) -> None:
+    """Give the selection the properties of what was copied."""
+    found = clip.loads(session.clipboard.get())
+    sources = (*found.bodies[-1:], *found.joints[-1:], *found.thrusters[-1:])
+    level = session.document.level
+    for source in sources:
+        kinds = {type(level.entity(i)) for i in session.selection if isinstance(i, int)}
+        if type(source) in kinds:
+            session.execute(PasteProperties(ids=session.selection, source=source))
+            return
+    raise CommandError("The clipboard has no properties for what is selected.")
+
+
+def select_all(session: Session) -> None:
+    """Select everything that is neither locked nor hidden."""
+    document = session.document
+    passed = document.locked | document.hidden
+    session.selection = tuple(e.id for e in document.level.entities() if e.id not in passed)
+
+
+def delete(session: Session) -> None:
+    """Delete the selection with what hangs on it, and offer to undo that."""
+    before = session.document.level
+    ids = tuple(i for i in session.selection if not isinstance(i, str))
+    if not ids:
+        raise CommandError("Floor, walls and ceiling cannot be deleted.")
+    if not session.execute(Remove(ids=ids)).changed:
+        return
+    after = session.document.level
+    parts = []
+    for kind, noun in (("bodies", "shape"), ("joints", "joint"), ("thrusters", "thruster")):
+        count = len(getattr(before, kind)) - len(getattr(after, kind))
+        if count:
+            parts.append(f"{count} {noun}{'' if count == 1 else 's'}")
+    session.toast(f"Deleted {', '.join(parts)}", action="edit.undo")
+
+
+def cancel(session: Session) -> None:
+    """Leave what is under way; again: back to Select; again: select nothing."""
+    if session.driver.cancel():
+        return
+    if session.tool is not TOOLS["select"]:
+        session.choose_tool("select")
+    else:
+        session.selection = ()
+
+
+def toggle_lock(session: Session) -> None:
+    """Lock the selection against picking and dragging; all locked: unlock it."""
+    document, chosen = session.document, frozenset(session.selection)
+    if chosen <= document.locked:
+        document.locked -= chosen
+    else:
+        document.locked |= chosen
+
+
+def toggle_hide(session: Session) -> None:
+    """Hide the selection in Edit; with nothing selected show everything again."""
+    document, chosen = session.document, frozenset(session.selection)
+    if not chosen:
+        document.hidden = frozenset()
+    elif chosen <= document.hidden:
+        document.hidden -= chosen
+    else:
+        document.hidden |= chosen
+        session.selection = ()
+
+
+def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
+    """An action that mirrors the selection."""
+
+    def run(session: Session) -> None:
+        session.execute(Mirror(ids=session.selection, axis=axis))
+
+    return run
+
+
+def reorder(step: Literal[1, -1]) -> Callable[[Session], None]:
+    """An action that brings the selection forward or back."""
+
+    def run(session: Session) -> None:
+        session.execute(Reorder(ids=session.selection, step=step))
+
+    return run
+
+
+def nudge(x: int, y: int) -> Callable[[Session], None]:
+    """An action that moves the selection by one step."""
+
+    def run(session: Session) -> None:
+        step = session.settings.nudge_step
+        if session.modifiers.alt:
+            step = NUDGE_FINE
+        elif session.modifiers.shift:
+            step *= NUDGE_COARSE
+        ids = moving_ids(session)
+        shift = (x * step, y * step)
+        session.execute(Move(ids=ids, shift=shift, merge_key=("nudge", ids)))
+
+    return run
+
+
+def moving_ids(session: Session) -> Selection:
+    """The selected bodies with those that hang on them, unless that is switched off."""
+    level, document = session.document.level, session.document
+    ids = {body.id for body in level.bodies if body.id in session.selection}
+    if session.settings.move_jointed:
+        ids = component(level, ids)
+    return tuple(b.id for b in level.bodies if b.id in ids and b.id not in document.locked)
+
+
+def turn(degrees: float) -> Callable[[Session], None]:
+    """An action that rotates the selected bodies; Shift makes 15° one degree."""
+
+    def run(session: Session) -> None:
+        step = math.copysign(1.0, degrees) if session.modifiers.shift else degrees
+        ids = tuple(
+            body.id for body in session.document.level.bodies if body.id in session.selection
+        )
+        command = Rotate(ids=ids, angle=math.radians(step), merge_key=("turn", ids))
+        session.execute(command)
+
+    return run
+
+
+Place = Callable[[tuple[float, float, float, float]], float]
+
+
+def align(label: str, axis: int, place: Place) -> Callable[[Session], None]:
+    """An action that brings one line of every selected body to that of the group's box.
+
+    Args:
+        label: What the history calls it.
+        axis: 0 moves along x, 1 along y.
+        place: The line of a box (left, bottom, right, top).
+    """
+
+    def run(session: Session) -> None:
+        bodies = _several(session, 2)
+        boxes = [bounds(body) for body in bodies]
+        group = (
+            min(box[0] for box in boxes),
+            min(box[1] for box in boxes),
+            max(box[2] for box in boxes),
+            max(box[3] for box in boxes),
+        )
+        goal = place(group)
+        amounts = [goal - place(box) for box in boxes]
+        session.execute(_moves(label, axis, bodies, amounts))
+
+    return run
+
+
+def distribute(label: str, axis: int) -> Callable[[Session], None]:
+    """An action that makes the gaps between the selected bodies equal; the outer two stay."""
+
+    def run(session: Session) -> None:
+        bodies = sorted(_several(session, 3), key=lambda b: sum(bounds(b)[axis::2]))
+        boxes = [bounds(body) for body in bodies]
+        free = boxes[-1][axis] - boxes[0][axis + 2]
+        free -= sum(box[axis + 2] - box[axis] for box in boxes[1:-1])
+        gap, amounts, edge = free / (len(bodies) - 1), [0.0], boxes[0][axis + 2]
+        for box in boxes[1:-1]:
+            amounts.append(edge + gap - box[axis])
+            edge += gap + box[axis + 2] - box[axis]
+        session.execute(_moves(label, axis, bodies, [*amounts, 0.0]))
+
+    return run
+
+
+def _several(session: Session, least: int) -> list[Body]:
+    bodies = [b for b in session.document.level.bodies if b.id in session.selection]
+    if len(bodies) < least:
+        raise CommandError(f"Select at least {least} shapes.")
+    return bodies
+
+
+def _moves(label: str, axis: int, bodies: list[Body], amounts: list[float]) -> Command:
+    shifts = tuple(
+        (body.id, (amount, 0.0) if axis == 0 else (0.0, amount))
+        for body, amount in zip(bodies, amounts, strict=True)
+        if abs(amount) > 1e-9
+    )
+    return MoveEach(shifts=shifts, label=label)

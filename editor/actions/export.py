@@ -1,0 +1,155 @@
+"""Exports: pictures, films and traces of what is on show."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from editor.jobs import Job, JobState
+from editor.prompts import Choice, FileQuestion, MenuQuestion
+from editor.recording import Trace
+from editor.requests import ExportFilm, ExportPicture
+from editor.session import Session
+from kinetix.errors import CommandError
+from kinetix.level.model import Level
+from kinetix.paths import levels_dir
+
+PICTURES: Final = tuple(
+    Choice(id=f"png{n}", label=f"Picture, {500 * n} × {500 * n}", detail="PNG")
+    for n in (1, 2, 4, 8)
+)
+CLEAR_PICTURE: Final = Choice(id="clear2", label="Picture without background", detail="PNG")
+EPISODES: Final = (
+    Choice(id="gif", label="Film of this episode", detail="GIF"),
+    Choice(id="mp4", label="Film of this episode", detail="MP4"),
+    Choice(id="npz", label="Trace of this episode", detail="NumPy .npz"),
+)
+
+
+def ask_export(session: Session) -> None:
+    """Choose what to export, then where to."""
+    trace = session.playback.trace
+    episodes = EPISODES if trace is not None else ()
+
+    def answer(choice: str | None) -> None:
+        if choice is not None:
+            _ask_path(session, choice, trace)
+
+    choices = (*PICTURES, CLEAR_PICTURE, *episodes)
+    session.ask(MenuQuestion(title="Export", choices=choices, at=None, answer=answer))
+
+
+def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
+    suffix = f".{choice}" if choice in ("gif", "mp4", "npz") else ".png"
+    document, playback = session.document, session.playback
+    level = playback.level or document.level
+    state = playback.snapshot.state if playback.snapshot else None
+
+    def answer(path: Path | None) -> None:
+        if path is None:
+            return
+        target = path.with_suffix(suffix)
+        if suffix == ".png":
+            request = ExportPicture(
+                level=level,
+                state=state,
+                path=target,
+                factor=int(choice[-1]),
+                transparent=choice.startswith("clear"),
+                palette=session.settings.palette,
+            )
+            session.worker.submit(request, title=f"Writing {target.name}", done=told(session))
+        elif trace is not None and suffix == ".npz":
+            write_trace(trace, target)
+            session.toast(f"Wrote {target}", "success")
+        elif trace is not None:
+            film(session, level, trace, target)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Export as",
+            folder=_folder(session),
+            name=f"{Path(document.title).stem}{suffix}",
+            suffixes=(suffix,),
+            answer=answer,
+        )
+    )
+
+
+def _folder(session: Session) -> Path:
+    path = session.document.path
+    if path is not None and not path.is_relative_to(levels_dir()):
+        return path.parent
+    return Path.cwd()
+
+
+def write_trace(trace: Trace, path: Path) -> None:
+    """Write a trace as `.npz`.
+
+    Raises:
+        CommandError: The file cannot be written.
+    """
+    try:
+        np.savez_compressed(path, **trace.arrays())  # pyright: ignore[reportArgumentType]
+    except OSError as error:
+        raise CommandError(f"{path}: cannot be saved: {error.strerror or error}") from error
+
+
+def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
+    """Ask the worker for a film of a trace."""
+    request = ExportFilm(level=level, trace=trace, path=path, palette=session.settings.palette)
+    session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+
+
+def told(session: Session) -> Callable[[Job], None]:
+    """A callback that says what became of an export."""
+
+    def done(job: Job) -> None:
+        if job.state is JobState.DONE:
+            session.toast(f"Wrote {job.result}", "success")
+        elif job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+
+    return done
+
+
+def screenshot(session: Session) -> None:
+    """Ask the host for a picture of the window."""
+    session.screenshot = free_name(_folder(session), session.document.title, ".png")
+
+
+def record(session: Session) -> None:
+    """Start filming what is played; again: write the film."""
+    if session.recording is None:
+        session.recording = session.playback.step_count if session.playback.active else 0
+        session.toast("Recording: play, then press Ctrl+Shift+R again.")
+        return
+    first, session.recording = session.recording, None
+    trace, level = session.playback.trace, session.playback.level
+    if trace is None or level is None:
+        raise CommandError("Nothing was played while recording.")
+    film(
+        session,
+        level,
+        since(trace, first),
+        free_name(_folder(session), session.document.title, ".gif"),
+    )
+
+
+def since(trace: Trace, step: int) -> Trace:
+    """The part of a trace from an environment step on; all of it when nothing follows."""
+    start = next((k for k, s in enumerate(trace.snapshots) if s.step >= step), 0)
+    return dataclasses.replace(
+        trace, snapshots=trace.snapshots[start:], actions=trace.actions[start:]
+    )
+
+
+def free_name(folder: Path, title: str, suffix: str) -> Path:
+    """A file name in a folder that nothing has yet: `title-001.png`."""
+    stem, number = Path(title).stem, 1
+    while (path := folder / f"{stem}-{number:03}{suffix}").exists():
+        number += 1
+    return path

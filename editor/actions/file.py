@@ -1,0 +1,304 @@
+"""What the File menu does: new, open, save, close, quit, and the questions on the way."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from editor import files
+from editor.commands.level import ReplaceLevel
+from editor.document import Document, Format
+from editor.prompts import Choice, FileQuestion, Question
+from editor.session import Session, Tab
+from kinetix.errors import LevelError
+from kinetix.level.model import Level
+from kinetix.paths import levels_dir
+
+NEW_LEVEL: Final = Level(name="Untitled")
+LEVEL_SUFFIXES: Final = (".json",)
+
+
+def new(session: Session) -> None:
+    """An empty arena in a new tab."""
+    session.open_tab(Document(NEW_LEVEL))
+
+
+def open_path(session: Session, path: str | Path, *, replace: bool = False) -> bool:
+    """Open a level file in a tab, or bring the tab that shows it to the front.
+
+    Args:
+        session: The app.
+        path: A file, or the name of a bundled level.
+        replace: Show it in the tab in front, when that one has no unsaved changes.
+
+    Returns:
+        Whether it is open now; otherwise a toast says why.
+    """
+    with session.guard():
+        document = files.open_document(path)
+        assert document.path is not None
+        index = session.locate(document.path)
+        if index is not None:
+            session.show_tab(index)
+            return True
+        if replace and not session.document.dirty:
+            session.leave_play()
+            session.tab.document = document
+        else:
+            session.open_tab(document)
+        session.settings.remember(document.path)
+        if document.warnings:
+            count = len(document.warnings)
+            more = f" (and {count - 1} more, see the log)" if count > 1 else ""
+            session.toast(f"{document.path.name}: {document.warnings[0]}{more}", "warning")
+            session.log += document.warnings[1:]
+        return True
+    return False
+
+
+def ask_open(session: Session) -> None:
+    """Choose a file and open it."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            open_path(session, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="open",
+            title="Open level",
+            folder=_folder(session),
+            suffixes=LEVEL_SUFFIXES,
+            answer=answer,
+        )
+    )
+
+
+def _folder(session: Session) -> Path:
+    if session.document.path is not None:
+        return session.document.path.parent
+    recent = next((Path(p).parent for p in session.settings.recents if Path(p).exists()), None)
+    return recent or levels_dir()
+
+
+def save(session: Session, then: Callable[[], None] | None = None) -> None:
+    """Save in the tab's format; asks for a name where there is none, and what to do about losses."""
+    document = session.document
+    if document.path is None:
+        save_as(session, then)
+    else:
+        save_with_care(session, document, document.path, document.format, then)
+
+
+def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
+    """Save under a name that the user chooses."""
+    document = session.document
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            target = path if path.suffix else path.with_suffix(".json")
+            save_with_care(session, document, target, document.format, then)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Save level as",
+            folder=_folder(session),
+            name=document.path.name if document.path else f"{_stem(document.level.name)}.json",
+            suffixes=LEVEL_SUFFIXES,
+            answer=answer,
+        )
+    )
+
+
+def _stem(name: str) -> str:
+    kept = "".join(c if c.isalnum() or c in "-_ " else "" for c in name).strip()
+    return kept.replace(" ", "_").lower() or "level"
+
+
+def save_with_care(
+    session: Session,
+    document: Document,
+    path: Path,
+    format: Format,
+    then: Callable[[], None] | None = None,
+) -> None:
+    """Save, after asking when the format cannot say everything (IO10)."""
+    lost = files.lost_on_save(document.level, path, format)
+    if not lost:
+        if save_now(session, document, path, format) and then is not None:
+            then()
+        return
+
+    def answer(choice: str) -> None:
+        if choice == "cancel":
+            return
+        chosen: Format = "kinetix-level" if choice == "native" else format
+        if save_now(session, document, path, chosen) and then is not None:
+            then()
+
+    session.ask(
+        Question(
+            title="The file's format cannot hold everything",
+            message=f"The format of {path.name} has no place for: {', '.join(lost)}.",
+            choices=(
+                Choice(id="native", label="Save as kinetix-level"),
+                Choice(id="anyway", label="Save anyway"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="native",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
+def save_now(session: Session, document: Document, path: Path, format: Format) -> bool:
+    """Save without asking; a failure becomes a toast."""
+    try:
+        files.save_document(document, path, format)
+    except LevelError as error:
+        session.toast(str(error), "error")
+        return False
+    session.settings.remember(path)
+    session.toast(f"Saved {path.name}", "success")
+    return True
+
+
+def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
+    """Go on with `then` once a tab's changes are saved or given up (IO4)."""
+    document = tab.document
+    if not document.dirty:
+        then()
+        return
+
+    def answer(choice: str) -> None:
+        if choice == "save":
+            session.show_tab(session.tabs.index(tab))
+            save(session, then)
+        elif choice == "discard":
+            files.forget_autosave(document)
+            then()
+
+    session.ask(
+        Question(
+            title="Unsaved changes",
+            message=f"Save the changes to {document.title} before closing?",
+            choices=(
+                Choice(id="save", label="Save"),
+                Choice(id="discard", label="Don't Save"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="save",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
+def close_tab(session: Session, tab: Tab | None = None) -> None:
+    """Close a tab, the one in front by default; asks when it has unsaved changes."""
+    closing = tab or session.tab
+    if_settled(session, closing, lambda: session.close_tab(closing))
+
+
+def quit_app(session: Session) -> None:
+    """End the app, after asking about every tab with unsaved changes."""
+    session.driver.cancel()
+
+    def next_tab(remaining: list[Tab]) -> None:
+        if not remaining:
+            session.settings.save()
+            session.quitting = True
+            return
+        if_settled(session, remaining[0], lambda: next_tab(remaining[1:]))
+
+    next_tab(list(session.tabs))
+
+
+def offer_recovery(session: Session) -> None:
+    """Ask about what an earlier run could not save (IO3)."""
+    for recovery in reversed(files.recoveries()):
+
+        def answer(choice: str, recovery: files.Recovery = recovery) -> None:
+            if choice == "restore":
+                session.open_tab(files.recovered_document(recovery))
+            elif choice == "discard":
+                files.discard_recovery(recovery)
+
+        session.ask(
+            Question(
+                title="Restore unsaved work?",
+                message=f"The app ended without saving {recovery.summary()}.",
+                choices=(
+                    Choice(id="restore", label="Restore"),
+                    Choice(id="discard", label="Discard"),
+                    Choice(id="later", label="Ask again next time"),
+                ),
+                default="restore",
+                cancel="later",
+                answer=answer,
+            )
+        )
+
+
+def check_outside(session: Session) -> None:
+    """Ask what to do when the file in front was changed by somebody else (IO5)."""
+    document = session.document
+    if not files.changed_outside(document) or session.prompts:
+        return
+    assert document.path is not None
+    path = document.path
+    if not path.exists():
+        document.stamp = None
+        document.mark_unsaved()
+        session.toast(f"{path.name} was removed; the level is only here now.", "warning")
+        return
+
+    def answer(choice: str) -> None:
+        document.stamp = files.read_stamp(path)
+        if choice == "reload":
+            reload(session, document)
+        else:
+            document.mark_unsaved()
+
+    session.ask(
+        Question(
+            title="The file has changed",
+            message=f"{path.name} was changed outside the editor. {_difference(document, path)}",
+            choices=(
+                Choice(id="reload", label="Reload", detail="can be undone"),
+                Choice(id="keep", label="Keep mine"),
+            ),
+            default="reload" if not document.dirty else "keep",
+            cancel="keep",
+            answer=answer,
+        )
+    )
+
+
+def _difference(document: Document, path: Path) -> str:
+    try:
+        theirs = files.open_document(path).level
+    except LevelError as error:
+        return f"It cannot be read now: {error}"
+    mine = document.level
+    parts = []
+    for kind, noun in (("bodies", "shapes"), ("joints", "joints"), ("thrusters", "thrusters")):
+        here, there = (
+            {entity.id: entity for entity in getattr(level, kind)} for level in (mine, theirs)
+        )
+        changed = sum(here[i] != there[i] for i in here.keys() & there.keys())
+        counts = (len(there.keys() - here.keys()), len(here.keys() - there.keys()), changed)
+        if any(counts):
+            parts.append(f"{noun}: {counts[0]} new, {counts[1]} gone, {counts[2]} changed")
+    return f"Differences: {'; '.join(parts)}." if parts else "Only settings of the level differ."
+
+
+def reload(session: Session, document: Document) -> None:
+    """Take the file's content over as one edit, so that it can be undone."""
+    assert document.path is not None
+    with session.guard():
+        fresh = files.open_document(document.path)
+        document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
+        document.source = fresh.source
+        document.mark_saved()

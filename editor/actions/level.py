@@ -1,0 +1,94 @@
+"""What the Level menu does: random levels, mutations, neighbours in the folder, quick fixes."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from editor.actions.file import open_path
+from editor.commands.base import Command
+from editor.commands.level import ReplaceLevel
+from editor.jobs import Job, JobState
+from editor.prompts import Choice, MenuQuestion
+from editor.requests import MUTATIONS, Mutate, RandomLevel, Request
+from editor.session import Session
+from kinetix.errors import CommandError
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of, size_name
+
+
+def random_level(session: Session) -> None:
+    """Put a random level in the place of this one; every call takes the next seed."""
+    session.seed += 1
+    seed = session.seed
+    size = size_name(capacity_of(session.document.level)) or "l"
+    replace_later(
+        session,
+        RandomLevel(seed=seed, size=size),
+        title="Drawing a random level",
+        command=lambda level: ReplaceLevel(
+            level=level, label=f"Random level (seed {seed})", fresh=True
+        ),
+    )
+
+
+def mutate(mutation: str | None) -> Callable[[Session], None]:
+    """An action that changes the level at random; None takes any mutation."""
+
+    def run(session: Session) -> None:
+        session.seed += 1
+        request = Mutate(level=session.document.level, mutation=mutation, seed=session.seed)
+        name = "Mutate" if mutation is None else dict(MUTATIONS)[mutation]
+        replace_later(
+            session,
+            request,
+            title=name,
+            command=lambda level: ReplaceLevel(level=level, label=name),
+        )
+
+    return run
+
+
+def mutate_menu(session: Session) -> None:
+    """Choose a mutation from a list."""
+
+    def answer(choice: str | None) -> None:
+        if choice is not None:
+            mutate(choice)(session)
+
+    choices = tuple(Choice(id=name, label=label) for name, label in MUTATIONS)
+    session.ask(MenuQuestion(title="Mutate", choices=choices, at=None, answer=answer))
+
+
+def replace_later(
+    session: Session, request: Request, *, title: str, command: Callable[[Level], Command]
+) -> None:
+    """Ask the worker for a level and put it in when it comes, unless the document has changed."""
+    document, before = session.document, session.document.level
+
+    def done(job: Job) -> None:
+        if job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+        elif job.state is JobState.DONE:
+            if document is not session.document or document.level != before:
+                session.complain(f"{title}: the level has changed meanwhile; try again.")
+            else:
+                session.execute(command(job.result))
+
+    session.worker.submit(request, title=title, urgent=True, done=done)
+
+
+def neighbour(step: int) -> Callable[[Session], None]:
+    """An action that opens the next or previous level of the same folder."""
+
+    def run(session: Session) -> None:
+        path = session.document.path
+        if path is None:
+            raise CommandError("Save the level first: it has no folder yet.")
+        siblings = sorted(p for p in path.parent.glob("*.json") if p.is_file())
+        if len(siblings) < 2:
+            raise CommandError("There is no other level in this folder.")
+        resolved = [p.resolve() for p in siblings]
+        here = resolved.index(path.resolve()) if path.resolve() in resolved else 0
+        target: Path = siblings[(here + step) % len(siblings)]
+        open_path(session, target, replace=True)
+
+    return run

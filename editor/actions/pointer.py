@@ -1,0 +1,95 @@
+"""What the pointer does on the canvas: pan, zoom, gestures, the menu of the stack, pulling bodies."""
+
+import math
+from typing import Final
+
+from editor.camera import ZOOM_NOTCH
+from editor.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
+from editor.picking import bodies_at
+from editor.prompts import Choice, MenuQuestion
+from editor.requests import Pull
+from editor.session import Session
+from editor.tools.base import DRAG_PIXELS
+from editor.tools.select.idle import under_pointer
+from editor.wording import describe
+from kinetix.level.geometry import to_local
+
+PAN_BUTTONS: Final = (MIDDLE, RIGHT)
+
+
+def use_pointer(session: Session, event: PointerEvent) -> None:
+    """Give a pointer event to whom it concerns."""
+    session.cursor, session.cursor_screen = event.world, event.screen
+    session.modifiers = event.modifiers
+    if _panned(session, event):
+        return
+    if event.button not in (0, LEFT):
+        return
+    if session.editing:
+        session.driver.pointer(event)
+    else:
+        _pull(session, event)
+
+
+def move_wheel(session: Session, event: WheelEvent) -> None:
+    """Zoom at the pointer; a sideways wheel pans."""
+    if event.dy:
+        session.camera = session.camera.zoomed(ZOOM_NOTCH**event.dy, event.screen)
+    if event.dx:
+        session.camera = session.camera.panned((-30.0 * event.dx, 0.0))
+
+
+def _panned(session: Session, event: PointerEvent) -> bool:
+    """Middle or right drag pans; a right click lists what lies under the pointer."""
+    if event.kind is Pointer.PRESS and event.button in PAN_BUTTONS and not session.driver.active:
+        session.pan = (event.screen, event.screen, False)
+        return True
+    if session.pan is None:
+        return False
+    start, last, moved = session.pan
+    if event.kind is Pointer.MOVE:
+        moved = moved or math.dist(start, event.screen) >= DRAG_PIXELS
+        if moved:
+            delta = (event.screen[0] - last[0], event.screen[1] - last[1])
+            session.camera = session.camera.panned(delta)
+            last = event.screen
+        session.pan = (start, last, moved)
+    elif event.kind is Pointer.RELEASE:
+        session.pan = None
+        if not moved and event.button == RIGHT and session.editing:
+            _stack_menu(session, event)
+    return True
+
+
+def _stack_menu(session: Session, event: PointerEvent) -> None:
+    under = under_pointer(session, event)
+    if not under:
+        return
+    level = session.document.level
+
+    def answer(choice: str | None) -> None:
+        if choice is not None:
+            session.selection = (under[int(choice)],)
+
+    choices = tuple(
+        Choice(id=str(k), label=describe(level, entity), ids=(entity,))
+        for k, entity in enumerate(under)
+    )
+    session.ask(
+        MenuQuestion(title="Under the pointer", choices=choices, at=event.screen, answer=answer)
+    )
+
+
+def _pull(session: Session, event: PointerEvent) -> None:
+    """Hold a simulated body with the mouse."""
+    if event.kind is Pointer.PRESS and session.playback.snapshot is not None:
+        level = session.scene
+        under = bodies_at(level, event.world, arena=False)
+        free = [i for i in under if isinstance(i, int) and not level.body(i).fixed]
+        if free:
+            anchor = to_local(level.body(free[0]), event.world)
+            session.pull = Pull(body=free[0], anchor=anchor, target=event.world)
+    elif event.kind is Pointer.MOVE and session.pull is not None:
+        session.pull = Pull(body=session.pull.body, anchor=session.pull.anchor, target=event.world)
+    elif event.kind is Pointer.RELEASE:
+        session.pull = None

@@ -1,0 +1,72 @@
+"""What the Run menu does: play, pause, step, reset, stop, edit from here."""
+
+from editor import files
+from editor.commands.level import TakePoses
+from editor.document import Document
+from editor.playback import Mode
+from editor.session import Session
+from kinetix.errors import CommandError
+
+
+def play(session: Session) -> None:
+    """Play the level by hand."""
+    session.leave_play()
+    with session.guard():
+        files.autosave(session.document)
+    session.playback.play(session.document.level)
+
+
+def pause(session: Session) -> None:
+    """Pause or go on; after the end start anew."""
+    if session.mode is Mode.ENDED:
+        session.playback.reset()
+    else:
+        session.playback.pause()
+
+
+def step(session: Session) -> None:
+    """One environment step, with what the held keys drive."""
+    session.playback.step(session.action, session.pull)
+
+
+def step_back(session: Session) -> None:
+    """One environment step back."""
+    session.playback.step_back()
+
+
+def slower(session: Session) -> None:
+    """Half the speed."""
+    session.playback.slower()
+
+
+def faster(session: Session) -> None:
+    """Twice the speed."""
+    session.playback.faster()
+
+
+def reset(session: Session) -> None:
+    """The episode from its start."""
+    session.playback.reset()
+
+
+def stop(session: Session) -> None:
+    """Back to Edit."""
+    session.leave_play()
+
+
+def has_state(session: Session) -> bool:
+    """Whether there is a simulated state to take over."""
+    return session.playback.active and session.playback.snapshot is not None
+
+
+def edit_from_here(session: Session) -> None:
+    """A new document that starts where the simulation is now."""
+    snapshot, level = session.playback.snapshot, session.playback.level
+    if snapshot is None or level is None:
+        raise CommandError("Play first: there is no simulated state to edit from.")
+    document = Document(level)
+    document.commit(TakePoses(poses=snapshot), time=session.time)
+    document.mark_unsaved()
+    camera = session.camera
+    session.open_tab(document)
+    session.camera = camera

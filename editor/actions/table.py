@@ -1,0 +1,589 @@
+"""The one table of user actions (editor.md 3.13): menus, toolbar, keys, palette, help, replays."""
+
+from typing import Final
+
+from editor.actions import edit, export, file, level, run, view
+from editor.actions.base import Action, Context, editing, playing, selecting
+from editor.playback import SPEEDS, Mode
+from editor.session import Session
+
+EDIT, PLAY = Context.EDIT, Context.PLAY
+
+
+def _can_undo(session: Session) -> bool:
+    return session.editing and session.document.history.undo_label is not None
+
+
+def _can_redo(session: Session) -> bool:
+    return session.editing and session.document.history.redo_label is not None
+
+
+def _running(session: Session) -> bool:
+    return session.mode in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED)
+
+
+def _has_file(session: Session) -> bool:
+    return session.document.path is not None
+
+
+FILE: Final = (
+    Action(id="file.new", label="New", menu="File", keys=("ctrl+n",), run=file.new),
+    Action(id="file.open", label="Open…", menu="File", keys=("ctrl+o",), run=file.ask_open),
+    Action(id="file.save", label="Save", menu="File", keys=("ctrl+s",), run=file.save),
+    Action(
+        id="file.save_as",
+        label="Save As…",
+        menu="File",
+        keys=("ctrl+shift+s",),
+        run=file.save_as,
+    ),
+    Action(
+        id="file.close_tab", label="Close Tab", menu="File", keys=("ctrl+w",), run=file.close_tab
+    ),
+    Action(
+        id="file.export",
+        label="Export…",
+        menu="File",
+        keys=("ctrl+e",),
+        tooltip="Picture, film or trace.",
+        run=export.ask_export,
+    ),
+    Action(
+        id="file.screenshot",
+        label="Save Screenshot",
+        menu="File",
+        keys=("ctrl+p",),
+        tooltip="A picture of the whole window.",
+        run=export.screenshot,
+    ),
+    Action(
+        id="file.record",
+        label="Record Film",
+        menu="File",
+        keys=("ctrl+shift+r",),
+        tooltip="Start and stop recording what is played as a GIF.",
+        checked=lambda session: session.recording is not None,
+        run=export.record,
+    ),
+    Action(id="file.quit", label="Quit", menu="File", keys=("ctrl+q",), run=file.quit_app),
+)
+
+EDITS: Final = (
+    Action(
+        id="edit.undo",
+        label="Undo",
+        menu="Edit",
+        keys=("ctrl+z",),
+        context=EDIT,
+        enabled=_can_undo,
+        run=edit.undo,
+    ),
+    Action(
+        id="edit.redo",
+        label="Redo",
+        menu="Edit",
+        keys=("ctrl+shift+z", "ctrl+y"),
+        context=EDIT,
+        enabled=_can_redo,
+        run=edit.redo,
+    ),
+    Action(
+        id="edit.cut",
+        label="Cut",
+        menu="Edit",
+        keys=("ctrl+x",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.cut,
+    ),
+    Action(
+        id="edit.copy",
+        label="Copy",
+        menu="Edit",
+        keys=("ctrl+c",),
+        context=EDIT,
+        tooltip="Shapes with their joints and thrusters.",
+        enabled=selecting,
+        run=edit.copy,
+    ),
+    Action(
+        id="edit.paste",
+        label="Paste",
+        menu="Edit",
+        keys=("ctrl+v",),
+        context=EDIT,
+        tooltip="At the pointer.",
+        enabled=editing,
+        run=edit.paste,
+    ),
+    Action(
+        id="edit.paste_properties",
+        label="Paste Properties",
+        menu="Edit",
+        keys=("ctrl+shift+v",),
+        context=EDIT,
+        tooltip="Role, density, surface, motor, limits: everything but place and shape.",
+        enabled=selecting,
+        run=edit.paste_properties,
+    ),
+    Action(
+        id="edit.duplicate",
+        label="Duplicate",
+        menu="Edit",
+        keys=("ctrl+d",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.duplicate,
+    ),
+    Action(
+        id="edit.select_all",
+        label="Select All",
+        menu="Edit",
+        keys=("ctrl+a",),
+        context=EDIT,
+        enabled=editing,
+        run=edit.select_all,
+    ),
+    Action(
+        id="edit.delete",
+        label="Delete",
+        menu="Edit",
+        keys=("delete", "backspace"),
+        context=EDIT,
+        tooltip="With the joints and thrusters that hang on it.",
+        enabled=selecting,
+        run=edit.delete,
+    ),
+    Action(
+        id="edit.cancel",
+        label="Cancel",
+        menu="Edit",
+        keys=("escape",),
+        context=EDIT,
+        tooltip="Leave what is under way; again: back to Select.",
+        enabled=editing,
+        run=edit.cancel,
+    ),
+)
+
+ARRANGE: Final = (
+    Action(
+        id="edit.lock",
+        label="Lock",
+        menu="Arrange",
+        keys=("ctrl+l",),
+        context=EDIT,
+        tooltip="Locked things are neither picked nor dragged.",
+        enabled=selecting,
+        run=edit.toggle_lock,
+    ),
+    Action(
+        id="edit.hide",
+        label="Hide",
+        menu="Arrange",
+        keys=("ctrl+h",),
+        context=EDIT,
+        tooltip="With nothing selected: show everything again.",
+        enabled=editing,
+        run=edit.toggle_hide,
+    ),
+    Action(
+        id="edit.mirror_horizontal",
+        label="Mirror Left–Right",
+        menu="Arrange",
+        keys=("ctrl+shift+h",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.mirror("x"),
+    ),
+    Action(
+        id="edit.mirror_vertical",
+        label="Mirror Up–Down",
+        menu="Arrange",
+        keys=("ctrl+shift+u",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.mirror("y"),
+    ),
+    *(
+        Action(
+            id=f"edit.align_{name}",
+            label=label,
+            menu="Arrange",
+            context=EDIT,
+            enabled=selecting,
+            run=edit.align(label, axis, place),
+        )
+        for name, label, axis, place in (
+            ("left", "Align Left", 0, lambda box: box[0]),
+            ("centre_x", "Align Centres Across", 0, lambda box: (box[0] + box[2]) / 2),
+            ("right", "Align Right", 0, lambda box: box[2]),
+            ("top", "Align Top", 1, lambda box: box[3]),
+            ("centre_y", "Align Centres Up", 1, lambda box: (box[1] + box[3]) / 2),
+            ("bottom", "Align Bottom", 1, lambda box: box[1]),
+        )
+    ),
+    *(
+        Action(
+            id=f"edit.distribute_{name}",
+            label=label,
+            menu="Arrange",
+            context=EDIT,
+            tooltip="Equal gaps between three or more shapes.",
+            enabled=selecting,
+            run=edit.distribute(label, axis),
+        )
+        for name, label, axis in (
+            ("x", "Distribute Across", 0),
+            ("y", "Distribute Up", 1),
+        )
+    ),
+    Action(
+        id="edit.forward",
+        label="Bring Forward",
+        menu="Arrange",
+        context=EDIT,
+        enabled=selecting,
+        run=edit.reorder(1),
+    ),
+    Action(
+        id="edit.back",
+        label="Send Back",
+        menu="Arrange",
+        context=EDIT,
+        enabled=selecting,
+        run=edit.reorder(-1),
+    ),
+    *(
+        Action(
+            id=f"transform.nudge_{name}",
+            label=f"Nudge {name.capitalize()}",
+            menu="Arrange",
+            keys=(name,),
+            variants=(f"shift+{name}", f"alt+{name}"),
+            context=EDIT,
+            tooltip="0.05 m; Shift: ten times as far, Alt: a tenth.",
+            enabled=selecting,
+            run=edit.nudge(x, y),
+        )
+        for name, x, y in (("left", -1, 0), ("right", 1, 0), ("up", 0, 1), ("down", 0, -1))
+    ),
+    *(
+        Action(
+            id=f"transform.{name}",
+            label=label,
+            menu="Arrange",
+            keys=(key,),
+            variants=variants,
+            context=EDIT,
+            tooltip=tooltip,
+            enabled=selecting,
+            run=edit.turn(degrees),
+        )
+        for name, label, key, variants, tooltip, degrees in (
+            ("rotate_ccw", "Rotate Left 15°", "q", ("shift+q",), "Shift: 1°.", 15.0),
+            ("rotate_cw", "Rotate Right 15°", "e", ("shift+e",), "Shift: 1°.", -15.0),
+            ("rotate_ccw_45", "Rotate Left 45°", "[", (), "", 45.0),
+            ("rotate_cw_45", "Rotate Right 45°", "]", (), "", -45.0),
+        )
+    ),
+)
+
+TOOL_ACTIONS: Final = tuple(
+    Action(
+        id=f"tool.{tool}",
+        label=label,
+        menu="Tools",
+        keys=(key,),
+        context=EDIT,
+        tooltip=tooltip,
+        enabled=editing,
+        checked=view.is_tool(tool),
+        run=view.choose(tool),
+    )
+    for tool, label, key, tooltip in (
+        ("select", "Select", "v", "Select, move, turn and resize."),
+        ("rectangle", "Rectangle", "r", "Press the key twice to draw several."),
+        ("circle", "Circle", "c", "Press the key twice to draw several."),
+        ("triangle", "Triangle", "t", "Three clicks."),
+        ("joint", "Joint", "j", "A hinge with a motor, where two shapes overlap."),
+        ("weld", "Weld", "w", "Makes two overlapping shapes one."),
+        ("thruster", "Thruster", "h", "Pushes a shape; drag where to."),
+    )
+)
+
+VIEW: Final = (
+    Action(
+        id="snap.smart",
+        label="Snap to Shapes",
+        menu="View",
+        keys=("shift+s",),
+        context=EDIT,
+        tooltip="Hold Ctrl while dragging to invert.",
+        checked=view.is_set("snap_smart"),
+        run=view.switch_setting("snap_smart"),
+    ),
+    Action(
+        id="snap.grid",
+        label="Snap to Grid",
+        menu="View",
+        keys=("shift+g",),
+        context=EDIT,
+        tooltip="Hold Ctrl while dragging to invert.",
+        checked=view.is_set("snap_grid"),
+        run=view.switch_setting("snap_grid"),
+    ),
+    Action(
+        id="view.grid",
+        label="Show Grid",
+        menu="View",
+        keys=("g",),
+        checked=view.is_set("grid_visible"),
+        run=view.switch_setting("grid_visible"),
+    ),
+    Action(
+        id="view.frame_selection",
+        label="Frame Selection",
+        menu="View",
+        keys=("f",),
+        run=view.frame_selection,
+    ),
+    Action(id="view.fit", label="Fit Arena", menu="View", keys=("home",), run=view.fit),
+    Action(
+        id="view.actual_size",
+        label="Actual Size",
+        menu="View",
+        keys=("ctrl+0",),
+        tooltip="100 pixels a metre.",
+        run=view.actual_size,
+    ),
+    Action(
+        id="view.toggle_ui",
+        label="Show Panels",
+        menu="View",
+        keys=("tab",),
+        checked=view.is_on("interface"),
+        run=view.switch("interface"),
+    ),
+    Action(
+        id="view.fullscreen",
+        label="Full Screen",
+        menu="View",
+        keys=("f11",),
+        checked=view.is_on("fullscreen"),
+        run=view.switch("fullscreen"),
+    ),
+    Action(
+        id="view.debug_draw",
+        label="Debug Drawing",
+        menu="View",
+        keys=("f3",),
+        checked=view.is_on("debug_draw"),
+        run=view.switch("debug_draw"),
+    ),
+    Action(
+        id="view.plots",
+        label="Plots",
+        menu="View",
+        keys=("f4",),
+        checked=view.is_on("plots"),
+        run=view.switch("plots"),
+    ),
+    Action(
+        id="view.next_tab",
+        label="Next Tab",
+        menu="View",
+        keys=("ctrl+tab",),
+        enabled=lambda session: len(session.tabs) > 1,
+        run=view.switch_tab(1),
+    ),
+    Action(
+        id="view.previous_tab",
+        label="Previous Tab",
+        menu="View",
+        keys=("ctrl+shift+tab",),
+        enabled=lambda session: len(session.tabs) > 1,
+        run=view.switch_tab(-1),
+    ),
+)
+
+RUN: Final = (
+    Action(
+        id="run.play_human",
+        label="Play",
+        menu="Run",
+        keys=("space", "f5"),
+        context=EDIT,
+        tooltip="Arrows, W/S, A/D turn motors, 1 and 2 fire thrusters.",
+        enabled=editing,
+        run=run.play,
+    ),
+    Action(
+        id="run.pause",
+        label="Pause",
+        menu="Run",
+        keys=("space",),
+        context=PLAY,
+        enabled=_running,
+        checked=lambda session: session.mode is Mode.PAUSED,
+        run=run.pause,
+    ),
+    Action(
+        id="run.step",
+        label="Step",
+        menu="Run",
+        keys=(".",),
+        context=PLAY,
+        tooltip="One environment step: two engine steps, 1/30 s.",
+        enabled=playing,
+        run=run.step,
+    ),
+    Action(
+        id="run.step_back",
+        label="Step Back",
+        menu="Run",
+        keys=(",",),
+        context=PLAY,
+        enabled=playing,
+        run=run.step_back,
+    ),
+    Action(
+        id="run.slower",
+        label="Slower",
+        menu="Run",
+        keys=("-",),
+        context=PLAY,
+        enabled=lambda session: session.playback.speed > SPEEDS[0],
+        run=run.slower,
+    ),
+    Action(
+        id="run.faster",
+        label="Faster",
+        menu="Run",
+        keys=("=",),
+        context=PLAY,
+        enabled=lambda session: session.playback.speed < SPEEDS[-1],
+        run=run.faster,
+    ),
+    Action(
+        id="run.reset",
+        label="Reset",
+        menu="Run",
+        keys=("backspace",),
+        context=PLAY,
+        enabled=_running,
+        run=run.reset,
+    ),
+    Action(
+        id="run.stop",
+        label="Stop",
+        menu="Run",
+        keys=("escape",),
+        context=PLAY,
+        tooltip="Back to editing; the level is as it was.",
+        enabled=playing,
+        run=run.stop,
+    ),
+    Action(
+        id="run.edit_from_here",
+        label="Edit from Here",
+        menu="Run",
+        context=PLAY,
+        tooltip="A new level that starts with everything where it is now.",
+        enabled=run.has_state,
+        run=run.edit_from_here,
+    ),
+)
+
+LEVEL: Final = (
+    Action(
+        id="level.random",
+        label="Random Level",
+        menu="Level",
+        keys=("ctrl+r",),
+        context=EDIT,
+        tooltip="Of the present size; every one has its seed.",
+        enabled=editing,
+        run=level.random_level,
+    ),
+    Action(
+        id="level.mutate",
+        label="Mutate",
+        menu="Level",
+        keys=("ctrl+m",),
+        context=EDIT,
+        tooltip="One random change.",
+        enabled=editing,
+        run=level.mutate(None),
+    ),
+    Action(
+        id="level.mutate_menu",
+        label="Mutate…",
+        menu="Level",
+        keys=("ctrl+shift+m",),
+        context=EDIT,
+        tooltip="Choose the kind of change.",
+        enabled=editing,
+        run=level.mutate_menu,
+    ),
+    Action(
+        id="level.permute",
+        label="Permute Order",
+        menu="Level",
+        context=EDIT,
+        tooltip="Another order of the slots, as training sees it.",
+        enabled=editing,
+        run=level.mutate("permute"),
+    ),
+    Action(
+        id="level.previous",
+        label="Previous Level",
+        menu="Level",
+        keys=("page up",),
+        tooltip="Of the same folder.",
+        enabled=_has_file,
+        run=level.neighbour(-1),
+    ),
+    Action(
+        id="level.next",
+        label="Next Level",
+        menu="Level",
+        keys=("page down",),
+        tooltip="Of the same folder.",
+        enabled=_has_file,
+        run=level.neighbour(1),
+    ),
+)
+
+APP: Final = (
+    Action(
+        id="app.palette",
+        label="Command Palette",
+        menu="Help",
+        keys=("ctrl+shift+p",),
+        checked=view.is_on("palette"),
+        run=view.switch("palette"),
+    ),
+    Action(
+        id="app.help",
+        label="Keys and Help",
+        menu="Help",
+        keys=("f1",),
+        checked=view.is_on("help"),
+        run=view.switch("help"),
+    ),
+)
+
+ACTIONS: Final[tuple[Action, ...]] = (
+    *FILE,
+    *EDITS,
+    *ARRANGE,
+    *TOOL_ACTIONS,
+    *VIEW,
+    *RUN,
+    *LEVEL,
+    *APP,
+)
+"""All actions, in the order of the menus."""
+
+BY_ID: Final[dict[str, Action]] = {action.id: action for action in ACTIONS}

@@ -1,0 +1,83 @@
+"""What the View and Tools menus do: camera, switches, tools."""
+
+import dataclasses
+from collections.abc import Callable
+
+from editor.camera import ARENA
+from editor.picking import selection_box
+from editor.session import Session
+from kinetix.errors import CommandError
+
+
+def choose(tool: str) -> Callable[[Session], None]:
+    """An action that takes a tool."""
+
+    def run(session: Session) -> None:
+        session.choose_tool(tool)
+
+    return run
+
+
+def is_tool(tool: str) -> Callable[[Session], bool]:
+    """Whether a tool is in the hand."""
+    return lambda session: session.tool.id == tool
+
+
+def frame_selection(session: Session) -> None:
+    """Show what is selected, or everything."""
+    level = session.scene
+    selection = session.selection or tuple(body.id for body in level.bodies)
+    box = selection_box(level, selection)
+    if box is None:
+        fit(session)
+        return
+    session.camera = session.camera.fitted(box[:2], box[2:], margin=60.0)
+
+
+def fit(session: Session) -> None:
+    """Show the whole arena."""
+    session.camera = session.camera.fitted(*ARENA)
+
+
+def actual_size(session: Session) -> None:
+    """100 pixels a metre."""
+    session.camera = dataclasses.replace(session.camera, zoom=1.0)
+
+
+def switch(name: str) -> Callable[[Session], None]:
+    """An action that turns a part of the view on or off."""
+
+    def run(session: Session) -> None:
+        setattr(session.view, name, not getattr(session.view, name))
+
+    return run
+
+
+def is_on(name: str) -> Callable[[Session], bool]:
+    """Whether a part of the view is on."""
+    return lambda session: bool(getattr(session.view, name))
+
+
+def switch_setting(name: str) -> Callable[[Session], None]:
+    """An action that turns a preference on or off."""
+
+    def run(session: Session) -> None:
+        setattr(session.settings, name, not getattr(session.settings, name))
+
+    return run
+
+
+def is_set(name: str) -> Callable[[Session], bool]:
+    """Whether a preference is on."""
+    return lambda session: bool(getattr(session.settings, name))
+
+
+def switch_tab(step: int) -> Callable[[Session], None]:
+    """An action that brings the next or previous tab to the front."""
+
+    def run(session: Session) -> None:
+        if len(session.tabs) < 2:
+            raise CommandError("There is only one tab.")
+        session.show_tab((session.tab_index + step) % len(session.tabs))
+
+    return run
