@@ -23,6 +23,7 @@ from kinetix.environment.state import EnvState, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, compile_level
 from kinetix.level.model import Level
+from kinetix.render.pixels import make_render_pixels
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -160,8 +161,6 @@ def make_inverse_render_symbolic(
     Returns:
         From an entity observation or a flat one to the picture of `make_render_pixels`.
     """
-    from kinetix.render.pixels import make_render_pixels
-
     render = make_render_pixels(env_params, static_env_params)
     width = len(Layout.of(env_params, static_env_params).flat)
 

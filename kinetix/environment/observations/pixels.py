@@ -11,6 +11,7 @@ from kinetix.environment.observations.features import Feature
 from kinetix.environment.observations.rows import GRAVITY_SCALE, gravity_feature
 from kinetix.environment.spaces import Box, Dict
 from kinetix.environment.state import EnvState
+from kinetix.render.pixels import make_render_pixels
 
 MAX_GRAVITY = 100.0
 """Largest gravity that a level can have [m/s²]."""
@@ -52,8 +53,6 @@ class PixelObservations(AbstractObservation):
 
     def __call__(self, state: EnvState) -> PixelObservation:
         """The picture of one state."""
-        from kinetix.render.pixels import make_render_pixels
-
         render = make_render_pixels(self.layout.env_params, self.layout.static_env_params)
         return PixelObservation(
             image=render(state) / 255.0,

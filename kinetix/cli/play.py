@@ -1,0 +1,63 @@
+"""Play one episode without a window and say how it ended."""
+
+import dataclasses
+import json
+from typing import Annotated
+
+import tyro
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Play:
+    """One headless episode."""
+
+    level: Annotated[str, tyro.conf.Positional]
+    """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
+    agent: str = "noop"
+    """Directory of an agent, or noop, or random."""
+    seed: int = 0
+    """Seed of the agent's draws."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    json: bool = False
+    """Print one JSON line."""
+
+
+def run(command: Play) -> int:
+    """Play, print `steps`, `outcome` (won, lost, timeout) and `return`; always 0."""
+    # Imported here, so that a wrong command line fails before JAX loads.
+    from kinetix.agents.agent import load_agent
+    from kinetix.agents.evaluate import environment_for
+    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.environment.episode import play_episode
+    from kinetix.environment.reset import level_state
+    from kinetix.level.codec import load_document
+    from kinetix.level.sizes import capacity_of
+
+    document = load_document(command.level)
+    source = document.source
+    capacity = capacity_of(document.level) if source is None else source.capacity
+    name = command.agent
+    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    env = environment_for(player, capacity, physics=command.physics)
+    episode = play_episode(
+        env,
+        level_state(command.level, env.static_env_params),
+        player.decide,
+        params=player.params,
+        carry=player.init_carry(1),
+        seed=command.seed,
+    )
+    row = {
+        "steps": episode.steps,
+        "outcome": episode.outcome,
+        "return": round(episode.total_reward, 6),
+    }
+    if command.json:
+        print(json.dumps(row))
+    else:
+        print(
+            f"{document.level.name}: {row['outcome']} after {row['steps']} steps, "
+            f"return {row['return']:.3f}"
+        )
+    return 0

@@ -1,0 +1,92 @@
+"""Recorded solutions and fixed actions, played again on their level."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.episode import Episode, Outcome, play_episode
+from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.errors import KinetixError
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
+
+_ROWS: Final = 256
+"""Actions are padded to a multiple of this, so that solutions of any length share compilations."""
+
+
+def replay_solution(level: Level, physics: str | None = None) -> Outcome:
+    """Play a level's recorded solution.
+
+    Args:
+        level: A level with a solution.
+        physics: Physics preset; by default the one that the solution names.
+
+    Returns:
+        How the episode stands when it ends or the actions run out (a time-out).
+
+    Raises:
+        KinetixError: The level has no solution, or its physics preset does not exist.
+    """
+    solution = level.solution
+    if solution is None:
+        raise KinetixError(f"level {level.name!r} has no recorded solution")
+    return play_actions(
+        level,
+        list(solution.unrolled()),
+        physics=physics or solution.physics,
+        frame_skip=solution.frame_skip,
+    ).outcome
+
+
+def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:
+    """How a level ends when nothing is done; a level that wins itself is no task.
+
+    Raises:
+        KinetixError: The physics preset does not exist.
+    """
+    steps = max(level.max_timesteps, 1)
+    return play_actions(level, [(0,) * 6] * steps, physics=physics).outcome
+
+
+def play_actions(
+    level: Level,
+    actions: Sequence[Sequence[int]],
+    *,
+    physics: str = "balanced",
+    frame_skip: int = LEVEL_FRAME_SKIP,
+) -> Episode:
+    """Play multi-discrete actions from a level's start, until the episode ends or they run out.
+
+    Raises:
+        KinetixError: The physics preset does not exist.
+    """
+    static = static_env_params_of(capacity_of(level), frame_skip=frame_skip, physics=physics)
+    env = make_kinetix_env(
+        ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
+    )
+    assert isinstance(env, KinetixEnv)
+    count = len(actions)
+    rows = np.zeros((-(-max(count, 1) // _ROWS) * _ROWS, 6), np.int32)
+    rows[:count] = np.asarray(actions, np.int32).reshape(count, 6)
+    return play_episode(
+        env,
+        level_state(level, static),
+        _next_row,
+        params=jnp.asarray(rows),
+        carry=jnp.int32(0),
+        limit=count,
+    )
+
+
+def _next_row(
+    rows: Array, index: Array, observation: Any, keys: Array, begins: Array
+) -> tuple[Array, Array, None]:
+    """The action of the step, whatever is observed."""
+    return jax.lax.dynamic_slice_in_dim(rows, index, 1), index + 1, None
