@@ -15,7 +15,11 @@ from kinetix.level.sizes import describe_capacity, hinted_capacity, needed_capac
 
 
 def level_faults(level: Level) -> Iterator[Fault]:
-    """What makes a level that is well typed unfit to be read: E008–E013, in that order."""
+    """What makes a level that is well typed unfit to be read: equal tags, then E008–E013."""
+    for k, tag in enumerate(level.tags):
+        if tag in level.tags[:k]:
+            message = f'expected each tag once, got "{tag}" again'
+            yield Fault(code="E007", path=f"$.tags[{k}]", message=message)
     yield from _id_faults(level)
     yield from _reference_faults(level)
     yield from _shape_faults(level)

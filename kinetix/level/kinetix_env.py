@@ -30,7 +30,7 @@ from kinetix.level.geometry import (
     shape_mass,
 )
 from kinetix.level.integrity import level_faults
-from kinetix.level.json_text import parse_json
+from kinetix.level.json_text import DuplicateKeys, parse_json
 from kinetix.level.kinetix_env_schema import (
     ENV_PARAMS,
     VERTEX_ROWS,
@@ -172,6 +172,9 @@ def _read_document(
     if not isinstance(tree, dict) or not isinstance(tree.get("env_state"), dict):
         faults.add("E002", "$", 'expected an object with the key "env_state"')
         return None
+    for path, part in (("$", tree), ("$.env_state", tree["env_state"])):
+        if isinstance(part, DuplicateKeys):
+            faults.add("E005", f"{path}.{part.key[:60]}", "the key stands twice")
     for name in ("env_params", "static_env_params"):
         if name not in tree:
             faults.add("E004", "$", f'the key "{name}" is missing')

@@ -350,6 +350,8 @@ def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]
     if isinstance(block, str):
         return static_env_params(SIZES[block])
     static = read_keys(block, path, faults, _STATIC_READERS, frozenset({"downscale"}))
+    if faults.faults:
+        return static
     for name, only in (
         ("max_polygon_vertices", VERTEX_ROWS),
         ("num_static_fixated_polys", ARENA_BODIES),

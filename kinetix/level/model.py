@@ -38,6 +38,8 @@ MOTOR_BINDINGS: Final = 4
 """How many action channels there are for motors."""
 THRUSTER_BINDINGS: Final = 2
 """How many action channels there are for thrusters."""
+MAX_TAGS: Final = 100
+"""Most tags of a level."""
 MAX_ENTITIES: Final = 1024
 """Most bodies, joints or thrusters in one level: a bound against hostile files, far above use."""
 
@@ -322,7 +324,10 @@ class Solution(Record, frozen=True, kw_only=True):
     """Name of the physics preset."""
     frame_skip: Annotated[int, Meta(ge=1, le=1000)]
     """Engine steps per environment step."""
-    actions: tuple[tuple[Annotated[int, Meta(ge=1, le=100_000)], _Channels], ...]
+    actions: Annotated[
+        tuple[tuple[Annotated[int, Meta(ge=1, le=100_000)], _Channels], ...],
+        Meta(max_length=100_000),
+    ]
     """Runs of (repeat, [m0, m1, m2, m3, t0, t1])."""
 
     def __post_init__(self) -> None:
@@ -356,7 +361,7 @@ class Level(Record, frozen=True, kw_only=True):
     description: Annotated[str, Meta(max_length=4000, description="What to do, hints, credits")] = (
         ""
     )
-    tags: tuple[Tag, ...] = ()
+    tags: Annotated[tuple[Tag, ...], Meta(max_length=MAX_TAGS)] = ()
     size: Annotated[
         SizeName | SizeHint | None,
         _note("Capacity to compile to; none: the smallest that fits", optional=True),

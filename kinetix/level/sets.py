@@ -36,8 +36,10 @@ from kinetix.level.validate import validate
 Split = Literal["train", "eval"]
 
 VERSION: Final = 1
-MAX_SET_BYTES: Final = 64 * 2**20
+MAX_SET_BYTES: Final = 32 * 2**20
 """Larger set files are refused; a set of a thousand inline levels has about 10 MB."""
+MAX_LEVELS: Final = 10_000
+"""Most levels of a set: a bound against hostile files."""
 DEFAULT_SPLIT: Final = 0.8
 
 
@@ -68,7 +70,7 @@ class LevelSet(Record, frozen=True, kw_only=True):
     """What the split was drawn from."""
     engine_version: Annotated[str, Meta(max_length=120)] = ""
     """The version that wrote the set."""
-    levels: tuple[SetEntry, ...] = ()
+    levels: Annotated[tuple[SetEntry, ...], Meta(max_length=MAX_LEVELS)] = ()
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -128,7 +130,10 @@ def common_capacity(levels: Iterable[Level]) -> Capacity:
 def is_set_file(path: Path) -> bool:
     """Whether a JSON file is a level set; a file that cannot be read is none."""
     try:
-        tree = parse_json(read_text(path, limit=MAX_SET_BYTES), str(path))
+        text = read_text(path, limit=MAX_SET_BYTES)
+        if f'"{LEVELSET_FORMAT}"' not in text:  # most files are levels: tell them without parsing
+            return False
+        tree = parse_json(text, str(path))
     except LevelError:
         return False
     return isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT
@@ -211,7 +216,7 @@ def _read_manifest(
     body.pop("version", None)
     inline: dict[int, Level] = {}
     entries = body.get("levels")
-    if isinstance(entries, list):
+    if isinstance(entries, list) and len(entries) <= MAX_LEVELS:
         body["levels"] = [
             _without_level(entry, k, file, inline, faults) for k, entry in enumerate(entries)
         ]
