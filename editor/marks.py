@@ -146,7 +146,7 @@ class Marker:
         found = self._find(entity)
         camera = self.painter.camera
         if isinstance(found, Joint):
-            at = camera.to_screen(self.where.point(found.a, found.anchor_a))
+            at = camera.to_screen(self.where.joint_point(found))
             return at, max(self.painter.style.joint_radius * camera.scale, 2.5) + px(3)
         if isinstance(found, Thruster):
             at = camera.to_screen(self.where.point(found.body, found.position))
@@ -261,7 +261,7 @@ class Marker:
             motor = joint.motor
             if joint.kind == "fixed" or motor is None or not motor.on:
                 continue
-            at = camera.to_screen(self.where.point(joint.a, joint.anchor_a))
+            at = camera.to_screen(self.where.joint_point(joint))
             if motor.auto:
                 self._plates(at, [("AUTO", False)])
             else:

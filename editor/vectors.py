@@ -329,6 +329,22 @@ class Placement:
         c, s = math.cos(angle), math.sin(angle)
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
 
+    def joint_point(self, joint: Joint) -> Point:
+        """Where a joint is drawn and picked [m]: on the body that is fixed, else between both ends."""
+        ends = [(joint.a, joint.anchor_a), (joint.b, joint.anchor_b)]
+        points = [self.point(body, anchor) for body, anchor in ends]
+        fixed = [self.fixed(body) for body, _ in ends]
+        if fixed[0] != fixed[1]:
+            return points[0] if fixed[0] else points[1]
+        return (points[0][0] + points[1][0]) / 2, (points[0][1] + points[1][1]) / 2
+
+    def fixed(self, reference: BodyReference) -> bool:
+        """Whether nothing moves a body."""
+        if isinstance(reference, str):
+            return True
+        at = self.index.get(reference)
+        return at is not None and self.level.bodies[at].fixed
+
     def angle(self, reference: BodyReference) -> float:
         """Angle of a body [rad]."""
         return (self.pose(reference) or (0.0, 0.0, 0.0))[2]
@@ -360,7 +376,7 @@ def paint_level(
                 painter.body(body, pose)
     for joint in level.joints:
         if joint.id not in hidden:
-            painter.joint(joint, where.point(joint.a, joint.anchor_a), where.angle(joint.a))
+            painter.joint(joint, where.joint_point(joint), where.angle(joint.a))
     for k, thruster in enumerate(level.thrusters):
         if thruster.id not in hidden:
             painter.thruster(

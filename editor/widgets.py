@@ -256,7 +256,7 @@ def checkbox(
     session: "Session", name: str, label: str, value: bool, *, mixed: bool = False
 ) -> tuple[bool, bool]:
     """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what."""
-    imgui.push_item_flag(imgui.internal.ItemFlagsPrivate_.mixed_value, mixed)
+    imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
     changed, value = imgui.checkbox(f"{label}###{name}", value)
     imgui.pop_item_flag()
     probe(session, name)

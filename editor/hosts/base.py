@@ -51,7 +51,7 @@ class Host(abc.ABC):
         io.config_error_recovery = True
         io.config_error_recovery_enable_assert = False
         io.config_error_recovery_enable_tooltip = False
-        io.config_error_recovery_enable_debug_log = False
+        io.config_error_recovery_enable_debug_log = True
         theme.load_fonts()
         self._renderer = self._make_renderer()
         self.ui = Ui(session, self._renderer, scale=scale)

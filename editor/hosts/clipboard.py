@@ -25,7 +25,7 @@ class Clipboard:
         data = pygame.scrap.get(_TEXT)
         return data.decode("utf-8", "replace").rstrip("\0") if data else self._own
 
-    def put(self, text: str) -> None:
+    def set(self, text: str) -> None:
         """Put text on the clipboard."""
         self._own = text
         if self._system:
@@ -35,4 +35,4 @@ class Clipboard:
         """Make Dear ImGui's text fields use it."""
         platform = imgui.get_platform_io()
         platform.platform_get_clipboard_text_fn = lambda context: self.get()
-        platform.platform_set_clipboard_text_fn = lambda context, text: self.put(text)
+        platform.platform_set_clipboard_text_fn = lambda context, text: self.set(text)

@@ -2,7 +2,6 @@
 
 import os
 import time
-from collections.abc import Sequence
 
 import numpy as np
 import pygame
@@ -14,6 +13,7 @@ from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
+from editor.look import COLOURS
 from editor.session import Session
 from kinetix.errors import KinetixError
 
@@ -64,8 +64,9 @@ class PygameHost(Host):
         if scale is None:
             scale = automatic_scale(pygame.display.get_desktop_sizes()[0][1])
         super().__init__(session, size=pygame.display.get_window_size(), scale=scale)
-        self.clipboard = Clipboard()
-        self.clipboard.install()
+        clipboard = Clipboard()
+        clipboard.install()
+        session.clipboard = clipboard
         self._title = ""
         self._cursor: int | None = None
         self._fullscreen = False
@@ -119,19 +120,13 @@ class PygameHost(Host):
         while self.running:
             idle = self._awake <= 0 and not self.ui.animating
             batch = self.poll(IDLE_WAIT if idle else 0.0)
-            if batch or self.session.poll():
+            if batch:
                 self._awake = _SETTLE_FRAMES
-            elif idle:
-                continue
             now = time.perf_counter()
             self.step(batch, min(now - last, 0.25))
             last = now
             self._awake -= 1
             self._follow()
-
-    def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
-        """See `Host.step`."""
-        super().step(batch, dt)
 
     def _follow(self) -> None:
         """Let title, cursor and full screen follow the app."""
@@ -152,7 +147,7 @@ class PygameHost(Host):
 
     def screenshot(self) -> np.ndarray:
         """The window as drawn last: uint8[height, width, 3], top row first."""
-        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+        self._renderer.present(*self.size, COLOURS.backdrop[:3])
         return gl.read_pixels(*self.size)
 
     def close(self) -> None:

@@ -1,0 +1,236 @@
+"""The in-app file browser: folders, level files with a thumbnail of the one chosen.
+
+A system dialog is not used: on Linux it silently does nothing unless one of four helper programs
+is installed.
+"""
+
+import functools
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.camera import ARENA, Camera
+from editor.look import COLOURS, FONTS, SMALL, Icons, u32
+from editor.prompts import FileQuestion
+from editor.vectors import Painter, Placement, paint_level, poses_of
+from editor.widgets import px
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
+from kinetix.level.model import Level
+from kinetix.paths import levels_dir
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_PREVIEW: Final = 210.0
+
+
+@functools.lru_cache(maxsize=64)
+def _peek(path: str, modified_ns: int) -> Level | str:
+    """The level in a file, or the sentence that says what is wrong with it."""
+    del modified_ns
+    try:
+        return load_level(path)
+    except KinetixError as error:
+        return str(error)
+
+
+class FileBrowser:
+    """One question's browser."""
+
+    def __init__(self, question: FileQuestion) -> None:
+        self._question = question
+        self._folder = question.folder if question.folder.is_dir() else Path.home()
+        self._name = question.name
+        self._filter = ""
+        self._overwrite: Path | None = None
+        self._error = ""
+
+    @property
+    def _saving(self) -> bool:
+        return self._question.purpose == "save"
+
+    def draw(self, session: "Session") -> tuple[bool, Path | None]:
+        """Draw it into the current window.
+
+        Returns:
+            Whether the user is done, and the path or None.
+        """
+        with widgets.font(FONTS.bold, 18):
+            widgets.text(self._question.title)
+        self._places(session)
+        footer = imgui.get_frame_height() * 2 + px(22)
+        space = imgui.get_content_region_avail()
+        height = max(space.y - footer, px(80))
+        wide = space.x > px(560)
+        list_width = space.x - (px(_PREVIEW) + px(16) if wide else 0)
+        chosen = self._list(session, (list_width, height))
+        if wide:
+            imgui.same_line(0, px(16))
+            self._preview(height)
+        return self._footer(session, chosen)
+
+    def _places(self, session: "Session") -> None:
+        for index, (label, folder) in enumerate(
+            (
+                (f"{Icons.up}", self._folder.parent),
+                ("Levels", levels_dir()),
+                ("Home", Path.home()),
+                ("Here", Path.cwd()),
+            )
+        ):
+            if index:
+                imgui.same_line(0, px(4))
+            name = f"browser.place.{index}"
+            if widgets.button(session, name, label):
+                self._go(folder)
+            widgets.tooltip(str(folder))
+        imgui.same_line(0, px(10))
+        imgui.align_text_to_frame_padding()
+        words = str(self._folder)
+        room = imgui.get_content_region_avail().x - px(6)
+        while imgui.calc_text_size(words).x > room and "/" in words[2:]:
+            words = "…/" + words.lstrip("…/").split("/", 1)[-1]
+        widgets.muted(words)
+
+    def _go(self, folder: Path) -> None:
+        if folder.is_dir():
+            self._folder = folder
+            self._filter, self._error = "", ""
+
+    def _entries(self) -> list[Path]:
+        try:
+            found = [path for path in self._folder.iterdir() if not path.name.startswith(".")]
+        except OSError as error:
+            self._error = f"{self._folder}: {error.strerror or error}"
+            return []
+        kept = [
+            path
+            for path in found
+            if path.is_dir() or path.suffix.lower() in self._question.suffixes
+        ]
+        return sorted(kept, key=lambda path: (not path.is_dir(), path.name.lower()))
+
+    def _list(self, session: "Session", size: tuple[float, float]) -> bool:
+        """The folder's content; returns whether a file was chosen by a double click."""
+        chosen = False
+        imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(*COLOURS.surface))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(6), px(6)))
+        imgui.begin_child("files", size, imgui.ChildFlags_.always_use_window_padding.value)
+        entries = self._entries()
+        if not entries:
+            widgets.muted(self._error or "No folders and no level files here.")
+        for path in entries:
+            folder = path.is_dir()
+            icon = Icons.folder if folder else Icons.level
+            flags = imgui.SelectableFlags_.allow_double_click.value
+            with widgets.coloured(text=COLOURS.text if not folder else COLOURS.info):
+                picked = imgui.selectable(
+                    f"{icon}  {path.name}###file-{path.name}",
+                    not folder and path.name == self._name,
+                    flags,
+                )[0]
+            widgets.probe(session, f"browser.{path.name}")
+            if not picked:
+                continue
+            twice = imgui.is_mouse_double_clicked(0)
+            if folder:
+                self._go(path)
+            else:
+                self._name, self._overwrite = path.name, None
+                chosen = twice
+        imgui.end_child()
+        imgui.pop_style_var()
+        imgui.pop_style_color()
+        return chosen
+
+    def _preview(self, height: float) -> None:
+        imgui.begin_child("preview", (px(_PREVIEW), height))
+        path = self._folder / self._name if self._name else None
+        if path is None or not path.is_file():
+            widgets.small("Choose a level to see it here.")
+            imgui.end_child()
+            return
+        level = _peek(str(path), path.stat().st_mtime_ns)
+        if isinstance(level, str):
+            widgets.small(level, COLOURS.bad)
+        else:
+            thumbnail(level, px(_PREVIEW))
+            with widgets.font(FONTS.bold, 0.0):
+                widgets.wrapped(level.name)
+            if level.description:
+                widgets.small(level.description)
+            widgets.small(
+                f"{len(level.bodies)} shapes, {len(level.joints)} joints, "
+                f"{len(level.thrusters)} thrusters"
+            )
+        imgui.end_child()
+
+    def _footer(self, session: "Session", chosen: bool) -> tuple[bool, Path | None]:
+        accept, entered = "Save" if self._saving else "Open", False
+        imgui.set_next_item_width(-1)
+        if imgui.is_window_appearing() and self._saving:
+            imgui.set_keyboard_focus_here()
+        flags = imgui.InputTextFlags_.enter_returns_true.value
+        entered, self._name = imgui.input_text_with_hint(
+            "###browser.name", "File name", self._name, flags
+        )
+        widgets.probe(session, "browser.name")
+        if self._error or self._overwrite is not None:
+            warning = self._error or f"{self._name} is there already. Press {accept} to replace it."
+            with widgets.font(None, SMALL):
+                widgets.text(warning, COLOURS.warn)
+            imgui.same_line()
+        width = px(96)
+        gap = imgui.get_style().item_spacing.x
+        imgui.set_cursor_pos_x(
+            imgui.get_window_width() - 2 * width - gap - imgui.get_style().window_padding.x
+        )
+        cancelled = widgets.button(session, "browser.cancel", "Cancel", width=width)
+        imgui.same_line()
+        pressed = widgets.primary_button(session, "browser.accept", accept, width=width)
+        if cancelled:
+            return True, None
+        if (pressed or chosen or entered) and self._name:
+            return self._accept()
+        return False, None
+
+    def _accept(self) -> tuple[bool, Path | None]:
+        path = Path(self._name).expanduser()
+        path = path if path.is_absolute() else self._folder / path
+        if path.is_dir():
+            self._go(path)
+            self._name = ""
+            return False, None
+        if self._saving:
+            path = path if path.suffix else path.with_suffix(self._question.suffixes[0])
+            if path.exists() and self._overwrite != path:
+                self._overwrite = path
+                return False, None
+            return True, path
+        if not path.is_file():
+            self._error = f"There is no file {path.name} here."
+            return False, None
+        return True, path
+
+
+def thumbnail(level: Level, side: float) -> None:
+    """A small picture of a level, drawn as vectors.
+
+    Args:
+        level: The level.
+        side: Width and height [px].
+    """
+    at = imgui.get_cursor_screen_pos()
+    draw = imgui.get_window_draw_list()
+    low, high = (at.x, at.y), (at.x + side, at.y + side)
+    draw.push_clip_rect(low, high, True)
+    camera = Camera(origin=low, size=(side, side)).fitted(*ARENA, margin=0.0)
+    painter = Painter(draw=draw, camera=camera)
+    painter.paper(grid=None)
+    paint_level(painter, Placement(level=level, poses=poses_of(level)))
+    draw.pop_clip_rect()
+    draw.add_rect(low, high, u32(COLOURS.line), px(2))
+    imgui.dummy((side, side + px(4)))

@@ -1,0 +1,292 @@
+"""The middle of the window: shows the level, turns the mouse into pointer events.
+
+Edit draws the document as vectors; Play draws the simulated state the same way, with the picture
+of the JAX renderer over it as soon as there is one.
+"""
+
+import dataclasses
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import actions, events
+from editor.camera import ARENA
+from editor.debug_draw import paint_debug
+from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
+from editor.marks import Marker
+from editor.overlay import Cursor
+from editor.playback import Mode
+from editor.vectors import Painter, Placement, paint_level, poses_of
+from editor.widgets import font, probe, px
+from kinetix.render.palette import KINETIX, PALETTES
+from kinetix.render.style import STYLE
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
+"""Our button numbers to Dear ImGui's."""
+
+_CURSORS: Final = {
+    Cursor.ARROW: imgui.MouseCursor_.arrow,
+    Cursor.CROSS: imgui.MouseCursor_.arrow,
+    Cursor.HAND: imgui.MouseCursor_.hand,
+    Cursor.MOVE: imgui.MouseCursor_.resize_all,
+    Cursor.ROTATE: imgui.MouseCursor_.hand,
+    Cursor.RESIZE: imgui.MouseCursor_.resize_nwse,
+    Cursor.REFUSED: imgui.MouseCursor_.not_allowed,
+}
+
+MODE_LOOK: Final[dict[Mode, tuple[str, Rgba]]] = {
+    Mode.EDIT: ("EDIT", COLOURS.accent),
+    Mode.PLAYING: ("PLAY", COLOURS.play),
+    Mode.PAUSED: ("PAUSED", COLOURS.warn),
+    Mode.ENDED: ("ENDED", COLOURS.info),
+    Mode.REPLAY: ("REPLAY", COLOURS.replay),
+}
+"""Word and colour of each mode: the badge and the frame around the canvas."""
+
+_OUTCOMES: Final[dict[str, tuple[str, str, Rgba]]] = {
+    "won": (Icons.trophy, "Won", COLOURS.good),
+    "lost": (Icons.skull, "Lost", COLOURS.bad),
+    "timeout": (Icons.hourglass, "Time is up", COLOURS.warn),
+}
+
+
+class Canvas:
+    """Holds only what lasts between frames: which buttons are down and where the pointer was."""
+
+    def __init__(self) -> None:
+        self._down: list[int] = []
+        self._mouse = (0.0, 0.0)
+        self.area = ((0.0, 0.0), (1.0, 1.0))
+        """Upper left corner and size of the canvas [px]."""
+        self.hovered = False
+
+    def interact(self, session: "Session") -> None:
+        """Lay out the canvas in the current window and take the mouse."""
+        origin, space = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail()
+        size = (max(space.x, 16.0), max(space.y, 16.0))
+        buttons = (
+            imgui.ButtonFlags_.mouse_button_left.value
+            | imgui.ButtonFlags_.mouse_button_right.value
+            | imgui.ButtonFlags_.mouse_button_middle.value
+        )
+        imgui.push_item_flag(imgui.ItemFlags_.no_nav.value, True)
+        imgui.invisible_button("canvas", size, buttons)
+        imgui.pop_item_flag()
+        probe(session, "canvas")
+        self.area = ((origin.x, origin.y), size)
+        self.hovered = imgui.is_item_hovered()
+        session.camera = session.camera.with_viewport((origin.x, origin.y), size)
+        if not session.tab.fitted:
+            session.camera = session.camera.fitted(*ARENA, margin=px(28))
+            session.tab.fitted = True
+        self._mouse_input(session)
+
+    def _mouse_input(self, session: "Session") -> None:
+        """Make pointer events of Dear ImGui's mouse; a drag goes on outside the canvas."""
+        io = imgui.get_io()
+        mouse = (io.mouse_pos.x, io.mouse_pos.y)
+        inside = self.hovered or bool(self._down)
+        if self.hovered and (io.mouse_wheel or io.mouse_wheel_h):
+            actions.handle(
+                session,
+                events.WheelEvent(
+                    dx=io.mouse_wheel_h,
+                    dy=io.mouse_wheel,
+                    screen=mouse,
+                    modifiers=_modifiers(),
+                ),
+            )
+        if inside and mouse != self._mouse:
+            self._pointer(session, events.Pointer.MOVE, mouse, self._down[0] if self._down else 0)
+        for button, theirs in _BUTTONS.items():
+            if imgui.is_mouse_clicked(theirs) and self.hovered:
+                self._down.append(button)
+                self._pointer(session, events.Pointer.PRESS, mouse, button)
+            elif button in self._down and not imgui.is_mouse_down(theirs):
+                self._down.remove(button)
+                self._pointer(session, events.Pointer.RELEASE, mouse, button)
+        if not inside:
+            session.cursor = None
+        self._mouse = mouse
+        if self.hovered and session.editing:
+            imgui.set_mouse_cursor(_CURSORS[session.driver.feedback.cursor].value)
+
+    def _pointer(
+        self, session: "Session", kind: events.Pointer, mouse: tuple[float, float], button: int
+    ) -> None:
+        event = events.PointerEvent(
+            kind=kind,
+            world=session.camera.to_world(mouse),
+            screen=mouse,
+            button=button,
+            modifiers=_modifiers(),
+            time=session.time,
+        )
+        actions.handle(session, event)
+
+    def paint(self, session: "Session") -> None:
+        """Draw level and marks into the current window."""
+        draw = imgui.get_window_draw_list()
+        (x, y), (width, height) = self.area
+        low, high = (x, y), (x + width, y + height)
+        draw.push_clip_rect(low, high, True)
+        draw.add_rect_filled(low, high, u32(COLOURS.backdrop))
+        painter = Painter(
+            draw=draw,
+            camera=session.camera,
+            palette=PALETTES.get(session.settings.palette, KINETIX),
+            style=dataclasses.replace(
+                STYLE, glyphs=session.settings.glyphs, patterns=session.settings.patterns
+            ),
+        )
+        scene = session.scene
+        where = Placement(level=scene, poses=poses_of(scene))
+        marker = Marker(painter=painter, where=where)
+        settings = session.settings
+        grid = settings.grid_step if settings.grid_visible and session.editing else None
+        painter.paper(grid=grid)
+        snapshot = session.playback.snapshot if session.playback.active else None
+        paint_level(
+            painter,
+            where,
+            hidden=session.document.hidden if session.editing else (),
+            thrust=snapshot.thruster if snapshot is not None else None,
+        )
+        if session.view.debug_draw:
+            paint_debug(session, painter, where)
+        if session.editing:
+            self._edit_marks(session, marker)
+        else:
+            self._play_marks(session, marker)
+        if "key_caps" not in settings.debug_draw:
+            marker.key_caps(session.control_keys, session.held if not session.editing else ())
+        if session.editing and not scene.bodies and not session.driver.active:
+            self._teach(draw)
+        self._frame(session, draw)
+        draw.pop_clip_rect()
+
+    def _edit_marks(self, session: "Session", marker: Marker) -> None:
+        hovered = tuple(session.highlighted)
+        if session.hovered is not None:
+            hovered = (*hovered, session.hovered)
+        marker.selection(session.selection, hovered)
+        marker.marks(session.marks)
+
+    def _play_marks(self, session: "Session", marker: Marker) -> None:
+        pull = session.pull
+        if pull is None:
+            return
+        camera = session.camera
+        a = camera.to_screen(marker.where.point(pull.body, pull.anchor))
+        b = camera.to_screen(pull.target)
+        orange = u32((0.95, 0.45, 0.05, 1.0))
+        marker.draw.add_line(a, b, orange, px(2.5))
+        marker.draw.add_circle_filled(a, px(4), orange)
+        marker.draw.add_circle_filled(b, px(5), orange)
+
+    def _teach(self, draw: imgui.ImDrawList) -> None:
+        (x, y), (width, height) = self.area
+        lines = (
+            (FONTS.bold, TITLE, "An empty level", (0.2, 0.22, 0.27, 1.0)),
+            (None, TEXT, "Draw shapes:  R rectangle   C circle   T triangle", _INK),
+            (None, TEXT, "Join them:  J joint   W weld   H thruster", _INK),
+            (None, TEXT, "Then Space plays: green has to touch blue, and never red.", _INK),
+            (None, SMALL, "Ctrl+O opens a level    F1 shows every key", _INK),
+        )
+        top = y + height * 0.36
+        for face, size, words, colour in lines:
+            with font(face, size):
+                extent = imgui.calc_text_size(words)
+                draw.add_text((x + (width - extent.x) / 2, top), u32(colour), words)
+                top += extent.y + px(9)
+
+    def _frame(self, session: "Session", draw: imgui.ImDrawList) -> None:
+        """The mode as a coloured frame, a badge, and how the episode ended."""
+        (x, y), (width, height) = self.area
+        word, colour = MODE_LOOK[session.mode]
+        if not session.editing:
+            inset = px(1.5)
+            draw.add_rect(
+                (x + inset, y + inset),
+                (x + width - inset, y + height - inset),
+                u32(colour),
+                0.0,
+                px(3),
+            )
+        with font(FONTS.bold, SMALL):
+            size = imgui.calc_text_size(word)
+            low = (x + px(12), y + px(12))
+            high = (low[0] + size.x + px(16), low[1] + size.y + px(8))
+            draw.add_rect_filled(low, high, u32(colour), px(5))
+            draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
+        if not session.editing:
+            self._episode(session, draw, (high[0] + px(10), low[1] + px(4)))
+        outcome = session.playback.outcome
+        if outcome in _OUTCOMES and session.mode is Mode.ENDED:
+            self._banner(session, draw, *_OUTCOMES[outcome])
+
+    def _episode(
+        self, session: "Session", draw: imgui.ImDrawList, at: tuple[float, float]
+    ) -> None:
+        playback = session.playback
+        level = playback.level
+        total = level.max_timesteps if level is not None else 0
+        words = f"step {playback.step_count} / {total}"
+        if playback.speed != 1.0:
+            words += f"    {_speed(playback.speed)} speed"
+        actual = playback.real_time_factor
+        if session.mode is Mode.PLAYING and 0 < actual < 0.85 * playback.speed:
+            words += f"    running at {actual:.2g}×"
+        if playback.perturbed:
+            words += "    perturbed"
+        if playback.waiting:
+            job = getattr(playback.simulator, "job", None)
+            words = (job.message or job.title) + " …" if job is not None else "Preparing …"
+        with font(FONTS.regular, SMALL):
+            size = imgui.calc_text_size(words)
+            low = (at[0] - px(4), at[1] - px(4))
+            draw.add_rect_filled(
+                low,
+                (low[0] + size.x + px(14), low[1] + size.y + px(8)),
+                u32(alpha(COLOURS.raised, 0.92)),
+                px(5),
+            )
+            draw.add_text((low[0] + px(7), low[1] + px(4)), u32(COLOURS.text), words)
+
+    def _banner(
+        self, session: "Session", draw: imgui.ImDrawList, icon: str, word: str, colour: Rgba
+    ) -> None:
+        (x, y), (width, _) = self.area
+        steps = session.playback.step_count
+        detail = f"after {steps} steps     Backspace again     Esc edit"
+        with font(FONTS.bold, HUGE):
+            title = f"{icon}  {word}"
+            size = imgui.calc_text_size(title)
+        with font(FONTS.regular, TEXT):
+            below = imgui.calc_text_size(detail)
+        wide = max(size.x, below.x) + px(56)
+        low = (x + (width - wide) / 2, y + px(56))
+        high = (low[0] + wide, low[1] + size.y + below.y + px(38))
+        draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 0.93)), px(12))
+        draw.add_rect(low, high, u32(colour), px(12), px(2))
+        with font(FONTS.bold, HUGE):
+            at = (low[0] + (wide - size.x) / 2, low[1] + px(13))
+            draw.add_text(at, u32(colour), title)
+        with font(FONTS.regular, TEXT):
+            at = (low[0] + (wide - below.x) / 2, low[1] + size.y + px(20))
+            draw.add_text(at, u32(COLOURS.muted), detail)
+
+
+_INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)
+
+
+def _modifiers() -> events.Modifiers:
+    io = imgui.get_io()
+    return events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
+
+
+def _speed(speed: float) -> str:
+    return f"{speed:g}×" if speed >= 1 else f"1/{round(1 / speed)}×"

@@ -1,0 +1,159 @@
+"""Questions to the user: Save / Don't Save / Cancel, pop-up lists, the file browser."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.browser import FileBrowser
+from editor.look import COLOURS, FONTS
+from editor.prompts import Choice, FileQuestion, MenuQuestion, Question
+from editor.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_FLAGS: Final = (
+    imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_move.value
+    | imgui.WindowFlags_.no_title_bar.value
+    | imgui.WindowFlags_.no_docking.value
+)
+
+
+class Dialogs:
+    """Shows the uppermost of `session.prompts` and hands the answer back."""
+
+    def __init__(self) -> None:
+        self._browser: FileBrowser | None = None
+        self._shown: object = None
+
+    def draw(self, session: "Session") -> None:
+        """Draw it, if there is one."""
+        if not session.prompts:
+            self._browser = self._shown = None
+            return
+        prompt = session.prompts[-1]
+        fresh = prompt is not self._shown
+        self._shown = prompt
+        match prompt:
+            case Question():
+                self._question(session, prompt, fresh)
+            case FileQuestion():
+                self._file(session, prompt, fresh)
+            case MenuQuestion():
+                self._list(session, prompt, fresh)
+
+    def _modal(self, name: str, fresh: bool, size: tuple[float, float] | None) -> bool:
+        viewport = imgui.get_main_viewport()
+        centre = (
+            viewport.pos.x + viewport.size.x / 2,
+            viewport.pos.y + viewport.size.y * (0.5 if size else 0.42),
+        )
+        imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
+        if size is not None:
+            imgui.set_next_window_size(size)
+        if fresh:
+            imgui.open_popup(name)
+        flags = _FLAGS | (0 if size else imgui.WindowFlags_.always_auto_resize.value)
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(20), px(16)))
+        opened = imgui.begin_popup_modal(name, None, flags)[0]
+        imgui.pop_style_var()
+        return opened
+
+    def _question(self, session: "Session", prompt: Question, fresh: bool) -> None:
+        if not self._modal("###question", fresh, None):
+            return
+        with widgets.font(FONTS.bold, 18):
+            widgets.text(prompt.title)
+        imgui.push_text_wrap_pos(px(430))
+        widgets.text(prompt.message, COLOURS.muted)
+        imgui.pop_text_wrap_pos()
+        imgui.dummy((px(300), px(8)))
+        answer = self._buttons(session, prompt)
+        if imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
+            answer = prompt.cancel
+        entered = imgui.is_key_pressed(imgui.Key.enter, False) or imgui.is_key_pressed(
+            imgui.Key.keypad_enter, False
+        )
+        if entered and not fresh and answer is None:
+            answer = prompt.default
+        if answer is not None:
+            imgui.close_current_popup()
+            chosen = answer
+            session.queue(lambda: session.answer(prompt, chosen))
+        imgui.end_popup()
+
+    def _buttons(self, session: "Session", prompt: Question) -> str | None:
+        answer = None
+        widths = [max(imgui.calc_text_size(c.label).x + px(30), px(92)) for c in prompt.choices]
+        gap = imgui.get_style().item_spacing.x
+        total = sum(widths) + gap * (len(widths) - 1)
+        space = imgui.get_content_region_avail().x
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space - total, 0))
+        # The default stands at the right, where the eye ends.
+        ordered = sorted(
+            zip(prompt.choices, widths, strict=True), key=lambda pair: pair[0].id == prompt.default
+        )
+        for index, (choice, width) in enumerate(ordered):
+            if index:
+                imgui.same_line()
+            name = f"question.{choice.id}"
+            if choice.id == prompt.default:
+                pressed = widgets.primary_button(session, name, choice.label, width=width)
+            else:
+                pressed = widgets.button(session, name, choice.label, width=width)
+            if choice.detail:
+                widgets.tooltip(choice.label, choice.detail)
+            if pressed:
+                answer = choice.id
+        return answer
+
+    def _file(self, session: "Session", prompt: FileQuestion, fresh: bool) -> None:
+        if fresh:
+            self._browser = FileBrowser(prompt)
+        view = imgui.get_main_viewport().size
+        size = (min(px(820), view.x * 0.92), min(px(560), view.y * 0.88))
+        if not self._modal("###file", fresh, size):
+            return
+        assert self._browser is not None
+        done, path = self._browser.draw(session)
+        if not done and imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
+            done, path = True, None
+        if done:
+            imgui.close_current_popup()
+            session.queue(lambda: session.answer(prompt, path))
+        imgui.end_popup()
+
+    def _list(self, session: "Session", prompt: MenuQuestion, fresh: bool) -> None:
+        name = "###list"
+        if fresh:
+            imgui.open_popup(name)
+        viewport = imgui.get_main_viewport()
+        if prompt.at is not None:
+            imgui.set_next_window_pos(prompt.at, imgui.Cond_.appearing.value)
+        else:
+            centre = (viewport.pos.x + viewport.size.x / 2, viewport.pos.y + viewport.size.y / 2)
+            imgui.set_next_window_pos(centre, imgui.Cond_.appearing.value, (0.5, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(8), px(8)))
+        opened = imgui.begin_popup(name)
+        imgui.pop_style_var()
+        if not opened:
+            if not fresh:
+                session.queue(lambda: session.answer(prompt, None))
+            return
+        widgets.small(prompt.title)
+        imgui.separator()
+        for choice in prompt.choices:
+            self._choice(session, prompt, choice)
+        if imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
+            imgui.close_current_popup()
+        imgui.end_popup()
+
+    def _choice(self, session: "Session", prompt: MenuQuestion, choice: Choice) -> None:
+        pressed = imgui.menu_item_simple(f"{choice.label}###{choice.id}", choice.detail or None)
+        widgets.probe(session, f"list.{choice.id}")
+        if imgui.is_item_hovered() and choice.ids:
+            session.highlighted = tuple(choice.ids)
+        if pressed:
+            session.queue(lambda: session.answer(prompt, choice.id))

@@ -1,0 +1,24 @@
+"""What a panel is: a titled window that reads the session and queues what it wants done."""
+
+import abc
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+class Panel(abc.ABC):
+    """Draws into the current window; holds no copy of the document's data."""
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    icon: ClassVar[str]
+
+    @property
+    def window_name(self) -> str:
+        """Title with a stable identity, for docking."""
+        return f"{self.icon}  {self.title}###panel-{self.id}"
+
+    @abc.abstractmethod
+    def draw(self, session: "Session") -> None:
+        """Draw one frame of it."""

@@ -1,0 +1,260 @@
+"""The inspector: every property of what is selected, also of many things at once."""
+
+from typing import TYPE_CHECKING, Any, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.commands.base import EntityId
+from editor.commands.fields import SetField, selected_records, shared_value
+from editor.controls import key_caps
+from editor.look import FONTS, Icons
+from editor.wording import describe
+from editor.panels.base import Panel
+from editor.panels.fields import Editor, segments
+from editor.widgets import px
+from kinetix.level.model import (
+    MOTOR_BINDINGS,
+    THRUSTER_BINDINGS,
+    ArenaBody,
+    Body,
+    Circle,
+    Joint,
+    Record,
+    Thruster,
+)
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+ROLE_OPTIONS: Final = (
+    ("none", "None"),
+    ("green", f"{Icons.green} Green"),
+    ("blue", f"{Icons.blue} Blue"),
+    ("red", f"{Icons.red} Red"),
+)
+_COLLISION_OPTIONS: Final = (("normal", "Normal"), ("always", "Always"), ("ghost", "Ghost"))
+_ROLE_HINT = "Green must touch blue and must not touch red."
+_TITLES: Final = {Body: "shapes", Joint: "joints", Thruster: "thrusters", ArenaBody: "arena parts"}
+
+
+class Inspector(Panel):
+    """Edits the fields that the selected things have in common."""
+
+    id, title, icon = "inspector", "Inspector", Icons.inspector
+
+    def __init__(self) -> None:
+        self._editor = Editor()
+
+    def draw(self, session: "Session") -> None:
+        """Draw the sections that fit the selection."""
+        records = selected_records(session.document.shown, session.selection)
+        if not records:
+            widgets.empty_state(
+                Icons.select,
+                "Nothing selected",
+                "Click a shape, joint or thruster to see and change its properties. "
+                "Shift+click adds to the selection; Ctrl+A takes everything.",
+            )
+            return
+        with widgets.disabled(not session.editing):
+            self._heading(session, records)
+            kinds = {type(record) for record in records}
+            if kinds <= {Body}:
+                self._bodies(session, records)
+            elif kinds == {Joint}:
+                self._joints(session, records)
+            elif kinds == {Thruster}:
+                self._thrusters(session)
+            elif kinds == {ArenaBody}:
+                self._surface(session)
+            else:
+                widgets.small(
+                    "Different kinds are selected. Select shapes only, joints only or "
+                    "thrusters only to edit their properties together."
+                )
+
+    def _heading(self, session: "Session", records: list[Record]) -> None:
+        level, ids = session.document.shown, session.selection
+        with widgets.font(FONTS.bold, 17):
+            if len(ids) == 1:
+                widgets.text(describe(level, ids[0]))
+            else:
+                kinds = {type(record) for record in records}
+                noun = _TITLES[kinds.pop()] if len(kinds) == 1 else "things"
+                widgets.text(f"{len(ids)} {noun}")
+        if len(ids) == 1 and isinstance(records[0], Joint):
+            joint = records[0]
+            self._ends(session, joint)
+        imgui.dummy((0, px(2)))
+
+    def _ends(self, session: "Session", joint: Joint) -> None:
+        level = session.document.shown
+        for label, end in (("A", joint.a), ("B", joint.b)):
+            if label == "B":
+                imgui.same_line()
+                widgets.muted("·")
+                imgui.same_line()
+            widgets.muted(label)
+            imgui.same_line(0, px(4))
+            self._link(session, end, describe(level, end))
+
+    def _link(self, session: "Session", entity: EntityId, label: str) -> None:
+        if imgui.text_link(f"{label}###link-{entity}"):
+            session.queue(lambda: setattr(session, "selection", (entity,)))
+        widgets.probe(session, f"inspector.link.{entity}")
+        if imgui.is_item_hovered():
+            session.highlighted = (entity,)
+
+    def _bodies(self, session: "Session", records: list[Record]) -> None:
+        edit = self._editor
+        if widgets.section("Role"):
+            edit.options(session, "role", ROLE_OPTIONS)
+            widgets.tooltip("Role", _ROLE_HINT)
+        if widgets.section("Place"):
+            with widgets.property_table("place") as opened:
+                if opened:
+                    widgets.row("Position")
+                    edit.pair(session, "position")
+                    widgets.row("Angle")
+                    edit.field(session, "angle")
+        if widgets.section("Shape"):
+            self._shape(session, records)
+        if widgets.section("Body"):
+            self._body_rows(session)
+        if widgets.section("Motion at the start"):
+            with widgets.property_table("motion") as opened:
+                if opened:
+                    widgets.row("Velocity")
+                    edit.pair(session, "velocity")
+                    widgets.row("Spin")
+                    edit.field(session, "angular_velocity")
+
+    def _shape(self, session: "Session", records: list[Record]) -> None:
+        shapes = [record.shape for record in records if isinstance(record, Body)]
+        with widgets.property_table("shape") as opened:
+            if not opened:
+                return
+            if all(isinstance(shape, Circle) for shape in shapes):
+                widgets.row("Radius")
+                self._editor.field(session, "shape.radius")
+            elif len(shapes) == 1 and not isinstance(shapes[0], Circle):
+                xs = [x for x, _ in shapes[0].vertices]
+                ys = [y for _, y in shapes[0].vertices]
+                widgets.row("Size")
+                imgui.align_text_to_frame_padding()
+                size = f"{max(xs) - min(xs):.3g} × {max(ys) - min(ys):.3g} m"
+                widgets.text(size)
+                widgets.tooltip(size, "Drag the handles on the canvas to resize.")
+            else:
+                widgets.row("Size")
+                imgui.align_text_to_frame_padding()
+                widgets.muted("several shapes")
+
+    def _body_rows(self, session: "Session") -> None:
+        edit = self._editor
+        with widgets.property_table("body") as opened:
+            if not opened:
+                return
+            widgets.row("Fixed", "Infinite mass: nothing moves it.")
+            edit.switch(session, "fixed")
+            self._number(session, "Density", "density", 1.0)
+            self._number(session, "Friction", "friction", 1.0)
+            self._number(session, "Bounciness", "restitution", 0.0)
+            widgets.row(
+                "Collides", "Two bodies collide when one is Always or both are Normal."
+            )
+            edit.options(session, "collision", _COLLISION_OPTIONS)
+
+    def _number(self, session: "Session", label: str, path: str, default: float) -> None:
+        widgets.row(label)
+        _, agrees = shared_value(session.document.shown, session.selection, path)
+        value, _ = shared_value(session.document.shown, session.selection, path)
+        differs = not agrees or value != default
+        room = imgui.get_frame_height() + px(2) if differs else 0
+        self._editor.field(session, path, width=imgui.get_content_region_avail().x - room)
+        self._editor.reset(session, path, default)
+
+    def _joints(self, session: "Session", records: list[Record]) -> None:
+        edit = self._editor
+        if widgets.section("Joint"):
+            edit.options(session, "kind", (("revolute", "Hinge"), ("fixed", "Weld")))
+        hinges = [record for record in records if isinstance(record, Joint)]
+        if all(joint.kind == "fixed" for joint in hinges):
+            widgets.small("A weld holds place and angle; motor and limits have no effect.")
+            return
+        if widgets.section("Motor"):
+            self._motor(session)
+        if widgets.section("Limits"):
+            self._limits(session)
+
+    def _motor(self, session: "Session") -> None:
+        edit = self._editor
+        with widgets.property_table("motor") as opened:
+            if not opened:
+                return
+            widgets.row("Driven", "Whether the joint answers to a control.")
+            edit.switch(session, "motor.on")
+            widgets.row("Key")
+            self._binding(session, "motor.binding", MOTOR_BINDINGS, 0)
+            self._number(session, "Speed", "motor.speed", 1.0)
+            self._number(session, "Power", "motor.power", 1.0)
+            widgets.row("Automatic", "Always driven at +1, whatever the keys say.")
+            edit.switch(session, "motor.auto")
+
+    def _limits(self, session: "Session") -> None:
+        edit = self._editor
+        with widgets.property_table("limits") as opened:
+            if not opened:
+                return
+            widgets.row("Limited")
+            edit.switch(session, "limits.on")
+            widgets.row("Least")
+            edit.field(session, "limits.min")
+            widgets.row("Greatest")
+            edit.field(session, "limits.max")
+            widgets.row("Zero at", "Angle of B minus angle of A that counts as zero.")
+            edit.field(session, "reference_angle")
+
+    def _thrusters(self, session: "Session") -> None:
+        if not widgets.section("Thruster"):
+            return
+        with widgets.property_table("thruster") as opened:
+            if not opened:
+                return
+            widgets.row("Key")
+            self._binding(session, "binding", THRUSTER_BINDINGS, MOTOR_BINDINGS)
+            self._number(session, "Power", "power", 1.0)
+            widgets.row("Direction", "Where it pushes, relative to its body.")
+            self._editor.field(session, "angle")
+            widgets.row("Position", "In the body's own frame.")
+            self._editor.pair(session, "position")
+
+    def _binding(self, session: "Session", path: str, count: int, first: int) -> None:
+        keys = session.control_keys
+        options = [
+            (binding, " ".join(key_caps(first + binding, keys)) or str(binding))
+            for binding in range(count)
+        ]
+        self._editor.options(session, path, options)
+
+    def _surface(self, session: "Session") -> None:
+        edit = self._editor
+        if widgets.section("Role"):
+            edit.options(session, "role", ROLE_OPTIONS)
+        if widgets.section("Surface"):
+            with widgets.property_table("surface") as opened:
+                if opened:
+                    self._number(session, "Friction", "friction", 1.0)
+                    self._number(session, "Bounciness", "restitution", 0.0)
+                    widgets.row("Collides")
+                    edit.options(session, "collision", _COLLISION_OPTIONS)
+        widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
+
+
+def role_segments(session: "Session", name: str, ids: tuple[EntityId, ...], current: Any) -> None:
+    """The four roles as a row of buttons for any entities, selected or not."""
+    picked = segments(session, name, ROLE_OPTIONS, current)
+    if picked is not None:
+        session.queue(SetField(ids=ids, field="role", value=picked[0]))
+

@@ -1,0 +1,70 @@
+"""The problems of the level, live, each with the button that mends it."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.actions.fixes import fix_of
+from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, u32
+from editor.panels.base import Panel
+from editor.widgets import px
+from kinetix.level.validate import Issue
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_LOOK: Final[dict[str, tuple[str, Rgba]]] = {
+    "error": (Icons.error, COLOURS.bad),
+    "warning": (Icons.warning, COLOURS.warn),
+    "info": (Icons.info, COLOURS.info),
+}
+
+
+class ProblemsPanel(Panel):
+    """The same list that `kinetix validate` prints."""
+
+    id, title, icon = "problems", "Problems", Icons.problems
+
+    def draw(self, session: "Session") -> None:
+        """Draw the list; a click selects what is meant."""
+        issues = session.document.problems
+        if not issues:
+            widgets.empty_state(
+                Icons.good, "No problems", "This level can be played, won and used for training."
+            )
+            return
+        for index, issue in enumerate(issues):
+            self._issue(session, index, issue)
+
+    def _issue(self, session: "Session", index: int, issue: Issue) -> None:
+        icon, colour = _LOOK[issue.severity]
+        fix = fix_of(session, issue) if session.editing else None
+        imgui.push_id(index)
+        start = imgui.get_cursor_screen_pos()
+        space = imgui.get_content_region_avail().x
+        room = imgui.calc_text_size(fix.label).x + px(28) if fix is not None else 0.0
+        lines = widgets.broken(issue.message, max(space - room - px(86), px(80)))
+        height = imgui.get_text_line_height() * len(lines) + px(8)
+        flags = imgui.SelectableFlags_.allow_overlap.value
+        if imgui.selectable("###issue", False, flags, (0, height))[0] and issue.ids:
+            session.queue(lambda: setattr(session, "selection", tuple(issue.ids)))
+        widgets.probe(session, f"problems.{issue.code}")
+        if imgui.is_item_hovered():
+            session.highlighted = tuple(issue.ids)
+        draw = imgui.get_window_draw_list()
+        top = start.y + px(4)
+        draw.add_text((start.x + px(4), top), u32(colour), icon)
+        with widgets.font(FONTS.mono, SMALL):
+            draw.add_text((start.x + px(28), top + px(1)), u32(COLOURS.faint), issue.code)
+        for number, line in enumerate(lines):
+            at = (start.x + px(74), top + number * imgui.get_text_line_height())
+            draw.add_text(at, u32(COLOURS.text), line)
+        if fix is not None:
+            imgui.set_cursor_screen_pos((start.x + space - room + px(8), start.y + px(2)))
+            if imgui.small_button(fix.label):
+                session.queue(fix.command)
+            widgets.probe(session, f"problems.{issue.code}.fix")
+            imgui.set_cursor_screen_pos((start.x, start.y + height + px(2)))
+            imgui.dummy((0, 0))
+        imgui.pop_id()

@@ -1,0 +1,81 @@
+"""The line at the bottom: mode, hint, pointer, selection, zoom, speed, what runs, what is unsaved."""
+
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.canvas import MODE_LOOK
+from editor.look import COLOURS, SMALL, Icons
+from editor.playback import Mode
+from editor.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+class StatusBar:
+    """Left: what to do. Right: numbers."""
+
+    def draw(self, session: "Session") -> None:
+        """Draw the line into the current window."""
+        with widgets.font(None, SMALL):
+            word, colour = MODE_LOOK[session.mode]
+            widgets.badge(word, colour)
+            imgui.same_line(0, px(10))
+            imgui.align_text_to_frame_padding()
+            imgui.set_cursor_pos_y(imgui.get_style().window_padding.y)
+            right = self._right(session)
+            gap = px(18)
+            width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
+            room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
+            widgets.text(self._fitted(self._hint(session), room), COLOURS.muted)
+            x = imgui.get_window_width() - width
+            for words, tint in right:
+                imgui.same_line(x)
+                widgets.text(words, tint)
+                x += imgui.calc_text_size(words).x + gap
+
+    def _hint(self, session: "Session") -> str:
+        if session.editing:
+            typed = session.driver.typed
+            return f"{session.hint}   size: {typed}" if typed else session.hint
+        if session.mode is Mode.REPLAY:
+            return "Recorded episode.  , and . step,  Esc leaves"
+        return "Space pauses,  . and , step,  - and = change the speed,  Backspace restarts,  Esc edits"
+
+    def _fitted(self, words: str, room: float) -> str:
+        if imgui.calc_text_size(words).x <= room:
+            return words
+        while words and imgui.calc_text_size(words + "…").x > room:
+            words = words[:-4]
+        return words + "…" if words else ""
+
+    def _right(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
+        c = COLOURS
+        parts = []
+        jobs = [job for job in session.worker.jobs if job.title != "Simulating"]
+        if jobs:
+            job = jobs[0]
+            share = f" {job.fraction:.0%}" if job.fraction is not None else ""
+            parts.append((f"{Icons.gear} {job.message or job.title}{share}", c.accent))
+        if session.cursor is not None:
+            x, y = session.cursor
+            parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
+        if session.selection:
+            parts.append((f"{len(session.selection)} selected", c.text))
+        errors = sum(issue.severity == "error" for issue in session.document.problems)
+        warnings = sum(issue.severity == "warning" for issue in session.document.problems)
+        if errors:
+            parts.append((f"{Icons.error} {errors}", c.bad))
+        if warnings:
+            parts.append((f"{Icons.warning} {warnings}", c.warn))
+        parts.append((f"{session.camera.zoom:.0%}", c.muted))
+        snapshot = session.playback.snapshot
+        if session.playback.active and snapshot is not None:
+            parts.append((f"{snapshot.milliseconds:.1f} ms/step", c.muted))
+            parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
+        parts.append((f"{session.fps:.0f} fps", c.faint))
+        saved = session.document.dirty
+        parts.append(("● unsaved" if saved else "saved", c.warn if saved else c.faint))
+        return parts

@@ -1,0 +1,86 @@
+"""Short messages in the canvas's lower right corner; they go by themselves."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.actions import BY_ID
+from editor.look import COLOURS, Icons, alpha, u32
+from editor.widgets import KIND_COLOURS, KIND_ICONS, px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_FLAGS: Final = (
+    imgui.WindowFlags_.no_decoration.value
+    | imgui.WindowFlags_.always_auto_resize.value
+    | imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_focus_on_appearing.value
+    | imgui.WindowFlags_.no_nav.value
+    | imgui.WindowFlags_.no_move.value
+    | imgui.WindowFlags_.no_docking.value
+)
+_SHOWN_MAX: Final = 4
+_FADE_SECONDS: Final = 0.4
+_BUTTONS: Final = {"edit.undo": "Undo"}
+
+
+class Toasts:
+    """Stacks the newest messages, the newest lowest."""
+
+    def draw(
+        self, session: "Session", area: tuple[tuple[float, float], tuple[float, float]]
+    ) -> None:
+        """Draw them over the canvas.
+
+        Args:
+            session: Whose toasts.
+            area: Upper left corner and size of the canvas [px].
+        """
+        (x, y), (width, height) = area
+        bottom = y + height - px(14)
+        for number, toast in enumerate(reversed(session.toasts[-_SHOWN_MAX:])):
+            left = toast.until - session.time
+            opacity = 1.0
+            if not session.settings.reduced_motion:
+                opacity = max(min(left / _FADE_SECONDS, 1.0), 0.02)
+            imgui.push_style_var(imgui.StyleVar_.alpha, opacity)
+            imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(14), px(9)))
+            imgui.push_style_color(
+                imgui.Col_.window_bg, imgui.ImVec4(*alpha(COLOURS.raised, 0.97))
+            )
+            imgui.set_next_window_pos((x + width - px(14), bottom), 0, (1.0, 1.0))
+            imgui.set_next_window_size_constraints((0, 0), (min(px(460), width - px(28)), px(400)))
+            imgui.begin(f"##toast-{number}", None, _FLAGS)
+            imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
+            colour = KIND_COLOURS[toast.kind]
+            at, size = imgui.get_window_pos(), imgui.get_window_size()
+            draw = imgui.get_window_draw_list()
+            draw.add_rect_filled(
+                (at.x, at.y + px(6)), (at.x + px(3), at.y + size.y - px(6)), u32(colour), px(2)
+            )
+            widgets.text(KIND_ICONS[toast.kind], colour)
+            imgui.same_line(0, px(9))
+            imgui.push_text_wrap_pos(px(380))
+            widgets.text(toast.text)
+            imgui.pop_text_wrap_pos()
+            self._button(session, toast.action)
+            imgui.same_line(0, px(10))
+            if widgets.icon_button(
+                session, f"toast.{number}.close", Icons.close, height=px(20), tint=COLOURS.faint
+            ):
+                session.queue(lambda toast=toast: session.toasts.remove(toast))
+            bottom -= imgui.get_window_size().y + px(8)
+            imgui.end()
+            imgui.pop_style_color()
+            imgui.pop_style_var(2)
+
+    def _button(self, session: "Session", action_id: str | None) -> None:
+        if action_id is None:
+            return
+        imgui.same_line(0, px(12))
+        label = _BUTTONS.get(action_id, BY_ID[action_id].label)
+        if imgui.text_link(label):
+            session.queue(action_id)
+        widgets.probe(session, f"toast.{action_id}")

@@ -1,0 +1,17 @@
+"""Names of the physics that can be chosen, known before JAX is (a test keeps them complete)."""
+
+from typing import Final
+
+PRESETS: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
+"""Presets of the engine, in the order of growing accuracy."""
+SOLVERS: Final = (
+    "pgs_baumgarte",
+    "pgs_soft",
+    "soft_step",
+    "xpbd",
+    "jacobi",
+    "direct+pgs",
+    "direct+admm",
+)
+"""Solvers that can be chosen at their default settings."""
+PHYSICS: Final = PRESETS + SOLVERS

@@ -1,0 +1,288 @@
+"""The window's one frame: keys, menus, bars, canvas, panels, pop-ups, then everything queued."""
+
+import contextlib
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import actions, events, keys, theme, widgets
+from editor.canvas import Canvas
+from editor.dialogs import Dialogs
+from editor.look import COLOURS, Icons
+from editor.panels.base import Panel
+from editor.panels.controls import ControlsPanel
+from editor.panels.debug import DebugPanel
+from editor.panels.help import HelpOverlay
+from editor.panels.history import HistoryPanel
+from editor.panels.inspector import Inspector
+from editor.panels.level import LevelPanel
+from editor.panels.log import LogPanel
+from editor.panels.menu import MenuBar
+from editor.panels.outliner import Outliner
+from editor.panels.palette import CommandPalette
+from editor.panels.plots import PlotsPanel
+from editor.panels.problems import ProblemsPanel
+from editor.panels.status import StatusBar
+from editor.panels.tabs import DocumentTabs
+from editor.panels.toasts import Toasts
+from editor.panels.toolbar import Toolbar
+from editor.textures import TextureStore
+from editor.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_BAR_FLAGS: Final = (
+    imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_scrollbar.value
+    | imgui.WindowFlags_.no_scroll_with_mouse.value
+    | imgui.WindowFlags_.no_docking.value
+    | imgui.WindowFlags_.no_nav_focus.value
+)
+_CANVAS_FLAGS: Final = (
+    imgui.WindowFlags_.no_decoration.value
+    | imgui.WindowFlags_.no_move.value
+    | imgui.WindowFlags_.no_docking.value
+    | imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_bring_to_front_on_focus.value
+    | imgui.WindowFlags_.no_background.value
+    | imgui.WindowFlags_.no_scroll_with_mouse.value
+)
+_CANVAS: Final = "Canvas"
+
+
+class Ui:
+    """Everything on the screen. One instance a Dear ImGui context."""
+
+    def __init__(self, session: "Session", textures: TextureStore, *, scale: float) -> None:
+        self.session = session
+        self.textures = textures
+        self.scale = 0.0
+        self._host_scale = scale
+        self.canvas = Canvas()
+        self._menu = MenuBar()
+        self._toolbar = Toolbar()
+        self._status = StatusBar()
+        self._tabs = DocumentTabs()
+        self._toasts = Toasts()
+        self._dialogs = Dialogs()
+        self._palette = CommandPalette()
+        self._help = HelpOverlay()
+        self.panels: tuple[Panel, ...] = (
+            Outliner(),
+            LevelPanel(),
+            Inspector(),
+            HistoryPanel(),
+            ProblemsPanel(),
+            ControlsPanel(),
+            PlotsPanel(),
+            DebugPanel(),
+            LogPanel(),
+        )
+        self._laid_out = False
+        self._focus_lost = False
+        self._fps = 60.0
+
+    @property
+    def window_title(self) -> str:
+        """What the window manager shows."""
+        document = self.session.document
+        mark = "● " if document.dirty else ""
+        return f"{mark}{document.title} - Kinetix"
+
+    @property
+    def fullscreen(self) -> bool:
+        """Whether the window is to fill the screen."""
+        return self.session.view.fullscreen
+
+    @property
+    def animating(self) -> bool:
+        """Whether the next frame differs without any input."""
+        session = self.session
+        return (
+            session.playback.active
+            or bool(session.toasts)
+            or not session.worker.idle
+            or imgui.get_io().want_text_input
+        )
+
+    def notice(self, event: events.InputEvent) -> None:
+        """Take an event that is not Dear ImGui's: focus, dropped files, the close button."""
+        actions.handle(self.session, event)
+
+    def frame(self, dt: float) -> None:
+        """Draw one frame and do what it asked for.
+
+        Args:
+            dt: Time since the last frame [s].
+        """
+        session = self.session
+        self._rescale()
+        self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
+        session.fps = self._fps
+        session.probe.clear()
+        session.highlighted = ()
+        with session.guard():
+            self._keys()
+        bars = session.view.interface
+        if bars:
+            self._bars()
+        space = imgui.dock_space_over_viewport(
+            0, None, imgui.DockNodeFlags_.passthru_central_node.value
+        )
+        if not self._laid_out or session.view.layout_reset:
+            self._lay_out(space)
+        self._canvas(space, bars)
+        if bars:
+            for panel in self.panels:
+                self._panel(panel)
+        with session.guard():
+            self._dialogs.draw(session)
+            self._palette.draw(session)
+            self._help.draw(session)
+        with session.guard():
+            actions.update(session, dt)
+        self._paint_canvas()
+        self._toasts.draw(session, self.canvas.area)
+
+    def _rescale(self) -> None:
+        wanted = self.session.settings.ui_scale or self._host_scale
+        if wanted != self.scale:
+            theme.apply(wanted)
+            self.scale = wanted
+            self._laid_out = False
+
+    def _keys(self) -> None:
+        """Hand keys and text on unless a text field or a pop-up owns them."""
+        session, io = self.session, imgui.get_io()
+        modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
+        taken = io.want_text_input or bool(session.prompts) or imgui.is_popup_open(
+            "", imgui.PopupFlags_.any_popup.value
+        )
+        navigating = io.nav_visible and io.nav_active
+        for name, key in keys.IMGUI.items():
+            if imgui.is_key_released(key):
+                actions.handle(
+                    session, events.KeyEvent(key=name, pressed=False, modifiers=modifiers)
+                )
+            elif imgui.is_key_pressed(key, True):
+                repeat = not imgui.is_key_pressed(key, False)
+                event = events.KeyEvent(
+                    key=name, pressed=True, modifiers=modifiers, repeat=repeat
+                )
+                if name == "escape" and session.view.help:
+                    session.view.help = False
+                elif not taken and not (
+                    navigating and not modifiers.ctrl and name in _NAVIGATION
+                ):
+                    actions.handle(session, event)
+        if not taken and session.driver.active:
+            typed = "".join(chr(code) for code in io.input_queue_characters)
+            if typed:
+                actions.handle(session, events.TextEvent(text=typed))
+
+    def _bars(self) -> None:
+        session = self.session
+        with session.guard():
+            self._menu.draw(session)
+        viewport = imgui.get_main_viewport()
+        height = imgui.get_frame_height() + 2 * px(6)
+        with self._bar("##toolbar", viewport, imgui.Dir.up, height, px(6)) as opened:
+            if opened:
+                with session.guard():
+                    self._toolbar.draw(session)
+        height = imgui.get_text_line_height() + 2 * px(5)
+        with self._bar("##status", viewport, imgui.Dir.down, height, px(5)) as opened:
+            if opened:
+                with session.guard():
+                    self._status.draw(session)
+
+    @contextlib.contextmanager
+    def _bar(
+        self, name: str, viewport: imgui.Viewport, side: imgui.Dir, height: float, pad: float
+    ) -> Iterator[bool]:
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(10), pad))
+        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
+        imgui.push_style_var(imgui.StyleVar_.window_min_size, imgui.ImVec2(1, 1))
+        opened = imgui.internal.begin_viewport_side_bar(name, viewport, side, height, _BAR_FLAGS)
+        try:
+            yield opened
+        finally:
+            imgui.end()
+            imgui.pop_style_var(2)
+            imgui.pop_style_color()
+
+    def _lay_out(self, space: int) -> None:
+        """Put the panels where they belong: a stored layout, or the one we think best."""
+        session, node = self.session, imgui.internal
+        self._laid_out = True
+        reset, session.view.layout_reset = session.view.layout_reset, False
+        if session.settings.layout and not reset:
+            imgui.load_ini_settings_from_memory(session.settings.layout)
+            return
+        size = imgui.get_main_viewport().work_size
+        node.dock_builder_remove_node_child_nodes(space)
+        node.dock_builder_set_node_size(space, size)
+        left_share = min(px(250) / size.x, 0.24)
+        split = node.dock_builder_split_node(space, imgui.Dir.left, left_share)
+        left, rest = split.id_at_dir, split.id_at_opposite_dir
+        right_share = min(px(310) / (size.x * (1 - left_share)), 0.34)
+        split = node.dock_builder_split_node(rest, imgui.Dir.right, right_share)
+        right, middle = split.id_at_dir, split.id_at_opposite_dir
+        bottom_share = min(px(190) / size.y, 0.28)
+        split = node.dock_builder_split_node(middle, imgui.Dir.down, bottom_share)
+        bottom = split.id_at_dir
+        split = node.dock_builder_split_node(left, imgui.Dir.down, 0.5)
+        lower_left, left = split.id_at_dir, split.id_at_opposite_dir
+        homes = {
+            "outliner": left,
+            "level": lower_left,
+            "inspector": right,
+        }
+        for panel in self.panels:
+            node.dock_builder_dock_window(panel.window_name, homes.get(panel.id, bottom))
+        node.dock_builder_finish(space)
+
+    def _canvas(self, space: int, bars: bool) -> None:
+        node = imgui.internal.dock_builder_get_central_node(space)
+        if bars and node is not None:
+            position, size = node.pos, node.size
+        else:
+            viewport = imgui.get_main_viewport()
+            position, size = viewport.work_pos, viewport.work_size
+        imgui.set_next_window_pos(position)
+        imgui.set_next_window_size(size)
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(0, 0))
+        imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
+        imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0, 0))
+        if imgui.begin(_CANVAS, None, _CANVAS_FLAGS)[0]:
+            with self.session.guard():
+                if bars:
+                    self._tabs.draw(self.session)
+                self.canvas.interact(self.session)
+        imgui.end()
+        imgui.pop_style_var(3)
+
+    def _paint_canvas(self) -> None:
+        """Draw the level last, so that what this frame's input did is seen in this frame."""
+        if imgui.begin(_CANVAS, None, _CANVAS_FLAGS)[0]:
+            with self.session.guard():
+                self.canvas.paint(self.session)
+        imgui.end()
+
+    def _panel(self, panel: Panel) -> None:
+        imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
+        opened = imgui.begin(panel.window_name)[0]
+        if opened:
+            with self.session.guard():
+                panel.draw(self.session)
+        imgui.end()
+
+    def save_layout(self) -> None:
+        """Remember where the panels are, in the settings."""
+        self.session.settings.layout = imgui.save_ini_settings_to_memory()
+
+
+_NAVIGATION: Final = frozenset({"left", "right", "up", "down", "space", "return", "tab", "escape"})
+"""Keys that move between the fields of a panel while the keyboard is there."""
