@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
@@ -99,8 +100,8 @@ def solve_level(
         played, won = played + len(plans), won + int(outcome.won.sum())
         for index in np.flatnonzero(outcome.won)[np.argsort(outcome.steps[outcome.won])]:
             actions = plans[index, : outcome.steps[index]]
-            # A batch of one rounds differently; only what holds there too is a proof.
-            if _play(env, start, actions[None]).won[0]:
+            # A batch of one may round differently; only what holds there too is a proof.
+            if play_actions(level, actions.tolist(), physics=physics).outcome == "won":
                 return Solution(
                     physics=physics,
                     frame_skip=env.static_env_params.frame_skip,
@@ -184,7 +185,7 @@ def _best(plans: Plans, scores: Float[np.ndarray, " n"]) -> tuple[Plans, Float[n
     return plans[order], scores[order]
 
 
-def _runs(actions: Int[np.ndarray, "k 6"]) -> tuple[tuple[int, tuple[int, ...]], ...]:
+def _runs(actions: Int[np.ndarray, "k 6"]) -> tuple[tuple[int, Any], ...]:
     """Run-length encoding of an action sequence."""
     changes = np.flatnonzero(np.any(np.diff(actions, axis=0) != 0, axis=1)) + 1
     pieces = np.split(actions, changes)
