@@ -1,0 +1,122 @@
+"""The app's command line: `kinetix-editor`, also `python -m editor`."""
+
+import dataclasses
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from editor.hosts.pygame_host import PygameHost
+from editor.session import Session
+from editor.settings import Settings
+from kinetix.errors import KinetixError
+from kinetix.paths import levels_dir
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Options:
+    """Draw, edit and play 2D physics levels."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Levels to open, in either format."""
+    agent: Path | None = None
+    """Folder of an agent to load."""
+    offscreen: bool = False
+    """Draw in software into memory: no display is needed."""
+    replay: Path | None = None
+    """Feed the events of this file, then quit."""
+    size: Annotated[str, tyro.conf.arg(metavar="WxH")] = "1440x900"
+    """Size of the window."""
+    scale: float | None = None
+    """Scale of the interface, 0.75 to 3; by default as the display says."""
+    bench: bool = False
+    """Measure how fast the app is, print the table, then quit."""
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise KinetixError(f"--size {text}: expected WIDTHxHEIGHT, such as 1440x900")
+    return max(int(width), 320), max(int(height), 240)
+
+
+def _welcome() -> Path | None:
+    """The level that the app opens on when none is named."""
+    for name in ("m/touchdown", "s/first_flight"):
+        path = levels_dir() / f"{name}.json"
+        if path.is_file():
+            return path
+    return next(iter(sorted(levels_dir().glob("*/*.json"))), None)
+
+
+def _host(options: Options, session: Session) -> PygameHost:
+    size = _size(options.size)
+    if options.offscreen:
+        from editor.hosts.offscreen import OffscreenHost
+
+        return OffscreenHost(session, size=size, scale=options.scale or 1.0)
+    return PygameHost(session, size=size, scale=options.scale)
+
+
+def _run(options: Options) -> None:
+    if options.agent is not None:
+        raise KinetixError(f"--agent {options.agent}: agents cannot be loaded in this version")
+    if options.bench:
+        from editor.hosts.bench import print_table
+
+        print_table(_size(options.size))
+        return
+    scripted = options.replay is not None
+    session = Session(settings=Settings() if scripted or options.offscreen else Settings.load())
+    host = _host(options, session)
+    try:
+        _open_files(options, session)
+        if options.replay is not None:
+            from editor.hosts.replay import Replayer
+
+            Replayer(host, options.replay).run()
+        elif options.offscreen:
+            raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
+        else:
+            host.run()
+            host.ui.save_layout()
+            session.settings.save()
+    finally:
+        session.worker.stop(0.5)
+        host.close()
+
+
+def _open_files(options: Options, session: Session) -> None:
+    from editor.actions import file
+
+    if not options.files:
+        welcome = _welcome() if options.replay is None else None
+        if welcome is not None:
+            file.open_path(session, welcome)
+        if options.replay is None:
+            file.offer_recovery(session)
+        return
+    for path in options.files:
+        before = len(session.log)
+        if not file.open_path(session, path) and len(options.files) == 1:
+            raise KinetixError(" ".join(session.log[before:]))
+
+
+def main() -> int:
+    """Run the app.
+
+    Returns:
+        0, or 1 when what was asked for cannot be done (the reason is on stderr).
+    """
+    options = tyro.cli(Options, prog="kinetix-editor")
+    try:
+        _run(options)
+    except KinetixError as error:
+        sys.stderr.write(f"{error}\n")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

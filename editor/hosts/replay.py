@@ -1,0 +1,328 @@
+"""Scripted runs: EVENTS.jsonl through the same adapter, tools and commands as real input.
+
+The format stands in docs/replay.md. Every frame is 1/60 s on a fixed clock, and each frame waits
+for the simulation steps that the one before asked for, so that a script gives the same result on
+any machine.
+"""
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from editor import actions, events, files
+from editor.actions import file
+from editor.commands.fields import SetField
+from editor.document import Format
+from editor.hosts.base import Host
+from editor.hosts.film import Film
+from editor.hosts.headless import FRAME
+from editor.hosts.offscreen import OffscreenHost
+from editor.keys import IMGUI
+from editor.playback import Mode
+from editor.requests import WarmUp
+from editor.session import Session
+from editor.tools import TOOLS
+from editor.widgets import Probe
+from kinetix.errors import KinetixError
+
+Event = dict[str, Any]
+
+_DRAG_FRAMES: Final = 10
+"""A drag moves in so many steps, so that tools see the way and not only its end."""
+_SETTLE_FRAMES: Final = 3
+_STEP_SECONDS: Final = 30.0
+"""Longest wait for simulation steps that are under way [s]."""
+_BUTTONS: Final = {1: events.LEFT, 2: events.MIDDLE, 3: events.RIGHT}
+
+
+class ReplayError(KinetixError):
+    """An event cannot be applied; the message has the file and the line number."""
+
+
+class Replayer:
+    """Feeds one script to a host."""
+
+    def __init__(self, host: Host, script: Path) -> None:
+        self._host = host
+        self._session = host.session
+        self._script = script
+        self._at = (0.0, 0.0)
+        self._mods: tuple[str, ...] = ()
+        self._buttons: set[int] = set()
+        self._film: Film | None = None
+        self._verbs: dict[str, Callable[[Event], None]] = {
+            "open": self._open,
+            "save": self._save,
+            "agent": self._agent,
+            "action": self._action,
+            "tool": self._tool,
+            "move": self._move,
+            "down": self._down,
+            "up": self._up,
+            "drag": self._drag,
+            "wheel": self._wheel,
+            "key": self._press,
+            "hold": self._hold,
+            "text": self._text,
+            "set": self._set,
+            "wait": self._wait,
+            "wait_until": self._wait_until,
+            "screenshot": self._screenshot,
+            "state": self._state,
+            "film": self._filming,
+        }
+
+    def run(self) -> None:
+        """Apply every event in order.
+
+        Raises:
+            ReplayError: The script cannot be read, or an event cannot be applied.
+        """
+        try:
+            lines = self._script.read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            raise ReplayError(f"{self._script}: cannot be read: {error}") from error
+        self._frames(_SETTLE_FRAMES)
+        for number, line in enumerate(lines, start=1):
+            if not line.strip():
+                continue
+            try:
+                self._apply(line)
+            except KinetixError as error:
+                raise ReplayError(f"{self._script}:{number}: {error}") from error
+        self._frames(_SETTLE_FRAMES)
+        self._finish_film()
+
+    def _apply(self, line: str) -> None:
+        try:
+            event = json.loads(line)
+        except json.JSONDecodeError as error:
+            raise KinetixError(f"not JSON: {error}") from error
+        if not isinstance(event, dict) or "do" not in event:
+            raise KinetixError('expected an object with the key "do"')
+        if event["do"] not in self._verbs:
+            known = ", ".join(self._verbs)
+            raise KinetixError(f"unknown event {event['do']!r}; there are {known}")
+        try:
+            self._verbs[event["do"]](event)
+        except KeyError as error:
+            raise KinetixError(f"{event['do']}: the key {error} is missing") from error
+        except (TypeError, ValueError) as error:
+            raise KinetixError(f"{event['do']}: {error}") from error
+        self._frames(1)
+
+    def _step(self, *batch: events.InputEvent) -> None:
+        self._await_steps()
+        self._host.step(batch, FRAME)
+        if self._film is not None and isinstance(self._host, OffscreenHost):
+            self._film.frame(self._host.screenshot)
+
+    def _frames(self, count: int) -> None:
+        for _ in range(count):
+            self._step()
+
+    def _await_steps(self) -> None:
+        playback, worker = self._session.playback, self._session.worker
+        until = time.monotonic() + _STEP_SECONDS
+        while playback.active and playback.simulator.outstanding and time.monotonic() < until:
+            worker.wait(0.5)
+            worker.poll()
+
+    def _open(self, event: Event) -> None:
+        toasts = len(self._session.log)
+        if not file.open_path(self._session, event["file"]):
+            raise KinetixError(" ".join(self._session.log[toasts:]) or "cannot be opened")
+        self._frames(2)
+
+    def _save(self, event: Event) -> None:
+        document = self._session.document
+        format: Format = event.get("format", document.format)
+        if format not in ("kinetix-level", "kinetix-env"):
+            raise KinetixError(f"unknown format {format!r}: kinetix-level or kinetix-env")
+        path = Path(event["file"])
+        path.parent.mkdir(parents=True, exist_ok=True)
+        files.save_document(document, path, format)
+
+    def _agent(self, event: Event) -> None:
+        raise KinetixError(f"agents cannot be loaded in this version ({event['dir']})")
+
+    def _action(self, event: Event) -> None:
+        if not actions.run(self._session, event["id"]):
+            raise KinetixError(f"the action {event['id']!r} is disabled now")
+
+    def _tool(self, event: Event) -> None:
+        if event["id"] not in TOOLS:
+            raise KinetixError(f"unknown tool {event['id']!r}; there are {', '.join(TOOLS)}")
+        if not self._session.editing:
+            raise KinetixError("tools work in Edit only")
+        self._session.choose_tool(event["id"])
+
+    def _place(self, event: Event) -> tuple[float, float]:
+        """Where an event is [px]; where the pointer was when it does not say."""
+        if "world" in event:
+            x, y = event["world"]
+            return self._session.camera.to_screen((float(x), float(y)))
+        if "widget" in event:
+            found = self._session.probe.get(event["widget"])
+            if not isinstance(found, Probe):
+                raise KinetixError(f"no widget {event['widget']!r} is on the screen")
+            return found.centre
+        x, y = event.get("at", self._at)
+        return float(x), float(y)
+
+    def _hold_mods(self, event: Event) -> None:
+        """Press and release modifier keys so that exactly the event's are down."""
+        if "mods" not in event and self._buttons:
+            return
+        wanted = tuple(event.get("mods", ()))
+        unknown = set(wanted) - {"ctrl", "shift", "alt", "meta"}
+        if unknown:
+            raise KinetixError(f"unknown modifiers {', '.join(sorted(unknown))}")
+        batch = [_key(f"left {name}", False) for name in self._mods if name not in wanted]
+        batch += [_key(f"left {name}", True) for name in wanted if name not in self._mods]
+        self._mods = wanted
+        if batch:
+            self._step(*batch)
+
+    def _pointer(self, kind: events.Pointer, button: int) -> None:
+        self._step(
+            events.PointerEvent(kind=kind, world=(0.0, 0.0), screen=self._at, button=button)
+        )
+
+    def _move_to(self, place: tuple[float, float]) -> None:
+        self._at = place
+        self._pointer(events.Pointer.MOVE, 0)
+
+    def _move(self, event: Event) -> None:
+        self._hold_mods(event)
+        self._move_to(self._place(event))
+
+    def _down(self, event: Event) -> None:
+        self._hold_mods(event)
+        self._move_to(self._place(event))
+        button = _BUTTONS[event.get("button", 1)]
+        self._pointer(events.Pointer.PRESS, button)
+        self._buttons.add(button)
+
+    def _up(self, event: Event) -> None:
+        self._hold_mods(event)
+        self._move_to(self._place(event))
+        button = _BUTTONS[event.get("button", 1)]
+        self._pointer(events.Pointer.RELEASE, button)
+        self._buttons.discard(button)
+        if not self._buttons:
+            self._hold_mods({})
+
+    def _drag(self, event: Event) -> None:
+        keys = {name: event[name] for name in ("button", "mods") if name in event}
+        to_screen = self._session.camera.to_screen
+        (ax, ay), (bx, by) = to_screen(tuple(event["from"])), to_screen(tuple(event["to"]))
+        self._down({"at": (ax, ay), **keys})
+        for k in range(1, _DRAG_FRAMES + 1):
+            share = k / _DRAG_FRAMES
+            self._move_to((ax + (bx - ax) * share, ay + (by - ay) * share))
+        self._up({"at": (bx, by), **keys})
+
+    def _wheel(self, event: Event) -> None:
+        self._move_to(self._place(event))
+        self._step(events.WheelEvent(dy=float(event["dy"]), screen=self._at))
+
+    def _press(self, event: Event) -> None:
+        self._hold_mods(event)
+        name = _known_key(event["key"])
+        self._step(_key(name, True))
+        self._step(_key(name, False))
+        self._hold_mods({})
+
+    def _hold(self, event: Event) -> None:
+        self._hold_mods(event)
+        name = _known_key(event["key"])
+        self._step(_key(name, True))
+        self._frames(max(int(event["frames"]) - 1, 0))
+        self._step(_key(name, False))
+        self._hold_mods({})
+
+    def _text(self, event: Event) -> None:
+        self._step(events.TextEvent(text=str(event["text"])))
+        self._frames(2)
+
+    def _set(self, event: Event) -> None:
+        session = self._session
+        if not session.editing:
+            raise KinetixError("only Edit changes the level")
+        if not session.selection:
+            raise KinetixError("nothing is selected")
+        command = SetField(ids=session.selection, field=event["field"], value=event["value"])
+        session.document.commit(command, time=session.time)
+
+    def _wait(self, event: Event) -> None:
+        self._frames(int(event["frames"]))
+
+    def _wait_until(self, event: Event) -> None:
+        what = event["what"]
+        if what not in _CONDITIONS:
+            raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
+        until = time.monotonic() + float(event.get("seconds", 60))
+        while not _CONDITIONS[what](self._session):
+            if time.monotonic() > until:
+                raise KinetixError(f"not {what} after {event.get('seconds', 60)} s")
+            self._step()
+            # The clock is fixed but the worker's is not: let it have the processor.
+            self._session.worker.wait(0.02)
+
+    def _screenshot(self, event: Event) -> None:
+        if not isinstance(self._host, OffscreenHost):
+            raise KinetixError("this host draws no pixels; use --offscreen")
+        self._frames(1)
+        self._host.save_screenshot(Path(event["file"]))
+
+    def _state(self, event: Event) -> None:
+        self._frames(1)
+        path = Path(event["file"])
+        path.parent.mkdir(parents=True, exist_ok=True)
+        record = json.dumps(self._session.state_record(), indent=2, ensure_ascii=False)
+        path.write_text(record + "\n", encoding="utf-8")
+
+    def _filming(self, event: Event) -> None:
+        """Start filming into a GIF; without a file, stop."""
+        self._finish_film()
+        if "file" in event:
+            if not isinstance(self._host, OffscreenHost):
+                raise KinetixError("this host draws no pixels; use --offscreen")
+            self._film = Film(Path(event["file"]), every=int(event.get("every", 4)))
+
+    def _finish_film(self) -> None:
+        if self._film is not None:
+            self._film.save()
+            self._film = None
+
+
+def _key(name: str, pressed: bool) -> events.KeyEvent:
+    return events.KeyEvent(key=name, pressed=pressed)
+
+
+def _known_key(name: str) -> str:
+    if name not in IMGUI:
+        raise KinetixError(f"unknown key {name!r}; names are pygame's, such as left, space, f5, a")
+    return name
+
+
+def _playing(session: Session) -> bool:
+    return session.mode is Mode.PLAYING and session.playback.step_count > 0
+
+
+def _compiled(session: Session) -> bool:
+    """Nothing waits for the compiler any more."""
+    return not session.playback.waiting and not any(
+        isinstance(job.request, WarmUp) for job in session.worker.jobs
+    )
+
+
+_CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
+    "playing": _playing,
+    "compiled": _compiled,
+    "ended": lambda session: session.mode is Mode.ENDED,
+    "idle": lambda session: session.worker.idle,
+}
