@@ -55,7 +55,9 @@ def arranged(
     u: Float[Array, "k n"],
     capacity: Capacity,
     slots: Capacity,
-) -> Draft:
+    *,
+    shuffle: bool = True,
+) -> tuple[Draft, Int[Array, "c n"]]:
     """Put everything into random slots.
 
     Args:
@@ -65,12 +67,17 @@ def arranged(
         u: Uniform numbers, `shuffle_length(capacity)` of them.
         capacity: Slots among which things are shuffled: the size the level was drawn for.
         slots: Slots of the result, at least as many; the further ones stay empty.
+        shuffle: False: slots are filled in the order of the rows.
+
+    Returns:
+        The levels, and which row each body slot got (−1: none).
     """
     free_polygons = capacity.polygons - ARENA_BODIES
     ends = [free_polygons, capacity.circles, capacity.joints, capacity.thrusters]
     starts = [sum(ends[:k]) for k in range(len(ends) + 1)]
     polygon_order, circle_order, joint_order, thruster_order = (
-        permutation(u[low:high]) for low, high in zip(starts[:-1], starts[1:], strict=True)
+        permutation(u[low:high] if shuffle else _ascending(high - low, u.shape[1]))
+        for low, high in zip(starts[:-1], starts[1:], strict=True)
     )
     arena_rows = (jnp.arange(figures.active.shape[0]) < ARENA_BODIES)[:, None]
     drawn = figures.active & ~arena_rows
@@ -80,11 +87,18 @@ def arranged(
     )
     of_body = jnp.where(arena_rows, jnp.arange(of_body.shape[0])[:, None], of_body)
     of_joint = slots_for(joints.active, joint_order, 0)
-    return plain_draft(
-        _place_figures(figures, sources(of_body, 0, slots.bodies), slots),
+    source = sources(of_body, 0, slots.bodies)
+    draft = plain_draft(
+        _place_figures(figures, source, slots),
         _place_joints(joints, sources(of_joint, 0, slots.joints), of_body),
         _place_thrusters(thrusters, sources(thruster_order, 0, slots.thrusters), of_body),
     )
+    return draft, source
+
+
+def _ascending(count: int, worlds: int) -> Float[Array, "k n"]:
+    """Numbers whose ranks are their own order."""
+    return jnp.broadcast_to(jnp.arange(count, dtype=jnp.float32)[:, None], (count, worlds))
 
 
 def shuffle_length(capacity: Capacity) -> int:

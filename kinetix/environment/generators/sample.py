@@ -133,14 +133,9 @@ def draw_levels(
     )
     thrusters = _draw_thrusters(tape, grown.figures, thruster_forced, capacity, ued)
     roles = _swap_roles(grown.figures.role, (floor == NEUTRAL) & (swap_u < 0.5))
-    return arranged(
-        grown.figures.replace(role=roles),
-        joints,
-        thrusters,
-        tape.take(shuffle_length(capacity)),
-        capacity,
-        slots or capacity,
-    )
+    shuffle_u = tape.take(shuffle_length(capacity))
+    figures = grown.figures.replace(role=roles)
+    return arranged(figures, joints, thrusters, shuffle_u, capacity, slots or capacity)[0]
 
 
 def _plan(
