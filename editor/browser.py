@@ -124,16 +124,7 @@ class FileBrowser:
             widgets.muted(self._error or "No folders and no level files here.")
         for path in entries:
             folder = path.is_dir()
-            icon = Icons.folder if folder else Icons.level
-            flags = imgui.SelectableFlags_.allow_double_click.value
-            with widgets.coloured(text=COLOURS.text if not folder else COLOURS.info):
-                picked = imgui.selectable(
-                    f"{icon}  {path.name}###file-{path.name}",
-                    not folder and path.name == self._name,
-                    flags,
-                )[0]
-            widgets.probe(session, f"browser.{path.name}")
-            if not picked:
+            if not self._row(session, path, folder=folder):
                 continue
             twice = imgui.is_mouse_double_clicked(0)
             if folder:
@@ -145,6 +136,32 @@ class FileBrowser:
         imgui.pop_style_var()
         imgui.pop_style_color()
         return chosen
+
+    def _row(self, session: "Session", path: Path, *, folder: bool) -> bool:
+        """One entry, level files with a small picture; returns whether it was clicked."""
+        start = imgui.get_cursor_screen_pos()
+        height = px(26 if folder else 44)
+        chosen = not folder and path.name == self._name
+        flags = imgui.SelectableFlags_.allow_double_click.value
+        picked = imgui.selectable(f"###file-{path.name}", chosen, flags, (0, height))[0]
+        widgets.probe(session, f"browser.{path.name}")
+        if not imgui.is_item_visible():
+            return picked
+        draw = imgui.get_window_draw_list()
+        middle = start.y + (height - imgui.get_text_line_height()) / 2
+        if folder:
+            draw.add_text((start.x + px(10), middle), u32(COLOURS.info), Icons.folder)
+            draw.add_text((start.x + px(38), middle), u32(COLOURS.text), path.name)
+            return picked
+        level = _peek(str(path), path.stat().st_mtime_ns)
+        at = (start.x + px(4), start.y + px(3))
+        if isinstance(level, str):
+            spot = (start.x + px(16), middle)
+            draw.add_text(spot, u32(COLOURS.warn), Icons.warning)
+        else:
+            picture(draw, level, at, px(38))
+        draw.add_text((start.x + px(54), middle), u32(COLOURS.text), path.name)
+        return picked
 
     def _preview(self, height: float) -> None:
         imgui.begin_child("preview", (px(_PREVIEW), height))
@@ -185,9 +202,8 @@ class FileBrowser:
             imgui.same_line()
         width = px(96)
         gap = imgui.get_style().item_spacing.x
-        imgui.set_cursor_pos_x(
-            imgui.get_window_width() - 2 * width - gap - imgui.get_style().window_padding.x
-        )
+        room = imgui.get_content_region_avail().x - 2 * width - gap
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
         cancelled = widgets.button(session, "browser.cancel", "Cancel", width=width)
         imgui.same_line()
         pressed = widgets.primary_button(session, "browser.accept", accept, width=width)
@@ -224,8 +240,15 @@ def thumbnail(level: Level, side: float) -> None:
         side: Width and height [px].
     """
     at = imgui.get_cursor_screen_pos()
-    draw = imgui.get_window_draw_list()
-    low, high = (at.x, at.y), (at.x + side, at.y + side)
+    picture(imgui.get_window_draw_list(), level, (at.x, at.y), side)
+    imgui.dummy((side, side + px(4)))
+
+
+def picture(
+    draw: imgui.ImDrawList, level: Level, low: tuple[float, float], side: float
+) -> None:
+    """A level at a place of the screen [px]."""
+    high = (low[0] + side, low[1] + side)
     draw.push_clip_rect(low, high, True)
     camera = Camera(origin=low, size=(side, side)).fitted(*ARENA, margin=0.0)
     painter = Painter(draw=draw, camera=camera)
@@ -233,4 +256,3 @@ def thumbnail(level: Level, side: float) -> None:
     paint_level(painter, Placement(level=level, poses=poses_of(level)))
     draw.pop_clip_rect()
     draw.add_rect(low, high, u32(COLOURS.line), px(2))
-    imgui.dummy((side, side + px(4)))

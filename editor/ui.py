@@ -73,15 +73,16 @@ class Ui:
             Outliner(),
             LevelPanel(),
             Inspector(),
-            HistoryPanel(),
             ProblemsPanel(),
+            HistoryPanel(),
             ControlsPanel(),
             PlotsPanel(),
             DebugPanel(),
             LogPanel(),
         )
         self._laid_out = False
-        self._focus_lost = False
+        self._in_front = ""
+        self._first_frame = 0
         self._fps = 60.0
 
     @property
@@ -192,8 +193,8 @@ class Ui:
             if opened:
                 with session.guard():
                     self._toolbar.draw(session)
-        height = imgui.get_text_line_height() + 2 * px(5)
-        with self._bar("##status", viewport, imgui.Dir.down, height, px(5)) as opened:
+        height = imgui.get_text_line_height() + 2 * px(6)
+        with self._bar("##status", viewport, imgui.Dir.down, height, px(6)) as opened:
             if opened:
                 with session.guard():
                     self._status.draw(session)
@@ -217,6 +218,7 @@ class Ui:
         """Put the panels where they belong: a stored layout, or the one we think best."""
         session, node = self.session, imgui.internal
         self._laid_out = True
+        self._first_frame = imgui.get_frame_count()
         reset, session.view.layout_reset = session.view.layout_reset, False
         if session.settings.layout and not reset:
             imgui.load_ini_settings_from_memory(session.settings.layout)
@@ -243,6 +245,7 @@ class Ui:
         for panel in self.panels:
             node.dock_builder_dock_window(panel.window_name, homes.get(panel.id, bottom))
         node.dock_builder_finish(space)
+        self._in_front = "problems"
 
     def _canvas(self, space: int, bars: bool) -> None:
         node = imgui.internal.dock_builder_get_central_node(space)
@@ -273,6 +276,10 @@ class Ui:
 
     def _panel(self, panel: Panel) -> None:
         imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
+        if panel.id == self._in_front and imgui.get_frame_count() > self._first_frame + 1:
+            # Of panels that share a place, the one docked last is in front unless told otherwise.
+            imgui.set_next_window_focus()
+            self._in_front = ""
         opened = imgui.begin(panel.window_name)[0]
         if opened:
             with self.session.guard():

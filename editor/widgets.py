@@ -265,14 +265,38 @@ def checkbox(
 
 def section(title: str, *, opened: bool = True) -> bool:
     """A heading that folds; returns whether what follows is to be drawn."""
-    flags = imgui.TreeNodeFlags_.default_open.value if opened else 0
-    flags |= imgui.TreeNodeFlags_.span_avail_width.value
-    clear = (0.0, 0.0, 0.0, 0.0)
-    with (
-        coloured(header=clear, text=COLOURS.muted),
-        font(FONTS.bold, SMALL),
-    ):
-        return imgui.collapsing_header(title.upper() + f"###section-{title}", flags)
+    storage, key = imgui.get_state_storage(), imgui.get_id(f"section-{title}")
+    is_open = storage.get_bool(key, opened)
+    imgui.dummy((0, px(3)))
+    start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
+    height = imgui.get_text_line_height() + px(6)
+    nav = imgui.ButtonFlags_.enable_nav.value
+    if imgui.invisible_button(f"section-{title}", (max(width, 1.0), height), nav):
+        is_open = not is_open
+        storage.set_bool(key, is_open)
+    colour = u32(COLOURS.text if imgui.is_item_hovered() else COLOURS.muted)
+    draw = imgui.get_window_draw_list()
+    middle = start.y + height / 2
+    with font(FONTS.bold, SMALL - 1):
+        words = title.upper()
+        size = imgui.calc_text_size(words)
+        draw.add_text((start.x + px(14), middle - size.y / 2), colour, words)
+        left = start.x + px(22) + size.x
+    _chevron(draw, (start.x + px(4), middle), colour, down=is_open)
+    draw.add_line((left, middle), (start.x + width, middle), u32(COLOURS.line), px(1))
+    return is_open
+
+
+def _chevron(
+    draw: imgui.ImDrawList, at: tuple[float, float], colour: int, *, down: bool
+) -> None:
+    """A small open arrow head, as headings that fold carry it."""
+    r = px(3.5)
+    if down:
+        points = [(at[0] - r, at[1] - r / 2), (at[0], at[1] + r / 2), (at[0] + r, at[1] - r / 2)]
+    else:
+        points = [(at[0] - r / 2, at[1] - r), (at[0] + r / 2, at[1]), (at[0] - r / 2, at[1] + r)]
+    draw.add_polyline(points, colour, px(1.6), 0)
 
 
 @contextlib.contextmanager

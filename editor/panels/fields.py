@@ -16,7 +16,7 @@ import msgspec
 from imgui_bundle import imgui
 
 from editor import widgets
-from editor.commands.base import Command
+from editor.commands.base import Command, Selection
 from editor.commands.fields import (
     SetField,
     SetLevelField,
@@ -128,6 +128,8 @@ def _decimals(step: float) -> int:
 
 def _text_of(value: float, info: FieldInfo) -> str:
     """A format that shows the value without noise but loses nothing a person would type."""
+    if info.integer:
+        return "%.0f"
     decimals = 1 if info.shown_factor != 1.0 else max(_decimals(info.step), 2)
     for extra in range(4):
         if abs(round(value, decimals + extra) - value) < 1e-5:
@@ -141,6 +143,8 @@ class Editor:
     def __init__(self) -> None:
         self._open: str | None = None
         """The field being dragged or typed into."""
+        self.ids: Selection = ()
+        """What the fields of the selection edit; a panel sets it before it draws them."""
 
     def number(
         self,
@@ -218,7 +222,7 @@ class Editor:
         self, session: "Session", path: str, *, width: float = -1.0, prefix: str = ""
     ) -> None:
         """A numeric field of the selection, by its dotted name."""
-        level, ids = session.document.shown, session.selection
+        level, ids = session.document.shown, self.ids
         value, agrees = shared_value(level, ids, path)
         record = next(r for r in selected_records(level, ids) if _has(r, path))
         self.number(
@@ -241,7 +245,7 @@ class Editor:
 
     def switch(self, session: "Session", path: str, label: str = "") -> None:
         """A yes-or-no field of the selection."""
-        ids = session.selection
+        ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)
         changed, _ = widgets.checkbox(
             session, f"inspector.{path}", label, bool(value), mixed=not agrees
@@ -254,7 +258,7 @@ class Editor:
         self, session: "Session", path: str, options: Sequence[tuple[Any, str]]
     ) -> None:
         """A field of the selection that takes one of a few values, as a row of buttons."""
-        ids = session.selection
+        ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)
         picked = segments(session, f"inspector.{path}", options, value if agrees else None)
         if picked is not None:
@@ -277,7 +281,7 @@ class Editor:
 
     def reset(self, session: "Session", path: str, default: Any) -> None:
         """A small arrow that sets a field back; only there when it differs."""
-        ids = session.selection
+        ids = self.ids
         try:
             value, agrees = shared_value(session.document.shown, ids, path)
         except CommandError:

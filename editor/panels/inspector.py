@@ -35,7 +35,7 @@ ROLE_OPTIONS: Final = (
 )
 _COLLISION_OPTIONS: Final = (("normal", "Normal"), ("always", "Always"), ("ghost", "Ghost"))
 _ROLE_HINT = "Green must touch blue and must not touch red."
-_TITLES: Final = {Body: "shapes", Joint: "joints", Thruster: "thrusters", ArenaBody: "arena parts"}
+_NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
 
 
 class Inspector(Panel):
@@ -59,20 +59,17 @@ class Inspector(Panel):
             return
         with widgets.disabled(not session.editing):
             self._heading(session, records)
-            kinds = {type(record) for record in records}
-            if kinds <= {Body}:
-                self._bodies(session, records)
-            elif kinds == {Joint}:
-                self._joints(session, records)
-            elif kinds == {Thruster}:
-                self._thrusters(session)
-            elif kinds == {ArenaBody}:
-                self._surface(session)
-            else:
-                widgets.small(
-                    "Different kinds are selected. Select shapes only, joints only or "
-                    "thrusters only to edit their properties together."
-                )
+            for kind, draw in (
+                (Body, self._bodies),
+                (Joint, self._joints),
+                (Thruster, self._thrusters),
+                (ArenaBody, self._surface),
+            ):
+                pairs = zip(session.selection, records, strict=True)
+                chosen = [(entity, record) for entity, record in pairs if isinstance(record, kind)]
+                if chosen:
+                    self._editor.ids = tuple(entity for entity, _ in chosen)
+                    draw(session, [record for _, record in chosen])
 
     def _heading(self, session: "Session", records: list[Record]) -> None:
         level, ids = session.document.shown, session.selection
@@ -80,9 +77,7 @@ class Inspector(Panel):
             if len(ids) == 1:
                 widgets.text(describe(level, ids[0]))
             else:
-                kinds = {type(record) for record in records}
-                noun = _TITLES[kinds.pop()] if len(kinds) == 1 else "things"
-                widgets.text(f"{len(ids)} {noun}")
+                widgets.wrapped(_counts(records))
         if len(ids) == 1 and isinstance(records[0], Joint):
             joint = records[0]
             self._ends(session, joint)
@@ -168,8 +163,7 @@ class Inspector(Panel):
 
     def _number(self, session: "Session", label: str, path: str, default: float) -> None:
         widgets.row(label)
-        _, agrees = shared_value(session.document.shown, session.selection, path)
-        value, _ = shared_value(session.document.shown, session.selection, path)
+        value, agrees = shared_value(session.document.shown, self._editor.ids, path)
         differs = not agrees or value != default
         room = imgui.get_frame_height() + px(2) if differs else 0
         self._editor.field(session, path, width=imgui.get_content_region_avail().x - room)
@@ -216,7 +210,8 @@ class Inspector(Panel):
             widgets.row("Zero at", "Angle of B minus angle of A that counts as zero.")
             edit.field(session, "reference_angle")
 
-    def _thrusters(self, session: "Session") -> None:
+    def _thrusters(self, session: "Session", records: list[Record]) -> None:
+        del records
         if not widgets.section("Thruster"):
             return
         with widgets.property_table("thruster") as opened:
@@ -238,7 +233,8 @@ class Inspector(Panel):
         ]
         self._editor.options(session, path, options)
 
-    def _surface(self, session: "Session") -> None:
+    def _surface(self, session: "Session", records: list[Record]) -> None:
+        del records
         edit = self._editor
         if widgets.section("Role"):
             edit.options(session, "role", ROLE_OPTIONS)
@@ -250,6 +246,16 @@ class Inspector(Panel):
                     widgets.row("Collides")
                     edit.options(session, "collision", _COLLISION_OPTIONS)
         widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
+
+
+def _counts(records: list[Record]) -> str:
+    """How many of each kind: `3 shapes, 1 joint`."""
+    parts = []
+    for kind, noun in _NOUNS.items():
+        count = sum(isinstance(record, kind) for record in records)
+        if count:
+            parts.append(f"{count} {noun}{'' if count == 1 else 's'}")
+    return ", ".join(parts)
 
 
 def role_segments(session: "Session", name: str, ids: tuple[EntityId, ...], current: Any) -> None:

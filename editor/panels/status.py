@@ -23,8 +23,6 @@ class StatusBar:
             word, colour = MODE_LOOK[session.mode]
             widgets.badge(word, colour)
             imgui.same_line(0, px(10))
-            imgui.align_text_to_frame_padding()
-            imgui.set_cursor_pos_y(imgui.get_style().window_padding.y)
             right = self._right(session)
             gap = px(18)
             width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
