@@ -1,0 +1,236 @@
+"""Steps per second of the engine and of the environment on hand-made levels."""
+
+import dataclasses
+import statistics
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from kinetix.engine.pipeline import step as physics_step
+from kinetix.engine.spec import Capacity, Features
+from kinetix.environment.actions import MultiDiscreteActions
+from kinetix.environment.devices import place, spread
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.observations import AbstractObservation, Feature, Layout
+from kinetix.environment.params import (
+    EnvParams,
+    StaticEnvParams,
+    engine_parameters,
+    physics_engine,
+    static_env_params_of,
+)
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, Dict, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_document
+from kinetix.level.compile import features_of
+from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.paths import levels_dir
+
+RUNS: Final = 5
+"""Timed runs a figure; the median counts."""
+MIN_SECONDS: Final = 0.5
+"""A run is made as long as this, so that the clock and the first dispatch do not matter."""
+PROBE_STEPS: Final = 16
+"""Steps of the first run, which finds out how long a run has to be."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class NoObservation(AbstractObservation):
+    """Nothing, to time the step alone."""
+
+    name: ClassVar[str] = "none"
+
+    @property
+    def space(self) -> Dict:
+        """No parts."""
+        return Dict(spaces={})
+
+    @property
+    def columns(self) -> dict[str, tuple[Feature, ...]]:
+        """No columns."""
+        return {}
+
+    def __call__(self, state: EnvState) -> tuple[()]:
+        """Nothing."""
+        del state
+        return ()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SpeedSettings:
+    """What to measure."""
+
+    sizes: tuple[str, ...] = ("s", "m", "l")
+    batches: tuple[int, ...] = (1, 64, 1024)
+    physics: str = "balanced"
+    observation: str = "none"
+    """A kind of observation, or none."""
+    levels: Path | None = None
+    """Folder of levels; the bundled ones by default."""
+    specialised: bool = False
+    """Compile each level for itself alone, and take the median over the levels."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Rate:
+    steps_per_s: float
+    compile_s: float
+
+
+def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
+    """One row per size and batch.
+
+    Each row has `size`, `batch`, `physics`, `observation`, `engine_steps_per_s` (the bare engine),
+    `env_steps_per_s` (`KinetixEnv.step` with auto-reset to the same level), `compile_s` (of the
+    environment's step), `devices` and `levels` (how many are cycled over the batch). Random
+    actions, frame_skip 1, jitted scans, the median of at least five runs after a warm-up.
+
+    Raises:
+        KinetixError: There is no level of a size.
+    """
+    folder = settings.levels or levels_dir()
+    for size in settings.sizes:
+        files = level_files(folder, parse_capacity(size))
+        if not files:
+            raise KinetixError(f"{folder}: there is no level of size {size}")
+        for batch in settings.batches:
+            groups = [[file] for file in files] if settings.specialised else [files]
+            rates = [_rates(group, size, batch, settings) for group in groups]
+            engine = statistics.median(engine.steps_per_s for engine, _ in rates)
+            env = statistics.median(env.steps_per_s for _, env in rates)
+            yield {
+                "size": size,
+                "batch": batch,
+                "physics": settings.physics,
+                "observation": settings.observation,
+                "engine_steps_per_s": round(engine, 1),
+                "env_steps_per_s": round(env, 1),
+                "compile_s": round(statistics.median(env.compile_s for _, env in rates), 2),
+                "devices": _devices(batch),
+                "levels": len(files),
+            }
+
+
+def level_files(folder: Path, capacity: Capacity) -> list[Path]:
+    """The levels below a folder that have a capacity, level sets left out."""
+    found = []
+    for file in sorted(folder.rglob("*.json")):
+        if file.parent.name == "sets":
+            continue
+        document = load_document(file)
+        own = document.source.capacity if document.source else capacity_of(document.level)
+        if own == capacity:
+            found.append(file)
+    return found
+
+
+def _rates(
+    files: Sequence[Path], size: str, batch: int, settings: SpeedSettings
+) -> tuple[_Rate, _Rate]:
+    """The bare engine's rate and the environment's."""
+    static = static_env_params_of(
+        parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
+    )
+    states = [level_state(file, static) for file in files]
+    if settings.specialised:
+        static = dataclasses.replace(static, features=features_of(states[0].world))
+    cycled = [states[index % len(states)] for index in range(batch)]
+    state = jax.tree.map(lambda *leaves: jnp.stack(leaves), *cycled)
+    actions = jax.random.split(jax.random.key(0), batch)
+    return (
+        _time(_engine_loop(static), state, actions, batch),
+        _time(_env_loop(static, settings.observation), state, actions, batch),
+    )
+
+
+def _engine_loop(static: StaticEnvParams) -> Callable[..., Any]:
+    engine, parameters = physics_engine(static), engine_parameters(EnvParams())
+    actions = MultiDiscreteActions()
+
+    def loop(state: EnvState, keys: Array, count: Array) -> Any:
+        drawn = jax.vmap(lambda key: _draw(actions, key))(keys)
+
+        def advance(index: Array, physics: Any) -> Any:
+            chosen = jax.lax.dynamic_index_in_dim(drawn, index % PROBE_STEPS, 1, keepdims=False)
+            control = jax.vmap(actions.process_action)(chosen, state.labels)
+            step = jax.vmap(
+                lambda world, physics, control: physics_step(
+                    world, physics, control, parameters, spec=engine.spec, solver=engine.solver
+                )
+            )
+            return step(state.world, physics, control)
+
+        return jax.lax.fori_loop(0, count[0], advance, state.physics)
+
+    return loop
+
+
+def _env_loop(static: StaticEnvParams, observation: str) -> Callable[..., Any]:
+    kind = ObservationType.BLIND if observation == "none" else observation
+    env = make_kinetix_env(ActionType.MULTI_DISCRETE, kind, None, EnvParams(), static)
+    assert isinstance(env, KinetixEnv)
+    if observation == "none":
+        layout = Layout.of(env.env_params, static)
+        env = dataclasses.replace(env, observations=NoObservation(layout=layout))
+
+    def loop(state: EnvState, keys: Array, count: Array) -> Any:
+        drawn = jax.vmap(lambda key: _draw(env.actions, key))(keys)
+
+        def advance(index: Array, carry: Any) -> Any:
+            current, _, _ = carry
+            chosen = jax.lax.dynamic_index_in_dim(drawn, index % PROBE_STEPS, 1, keepdims=False)
+            step = jax.vmap(env.step, in_axes=(0, 0, 0, None, 0))
+            seen, current, reward, _, _ = step(keys, current, chosen, EnvParams(), state)
+            return current, seen, reward
+
+        first = jax.vmap(env.get_obs)(state)
+        return jax.lax.fori_loop(
+            0, count[0], advance, (state, first, jnp.zeros(keys.shape[0], jnp.float32))
+        )
+
+    return loop
+
+
+def _draw(actions: Any, key: Array) -> Array:
+    """Some random actions, so that drawing them is not what is timed."""
+    return jax.vmap(actions.random_action)(jax.random.split(key, PROBE_STEPS))
+
+
+def _devices(batch: int) -> int:
+    """How many devices a batch of this size can be spread over."""
+    count = jax.local_device_count()
+    return count if batch % count == 0 else 1
+
+
+def _time(loop: Callable[..., Any], state: EnvState, keys: Array, batch: int) -> _Rate:
+    def count(steps: int) -> Array:
+        return jnp.full(jax.local_device_count() if _devices(batch) > 1 else 1, steps)
+
+    if _devices(batch) > 1:
+        compiled, state, keys = spread(loop), place(state), place(keys)
+    else:
+        compiled = jax.jit(loop)
+    start = time.perf_counter()
+    jax.block_until_ready(compiled(state, keys, count(1)))
+    compile_s = time.perf_counter() - start
+    steps, seconds = PROBE_STEPS, 0.0
+    while True:
+        start = time.perf_counter()
+        jax.block_until_ready(compiled(state, keys, count(steps)))
+        seconds = time.perf_counter() - start
+        if seconds > MIN_SECONDS / 2:
+            break
+        steps *= 4
+    times = []
+    for _ in range(RUNS):
+        start = time.perf_counter()
+        jax.block_until_ready(compiled(state, keys, count(steps)))
+        times.append(time.perf_counter() - start)
+    return _Rate(steps_per_s=batch * steps / statistics.median(times), compile_s=compile_s)
