@@ -11,7 +11,7 @@ from kinetix.level.codec import load_document, resolve_path, save_level
 from kinetix.level.validate import validate
 
 if TYPE_CHECKING:
-    from kinetix.environment.search import Progress
+    from kinetix.environment.search import SearchProgress
 
 _OPEN_START = ("E104", "E105")
 """Codes of levels that end before they begin."""
@@ -75,7 +75,7 @@ def run(command: Solve) -> int:
     return 0
 
 
-def _show(progress: "Progress") -> None:
+def _show(progress: "SearchProgress") -> None:
     print(
         f"{progress.plans} plans in {progress.seconds:.0f} s, {progress.won} of them won, "
         f"closest {progress.distance:.2f} m",

@@ -41,7 +41,7 @@ LOST: Final = 10.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Progress:
+class SearchProgress:
     """What a search knows after a round."""
 
     plans: int
@@ -71,7 +71,7 @@ def solve_level(
     physics: str,
     seed: int = 0,
     seconds: float = 60.0,
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: Callable[[SearchProgress], None] = lambda progress: None,
 ) -> Solution | None:
     """Search for a solution of a level.
 
@@ -111,7 +111,7 @@ def solve_level(
             np.concatenate([elite, plans]), np.concatenate([scores, outcome.score])
         )
         elapsed = time.perf_counter() - started
-        report(Progress(plans=played, won=won, distance=float(scores[0]), seconds=elapsed))
+        report(SearchProgress(plans=played, won=won, distance=float(scores[0]), seconds=elapsed))
         if elapsed > seconds or not channels:
             return None
         fresh = random_plans(random, FRESH, level.max_timesteps, channels)

@@ -1,0 +1,59 @@
+"""Open the editor, or film a short tour of it where there is no display: what `make run` does."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+OUT = ROOT / "out"
+ASSETS = ROOT / "editor" / "assets"
+EDITOR = [sys.executable, "-m", "editor"]
+
+
+def has_display() -> bool:
+    """Whether a window could open."""
+    if sys.platform != "linux":
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def agents() -> list[Path]:
+    """The bundled agents."""
+    return sorted(path.parent for path in (ROOT / "checkpoints").glob("*/agent.json"))
+
+
+def tour() -> Path:
+    """The script of the tour: with a part about agents when one is bundled."""
+    lines = (ASSETS / "tour.jsonl").read_text()
+    if agents():
+        part = (ASSETS / "tour_agent.jsonl").read_text()
+        lines += part.replace("AGENT", str(agents()[0].relative_to(ROOT)))
+    script = OUT / "tour.jsonl"
+    script.write_text(lines)
+    return script
+
+
+def film() -> int:
+    """Run the tour offscreen and tell which pictures it made."""
+    print(
+        "There is no display: filming a tour of the editor instead (about a minute) …", flush=True
+    )
+    OUT.mkdir(exist_ok=True)
+    for old in (*OUT.glob("tour*.png"), *OUT.glob("tour*.gif")):
+        old.unlink()
+    status = subprocess.call([*EDITOR, "--offscreen", "--replay", str(tour())], cwd=ROOT)
+    for path in sorted((*OUT.glob("tour*.png"), *OUT.glob("tour*.gif"))):
+        print(path)
+    return status
+
+
+def main() -> int:
+    """Open the files of the command line, or film the tour."""
+    if has_display():
+        return subprocess.call([*EDITOR, *sys.argv[1:]], cwd=ROOT)
+    return film()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
