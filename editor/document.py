@@ -104,7 +104,7 @@ class Document:
 
     @property
     def dirty(self) -> bool:
-        """Whether there are changes that no file holds; undoing back to the saved state is clean."""
+        """Whether there are changes that no file holds; undoing to the saved state is clean."""
         return self._saved is None or not same_content(self._history.current.value, self._saved)
 
     @property

@@ -164,7 +164,7 @@ class Worker:
         """Block until a result can be taken or nothing is left to do; False after the time."""
         with self._condition:
             return self._condition.wait_for(
-                lambda: self._finished or (self._running is None and not self._queue), seconds
+                lambda: bool(self._finished) or (self._running is None and not self._queue), seconds
             )
 
     def stop(self, seconds: float = 2.0) -> None:

@@ -193,7 +193,7 @@ def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, 
         metres: What one pixel covers [m].
     """
     bodies = selected_bodies(level, selection)
-    if not bodies:
+    if len(bodies) == 0:
         thrusters = [t for t in level.thrusters if t.id in selection]
         if len(thrusters) != 1 or len(selection) != 1:
             return ()
@@ -204,7 +204,8 @@ def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, 
         above = ((left + right) / 2, top + ROTATE_PIXELS * metres)
         scale = (Handle(kind=HandleKind.SCALE, at=at, index=i) for i, at in enumerate(corners))
         return (Handle(kind=HandleKind.ROTATE, at=above), *scale)
-    return _single_handles(bodies[0], metres)
+    (body,) = bodies
+    return _single_handles(body, metres)
 
 
 def _single_handles(body: Body, metres: float) -> tuple[Handle, ...]:

@@ -5,7 +5,7 @@ import dataclasses
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 OutcomeName: TypeAlias = Literal["won", "lost", "timeout"]
 Action: TypeAlias = tuple[int, ...]
@@ -48,8 +48,8 @@ class Snapshot:
     """What drove the motors in the step before, −1 … 1."""
     thruster: Float[np.ndarray, " t"]
     """What drove the thrusters, 0 … 1."""
-    touching: Bool[np.ndarray, "b b"] | None = None
-    """Which bodies touch, or None where nobody asked."""
+    touching: tuple[tuple[int | str, int | str], ...] = ()
+    """Pairs of bodies that touch (ids, arena names); only where somebody asked."""
     contacts: tuple[ContactPoint, ...] = ()
     reward: float = 0.0
     """Reward of the step before."""

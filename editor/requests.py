@@ -19,13 +19,12 @@ MUTATIONS: Final = (
     ("remove_shape", "Remove a shape"),
     ("remove_joint", "Remove a joint"),
     ("remove_thruster", "Remove a thruster"),
-    ("swap_role", "Swap roles"),
+    ("swap_role", "Swap two roles"),
     ("toggle_fixture", "Fix or free a shape"),
     ("change_gravity", "Change gravity"),
     ("change_size", "Change a size"),
     ("change_location", "Move a shape"),
-    ("change_rotation", "Rotate a shape"),
-    ("permute", "Permute the order"),
+    ("change_rotation", "Turn a shape"),
 )
 """Names and labels of the mutations that the simulation offers."""
 

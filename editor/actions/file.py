@@ -81,7 +81,7 @@ def _folder(session: Session) -> Path:
 
 
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
-    """Save in the tab's format; asks for a name where there is none, and what to do about losses."""
+    """Save in the tab's format; asks for a name where there is none, and about losses."""
     document = session.document
     if document.path is None:
         save_as(session, then)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from editor.actions.file import open_path
 from editor.commands.base import Command
-from editor.commands.level import ReplaceLevel
+from editor.commands.level import Permute, ReplaceLevel
 from editor.jobs import Job, JobState
 from editor.prompts import Choice, MenuQuestion
 from editor.requests import MUTATIONS, Mutate, RandomLevel, Request
@@ -45,6 +45,12 @@ def mutate(mutation: str | None) -> Callable[[Session], None]:
         )
 
     return run
+
+
+def permute(session: Session) -> None:
+    """Put the entities in a random order of slots; every call takes the next seed."""
+    session.seed += 1
+    session.execute(Permute(seed=session.seed))
 
 
 def mutate_menu(session: Session) -> None:

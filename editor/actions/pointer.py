@@ -1,4 +1,4 @@
-"""What the pointer does on the canvas: pan, zoom, gestures, the menu of the stack, pulling bodies."""
+"""What the pointer does on the canvas: pan, zoom, gestures, the stack's menu, pulling bodies."""
 
 import math
 from typing import Final

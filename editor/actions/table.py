@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import edit, export, file, level, run, view
+from editor.actions import edit, export, file, level, play, view
 from editor.actions.base import Action, Context, editing, playing, selecting
 from editor.playback import SPEEDS, Mode
 from editor.session import Session
@@ -416,7 +416,7 @@ RUN: Final = (
         context=EDIT,
         tooltip="Arrows, W/S, A/D turn motors, 1 and 2 fire thrusters.",
         enabled=editing,
-        run=run.play,
+        run=play.play,
     ),
     Action(
         id="run.pause",
@@ -426,7 +426,7 @@ RUN: Final = (
         context=PLAY,
         enabled=_running,
         checked=lambda session: session.mode is Mode.PAUSED,
-        run=run.pause,
+        run=play.pause,
     ),
     Action(
         id="run.step",
@@ -436,7 +436,7 @@ RUN: Final = (
         context=PLAY,
         tooltip="One environment step: two engine steps, 1/30 s.",
         enabled=playing,
-        run=run.step,
+        run=play.step,
     ),
     Action(
         id="run.step_back",
@@ -445,7 +445,7 @@ RUN: Final = (
         keys=(",",),
         context=PLAY,
         enabled=playing,
-        run=run.step_back,
+        run=play.step_back,
     ),
     Action(
         id="run.slower",
@@ -454,7 +454,7 @@ RUN: Final = (
         keys=("-",),
         context=PLAY,
         enabled=lambda session: session.playback.speed > SPEEDS[0],
-        run=run.slower,
+        run=play.slower,
     ),
     Action(
         id="run.faster",
@@ -463,7 +463,7 @@ RUN: Final = (
         keys=("=",),
         context=PLAY,
         enabled=lambda session: session.playback.speed < SPEEDS[-1],
-        run=run.faster,
+        run=play.faster,
     ),
     Action(
         id="run.reset",
@@ -472,7 +472,7 @@ RUN: Final = (
         keys=("backspace",),
         context=PLAY,
         enabled=_running,
-        run=run.reset,
+        run=play.reset,
     ),
     Action(
         id="run.stop",
@@ -482,7 +482,7 @@ RUN: Final = (
         context=PLAY,
         tooltip="Back to editing; the level is as it was.",
         enabled=playing,
-        run=run.stop,
+        run=play.stop,
     ),
     Action(
         id="run.edit_from_here",
@@ -490,8 +490,8 @@ RUN: Final = (
         menu="Run",
         context=PLAY,
         tooltip="A new level that starts with everything where it is now.",
-        enabled=run.has_state,
-        run=run.edit_from_here,
+        enabled=play.has_state,
+        run=play.edit_from_here,
     ),
 )
 
@@ -533,7 +533,7 @@ LEVEL: Final = (
         context=EDIT,
         tooltip="Another order of the slots, as training sees it.",
         enabled=editing,
-        run=level.mutate("permute"),
+        run=level.permute,
     ),
     Action(
         id="level.previous",

@@ -2,7 +2,9 @@
 
 import dataclasses
 from collections.abc import Hashable
-from typing import Any, Protocol
+from typing import Protocol
+
+import numpy as np
 
 from kinetix.level.model import Body, Circle, Level
 
@@ -10,14 +12,25 @@ from kinetix.level.model import Body, Circle, Level
 class Poses(Protocol):
     """Where the bodies of a level are at some moment; rows in the order of `level.bodies`."""
 
-    position: Any
-    """Shape (b, 2) [m]."""
-    angle: Any
-    """Shape (b,) [rad]."""
-    velocity: Any
-    """Shape (b, 2) [m/s]."""
-    angular_velocity: Any
-    """Shape (b,) [rad/s]."""
+    @property
+    def position(self) -> np.ndarray:
+        """Shape (b, 2) [m]."""
+        ...
+
+    @property
+    def angle(self) -> np.ndarray:
+        """Shape (b,) [rad]."""
+        ...
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Shape (b, 2) [m/s]."""
+        ...
+
+    @property
+    def angular_velocity(self) -> np.ndarray:
+        """Shape (b,) [rad/s]."""
+        ...
 
 
 def posed(level: Level, poses: Poses) -> Level:

@@ -113,13 +113,14 @@ def shared_value(level: Level, selection: Selection, path: str) -> tuple[Any, bo
         CommandError: No selected entity has the field.
     """
     values = []
+    missing = CommandError("Nothing is selected.")
     for record in selected_records(level, selection):
         try:
             values.append(read_field(record, path))
         except CommandError as error:
             missing = error
     if not values:
-        raise missing if selection else CommandError("Nothing is selected.")
+        raise missing
     return values[-1], all(value == values[-1] for value in values)
 
 
@@ -203,7 +204,7 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SetLevelField:
-    """Sets a field of the level itself: name, description, tags, gravity, size, max_timesteps …"""
+    """Sets a field of the level itself: name, description, tags, gravity, size and so on."""
 
     field: str
     value: Any

@@ -1,6 +1,7 @@
 """Edits of whole selections: moving, turning, scaling, mirroring, aligning, ordering, deleting."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable, Hashable
 from typing import Literal
@@ -217,7 +218,7 @@ def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SetVertices:
-    """Gives a polygon other corners, in the world; the frame's origin goes to the centre of mass."""
+    """Gives a polygon other corners; the frame's origin goes to the centre of mass."""
 
     body: int
     vertices: tuple[Point, ...]
@@ -365,7 +366,7 @@ class Reorder:
         bodies = list(level.bodies)
         for circles in (False, True):
             slots = [i for i, b in enumerate(bodies) if isinstance(b.shape, Circle) == circles]
-            pairs = list(zip(slots, slots[1:], strict=False))
+            pairs = list(itertools.pairwise(slots))
             for low, high in reversed(pairs) if self.step == 1 else pairs:
                 goes, stays = (low, high) if self.step == 1 else (high, low)
                 if bodies[goes].id in self.ids and bodies[stays].id not in self.ids:

@@ -1,10 +1,11 @@
 """Edits of a level as a whole: another content, the state of a simulation."""
 
 import dataclasses
+import random
 from collections.abc import Hashable
 
 from editor.commands.bodies import Poses, posed
-from kinetix.level.model import Level
+from kinetix.level.model import Circle, Level
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -53,3 +54,24 @@ class TakePoses:
     def apply(self, level: Level) -> Level:
         """Put the bodies there."""
         return posed(level, self.poses)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Permute:
+    """Puts polygons, circles, joints and thrusters into other slots, each kind by itself."""
+
+    seed: int
+    label: str = "Permute order"
+    merge_key: Hashable | None = None
+
+    def apply(self, level: Level) -> Level:
+        """Shuffle the lists; ids stay, so that nothing but the order changes."""
+        draw = random.Random(self.seed)
+        circles = [body for body in level.bodies if isinstance(body.shape, Circle)]
+        polygons = [body for body in level.bodies if not isinstance(body.shape, Circle)]
+        joints, thrusters = list(level.joints), list(level.thrusters)
+        for entities in (polygons, circles, joints, thrusters):
+            draw.shuffle(entities)
+        return level.replace(
+            bodies=(*polygons, *circles), joints=tuple(joints), thrusters=tuple(thrusters)
+        )

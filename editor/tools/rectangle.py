@@ -31,7 +31,8 @@ def dragged_box(
         side = max(abs(dx), abs(dy))
         dx, dy = (side if dx >= 0 else -side), (side if dy >= 0 else -side)
     if typed:
-        width, height = typed[0], typed[-1] if len(typed) > 1 or square else None
+        width = typed[0]
+        height = typed[1] if len(typed) > 1 else width if square else None
         factor = 0.5 if centred else 1.0
         dx = (width if dx >= 0 else -width) * factor
         if height is not None:

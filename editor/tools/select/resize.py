@@ -23,7 +23,7 @@ FACTOR_MIN: Final = 0.02
 
 def resize(session: "Session", handle: Handle) -> Gesture:
     """Drag a handle of the selection: Shift keeps proportions, Alt holds the centre."""
-    bodies = selected_bodies(session.document.level, session.selection)
+    bodies = list(selected_bodies(session.document.level, session.selection))
     ids = tuple(body.id for body in bodies)
     available, snapped = session.targets(ids), None
     feedback = Feedback(cursor=Cursor.RESIZE)
@@ -45,7 +45,7 @@ def resize(session: "Session", handle: Handle) -> Gesture:
 
 
 def _scaled_group(
-    bodies: tuple[Body, ...], handle: Handle, pointer: Point, event: PointerEvent
+    bodies: list[Body], handle: Handle, pointer: Point, event: PointerEvent
 ) -> tuple[Command, str]:
     left, bottom, right, top = bounds_of(bodies)
     corners = ((left, bottom), (right, bottom), (right, top), (left, top))

@@ -1,0 +1,263 @@
+"""One episode on the environment: compile for a size once, advance, restore, tell as numpy."""
+
+import dataclasses
+import functools
+import time
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from editor.recording import Action, OutcomeName, Snapshot
+from editor.requests import Pull, StartEpisode
+from editor.simulation.contacts import contact_points, deepest, touching_bodies
+from kinetix.engine.spec import Capacity
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.level.geometry import body_mass
+from kinetix.level.model import MOTOR_BINDINGS, Level
+from kinetix.level.sizes import capacity_of
+from kinetix.level.slots import body_slots
+
+MOTOR_VALUES: Final = (0.0, 1.0, -1.0)
+"""What the classes 0, 1, 2 of a motor channel mean."""
+PULL_RATE: Final = 8.0
+"""A pulled point wants to close this share of its distance to the mouse per second [1/s]."""
+PULL_SPEED: Final = 15.0
+"""… but never faster than this [m/s]."""
+PULL_SHARE: Final = 0.5
+"""Share of the missing velocity that one step gives: below 1 the spring is soft."""
+
+
+@functools.cache
+def environment(capacity: Capacity, physics: str) -> KinetixEnv:
+    """The environment of a size and a preset; the same value, and so the same compilation, again.
+
+    Raises:
+        KinetixError: The preset does not exist.
+    """
+    env = make_kinetix_env(
+        ActionType.MULTI_DISCRETE,
+        ObservationType.BLIND,
+        None,
+        EnvParams(),
+        static_params(capacity, physics),
+        auto_reset=False,
+    )
+    assert isinstance(env, KinetixEnv)
+    return env
+
+
+@functools.cache
+def static_params(capacity: Capacity, physics: str) -> StaticEnvParams:
+    """The static parameters of a size: frame skip 2, as people play."""
+    return static_env_params_of(capacity, physics=physics)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _step(env: KinetixEnv, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
+    _, state, reward, done, info = env.step(jax.random.key(0), state, action)
+    wanted = {name: info[name] for name in ("GoalR", "distance", "terminated", "nan")}
+    return state, wanted | {"reward": reward, "done": done}
+
+
+def start_state(level: Level, physics: str) -> EnvState:
+    """The first state of a level, compiled to the capacity that its size says.
+
+    Raises:
+        KinetixError: The level does not fit, or the preset does not exist.
+    """
+    state = level_state(level, static_params(capacity_of(level), physics))
+    return jax.tree.map(jnp.asarray, state)
+
+
+def warm_up(capacity: Capacity, physics: str) -> None:
+    """Compile the step of a size by playing one step of an empty level."""
+    empty = Level(name="empty")
+    state = level_state(empty, static_params(capacity, physics))
+    env = environment(capacity, physics)
+    action = jnp.zeros(6, jnp.int32)
+    jax.block_until_ready(_step(env, jax.tree.map(jnp.asarray, state), action))
+
+
+class Episode:
+    """A level being played."""
+
+    def __init__(self, request: StartEpisode) -> None:
+        self.run = request.run
+        self._level = request.level
+        self._contacts = request.keep_contacts
+        capacity = capacity_of(request.level)
+        self._env = environment(capacity, request.physics)
+        slots = body_slots(request.level, capacity)
+        self._slots = np.array([slots[body.id] for body in request.level.bodies], np.int32)
+        self._capacity = capacity
+        masses = [body_mass(body, request.level.inertia_model) for body in request.level.bodies]
+        self._mass = np.array(masses, np.float64).reshape(-1, 2)
+        self._free = np.array([not body.fixed for body in request.level.bodies], bool)
+        self._state = start_state(request.level, request.physics)
+        self._ended = False
+        zeros = np.zeros(6, np.int32)
+        state = jax.device_get(self._state)
+        self.snapshot = self._told(state, zeros, None, 0.0)
+        # The first step of a new size compiles here, behind the progress bar, not in the game.
+        jax.block_until_ready(_step(self._env, self._state, jnp.asarray(zeros)))
+
+    def advance(self, actions: tuple[Action, ...], pull: Pull | None) -> tuple[Snapshot, ...]:
+        """Play steps until the episode ends; a snapshot each."""
+        snapshots = []
+        for action in actions:
+            if self._ended:
+                break
+            start = time.perf_counter()
+            if pull is not None:
+                self._state = pulled(self._state, self._slots, self._level, pull)
+            values = np.array(action, np.int32)
+            self._state, info = _step(self._env, self._state, jnp.asarray(values))
+            state, told = jax.device_get((self._state, info))
+            milliseconds = (time.perf_counter() - start) * 1e3
+            self.snapshot = self._told(state, values, told, milliseconds)
+            self._ended = self.snapshot.outcome is not None
+            snapshots.append(self.snapshot)
+        return tuple(snapshots)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go on from an earlier snapshot."""
+        self._state = jax.tree.map(jnp.asarray, snapshot.state)
+        self._ended = snapshot.outcome is not None
+        self.snapshot = snapshot
+
+    def _told(
+        self, state: EnvState, action: np.ndarray, info: Any, milliseconds: float
+    ) -> Snapshot:
+        level, physics = self._level, state.physics
+        position = np.asarray(physics.position)[self._slots]
+        velocity = np.asarray(physics.velocity)[self._slots]
+        angle = np.asarray(physics.rotation)[self._slots]
+        spin = np.asarray(physics.angular_velocity)[self._slots]
+        reward = 0.0 if info is None else float(info["reward"])
+        told = Snapshot(
+            step=int(state.timestep),
+            position=position,
+            angle=angle,
+            velocity=velocity,
+            angular_velocity=spin,
+            motor=motor_drives(level, action),
+            thruster=thruster_drives(level, action),
+            reward=reward,
+            total_reward=reward if info is None else self.snapshot.total_reward + reward,
+            distance=goal_distance(level, position) if info is None else float(info["distance"]),
+            outcome=None if info is None else outcome_of(info),
+            milliseconds=milliseconds,
+            state=state,
+            **self._energies(position, velocity, spin),
+        )
+        if not self._contacts:
+            return told
+        pairs = touching_bodies(level, self._capacity, np.asarray(physics.touching))
+        contacts = contact_points(level, told, pairs)
+        return dataclasses.replace(
+            told, contacts=contacts, touching=pairs, penetration=deepest(contacts)
+        )
+
+    def _energies(
+        self, position: np.ndarray, velocity: np.ndarray, spin: np.ndarray
+    ) -> dict[str, Any]:
+        mass, inertia = self._mass[:, 0] * self._free, self._mass[:, 1] * self._free
+        kinetic = 0.5 * np.sum(mass * np.sum(velocity**2, axis=1)) + 0.5 * np.sum(inertia * spin**2)
+        potential = -np.sum(mass * (position @ np.array(self._level.gravity)))
+        px, py = mass @ velocity
+        return {
+            "kinetic_energy": float(kinetic),
+            "potential_energy": float(potential),
+            "momentum": (float(px), float(py)),
+        }
+
+
+def outcome_of(info: Any) -> OutcomeName | None:
+    """How the episode ended, or None: green–blue wins, green–red or broken physics loses."""
+    if not info["done"]:
+        return None
+    if info["GoalR"]:
+        return "won"
+    return "lost" if info["terminated"] or info["nan"] else "timeout"
+
+
+def motor_drives(level: Level, action: np.ndarray) -> np.ndarray:
+    """What drives each joint's motor, −1 … 1; 0 where there is none."""
+    drives = np.zeros(len(level.joints), np.float32)
+    for k, joint in enumerate(level.joints):
+        if joint.kind == "revolute" and joint.motor is not None and joint.motor.on:
+            channel = int(action[joint.motor.binding])
+            drives[k] = 1.0 if joint.motor.auto else MOTOR_VALUES[channel]
+    return drives
+
+
+def thruster_drives(level: Level, action: np.ndarray) -> np.ndarray:
+    """What drives each thruster, 0 … 1."""
+    channels = [MOTOR_BINDINGS + thruster.binding for thruster in level.thrusters]
+    return np.array([float(action[channel] == 1) for channel in channels], np.float32)
+
+
+def goal_distance(level: Level, position: np.ndarray) -> float:
+    """Sum over pairs of a green and a blue body of the distance of their positions [m]."""
+    roles = np.array([body.role for body in level.bodies])
+    green, blue = position[roles == "green"], position[roles == "blue"]
+    if not (len(green) and len(blue)):
+        return 0.0
+    return float(np.linalg.norm(green[:, None] - blue[None], axis=-1).sum())
+
+
+def pulled(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvState:
+    """Give the pulled body the impulse that draws the grabbed point to the mouse.
+
+    The point shall move at a speed in proportion to its distance; the impulse is what changes the
+    point's velocity by a share of what is missing, through the body's mass matrix at that point.
+    """
+    rows = [k for k, body in enumerate(level.bodies) if body.id == pull.body]
+    if not rows:
+        return state
+    slot = int(slots[rows[0]])
+    physics = state.physics
+    position = np.asarray(physics.position)[slot]
+    if pull.teleport:
+        target = np.array(pull.target, np.float32)
+        return _with_row(state, slot, position=target, velocity=np.zeros(2, np.float32))
+    angle = float(physics.rotation[slot])
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = pull.anchor
+    arm = np.array([cos * x - sin * y, sin * x + cos * y])
+    spin = float(physics.angular_velocity[slot])
+    velocity = np.asarray(physics.velocity)[slot].astype(float)
+    point_velocity = velocity + spin * np.array([-arm[1], arm[0]])
+    wanted = (np.array(pull.target) - position - arm) * PULL_RATE
+    speed = float(np.linalg.norm(wanted))
+    wanted *= min(1.0, PULL_SPEED / max(speed, 1e-9))
+    inverse_mass = float(state.world.bodies.inverse_mass[slot])
+    inverse_inertia = float(state.world.bodies.inverse_inertia[slot])
+    across = np.array([-arm[1], arm[0]])
+    compliance = inverse_mass * np.eye(2) + inverse_inertia * np.outer(across, across)
+    if inverse_mass == 0.0:
+        return state
+    impulse = np.linalg.solve(compliance, (wanted - point_velocity) * PULL_SHARE)
+    turned = spin + inverse_inertia * float(arm[0] * impulse[1] - arm[1] * impulse[0])
+    return _with_row(
+        state,
+        slot,
+        velocity=(velocity + inverse_mass * impulse).astype(np.float32),
+        angular_velocity=np.float32(turned),
+    )
+
+
+def _with_row(state: EnvState, slot: int, **rows: Any) -> EnvState:
+    changed = {}
+    for name, row in rows.items():
+        values = np.array(getattr(state.physics, name))
+        values[slot] = row
+        changed[name] = jnp.asarray(values)
+    return dataclasses.replace(state, physics=dataclasses.replace(state.physics, **changed))
