@@ -67,7 +67,7 @@ def parse_json(text: str, file: str) -> Any:
         return json.loads(text, object_pairs_hook=_object)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno} column {error.colno}"
-        fail(file, [_fault("$", f"not JSON: {error.msg} at {where}")])
+        fail(file, [_fault("$", f"not JSON, {where}: {error.msg.removesuffix(' at')}")])
     except RecursionError:
         fail(file, [_fault("$", "not a level: arrays or objects are nested too deeply")])
     except ValueError:  # Python refuses to read integers of more than 4300 digits

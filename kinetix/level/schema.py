@@ -149,7 +149,8 @@ def _name(kind: inspect.Type) -> str:
 
 
 def _choices(values: Iterable[Any]) -> str:
-    return " or ".join(f'"{value}"' for value in values)
+    *others, last = (f'"{value}"' for value in values)
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _check_literal(value: Any, kind: Any, path: str, faults: FaultCollector) -> None:

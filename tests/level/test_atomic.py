@@ -1,0 +1,121 @@
+"""Saving never leaves anything but the old or the new file."""
+
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kinetix.errors import LevelError
+from kinetix.level import atomic
+from kinetix.level.codec import dumps, load_level, save_level
+from kinetix.level.model import Body, Circle, Level
+
+OLD = Level(name="old", bodies=(Body(id=1, shape=Circle(radius=0.3), position=(1, 1)),))
+NEW = OLD.replace(name="new", description="n" * 3000)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "level.json"
+    save_level(OLD, path)
+    return path
+
+
+def fail(*_, **__):
+    raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("step", ["open", "fdopen", "fsync", "replace", "chmod"])
+def test_a_failure_at_any_step_leaves_the_old_file(file, monkeypatch, step):
+    if step == "chmod":
+        monkeypatch.setattr(Path, "chmod", fail)
+    else:
+        monkeypatch.setattr(atomic.os, step, fail)
+    with pytest.raises(LevelError, match=r"level\.json: cannot be saved: No space left"):
+        save_level(NEW, file)
+    monkeypatch.undo()
+    assert load_level(file) == OLD
+    assert os.listdir(file.parent) == ["level.json"]
+
+
+def test_a_failing_write_leaves_the_old_file(file, monkeypatch):
+    real = os.fdopen
+
+    def full(descriptor, mode):
+        stream = real(descriptor, mode)
+        stream.raw.close()  # the buffer has nowhere to go, as on a full disk
+        return stream
+
+    monkeypatch.setattr(atomic.os, "fdopen", full)
+    with pytest.raises((LevelError, ValueError)):
+        save_level(NEW, file)
+    assert load_level(file) == OLD
+    assert os.listdir(file.parent) == ["level.json"]
+
+
+def test_a_folder_that_cannot_be_synced_does_not_hurt(file, monkeypatch):
+    monkeypatch.setattr(atomic, "_sync_folder", fail)
+    save_level(NEW, file)
+    assert load_level(file) == NEW
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    with pytest.raises(LevelError, match=r"none/x\.json: cannot be saved: No such file"):
+        save_level(NEW, tmp_path / "none" / "x.json")
+
+
+def test_permissions_and_links_stay(file):
+    file.chmod(0o640)
+    link = file.with_name("link.json")
+    link.symlink_to(file.name)
+    save_level(NEW, link)
+    assert link.is_symlink()
+    assert load_level(file) == NEW
+    assert stat.S_IMODE(file.stat().st_mode) == 0o640
+
+
+# Forks a process for each line on stdin, which then saves for ever; says its id.
+NURSERY = """
+import os, sys
+from kinetix.level.codec import load_level, save_level
+path = sys.argv[1]
+old = load_level(path)
+new = old.replace(name="new", description="n" * 3000)
+for _ in sys.stdin:
+    child = os.fork()
+    if child == 0:
+        while True:
+            save_level(new, path)
+            save_level(old, path)
+    print(child, flush=True)
+    os.waitpid(child, 0)
+    print("dead", flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs fork")
+def test_a_kill_during_save_leaves_the_old_or_the_new_file(file):
+    allowed = {dumps(OLD), dumps(NEW)}
+    seen = set()
+    with subprocess.Popen(
+        [sys.executable, "-c", NURSERY, str(file)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        bufsize=1,
+    ) as nursery:
+        for k in range(50):
+            nursery.stdin.write("go\n")
+            child = int(nursery.stdout.readline())
+            time.sleep(0.002 + 0.0007 * (k % 17))
+            os.kill(child, signal.SIGKILL)
+            assert nursery.stdout.readline() == "dead\n"
+            assert file.read_text() in allowed
+            seen.add(load_level(file).name)
+        nursery.stdin.close()
+    assert seen == {"old", "new"}

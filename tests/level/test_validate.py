@@ -1,0 +1,235 @@
+"""Every static code has a level that has it, and a near one that does not."""
+
+import math
+import time
+
+import pytest
+
+from kinetix.level.codec import load_document
+from kinetix.level.model import (
+    Arena,
+    ArenaBody,
+    Body,
+    Circle,
+    Joint,
+    Level,
+    Limits,
+    Motor,
+    Polygon,
+    SizeHint,
+    Thruster,
+)
+from kinetix.level.validate import validate
+
+
+def box(width, height):
+    w, h = width / 2, height / 2
+    return Polygon(vertices=((w, h), (-w, h), (-w, -h), (w, -h)))
+
+
+GREEN = Body(id=1, shape=Circle(radius=0.2), position=(1, 2), role="green")
+BLUE = Body(id=2, shape=Circle(radius=0.2), position=(4, 2), role="blue")
+PUSH = Thruster(id=3, body=1, position=(0, 0))
+GOOD = Level(name="good", bodies=(GREEN, BLUE), thrusters=(PUSH,))
+
+
+def with_body(**changes):
+    body = Body(**({"id": 9, "shape": box(0.4, 0.4), "position": (2.5, 3)} | changes))
+    return GOOD.replace(bodies=(*GOOD.bodies, body), next_id=10)
+
+
+def with_joint(**changes):
+    values = {"id": 8, "kind": "revolute", "a": 1, "b": 2, "anchor_a": (3, 0), "anchor_b": (0, 0)}
+    return GOOD.replace(joints=(Joint(**(values | changes)),), next_id=9)
+
+
+def with_green(**changes):
+    return GOOD.replace(bodies=(GREEN.replace(**changes), BLUE))
+
+
+RED_FLOOR = Arena(floor=ArenaBody(role="red"))
+CLOCKWISE = Polygon(vertices=((0.2, 0.2), (0.2, -0.2), (-0.2, -0.2), (-0.2, 0.2)))
+DENT = Polygon(vertices=((0.2, 0.2), (-0.2, 0.2), (0.1, 0.1), (0.2, -0.2)))
+PENTAGON = Polygon(vertices=tuple((math.cos(k), math.sin(k)) for k in range(5)))
+SHIFTED = Polygon(vertices=((1.0, 0.4), (0.0, 0.4), (0.0, 0.0), (1.0, 0.0)))
+CASES = {
+    "E101": (
+        GOOD.replace(bodies=(BLUE,), thrusters=()),
+        "No green shape: the level cannot be won.",
+    ),
+    "E102": (GOOD.replace(bodies=(GREEN,)), "No blue shape: nothing to reach."),
+    "E103": (with_body(role="green"), "2 green and 1 blue shapes; expected exactly one each"),
+    "E104": (with_green(position=(3.61, 2)), "Green already touches blue at the start"),
+    "E105": (with_green(position=(1, 0.59)).replace(arena=RED_FLOOR), "lost at t=0"),
+    "E106": (with_body(density=0.0), "Polygon 9: density: expected 0.001 ≤ x ≤ 1000, got 0.0."),
+    "E107": (with_body(shape=CLOCKWISE), "Polygon 9: expected counter-clockwise vertices"),
+    "E108": (with_joint(b=77), "Joint 8: bodies missing."),
+    "E109": (
+        with_body(shape=Circle(radius=0.2)).replace(size="s"),
+        "Uses 3 of 2 circles: does not fit size s.",
+    ),
+    "E110": (
+        GOOD.replace(thrusters=(PUSH.replace(binding=2),)),
+        "Binding 2 of thruster 3 is out of range 0–1.",
+    ),
+    "W201": (GOOD.replace(thrusters=()), "Nothing is controllable"),
+    "W202": (with_body(position=(2.5, 0.5)), "The floor and polygon 9 overlap by 0.1 u"),
+    "W203": (with_body(position=(-8, 2)), "Polygon 9 lies outside the arena."),
+    "W204": (
+        GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True))),
+        "Green and blue are both fixed",
+    ),
+    "W205": (with_joint(limits=Limits(min=1, max=-1)), "the limits are swapped, min > max"),
+    "W206": (with_body(shape=box(2.0, 0.3)), "Polygon 9 is larger than 2 u"),
+    "W207": (
+        with_joint(a="floor", b=2, anchor_a=(1.5, 6.8)).replace(
+            bodies=(GREEN, BLUE.replace(fixed=True))
+        ),
+        "Joint 8 between two fixed shapes has no effect.",
+    ),
+    "W208": (with_joint(motor=Motor(speed=0)), "Joint 8: motor speed 0."),
+    "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 u"),
+}
+
+
+def codes(level):
+    return [issue.code for issue in validate(level)]
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_each_code_is_found_alone(code):
+    level, sentence = CASES[code]
+    issues = validate(level)
+    assert [issue.code for issue in issues] == [code]
+    assert sentence in issues[0].message
+    assert issues[0].severity == {"E": "error", "W": "warning"}[code[0]]
+    assert issues[0].path.startswith("$")
+
+
+def test_a_good_level_has_no_issue():
+    assert codes(GOOD) == []
+    assert codes(with_joint()) == []
+
+
+def test_every_static_code_has_a_case():
+    assert set(CASES) == {f"E{k}" for k in range(101, 111)} | {f"W{k}" for k in range(201, 210)}
+
+
+@pytest.mark.parametrize(
+    ("code", "level"),
+    [
+        ("E101", GOOD.replace(bodies=(BLUE,), thrusters=())),
+        ("E102", GOOD.replace(bodies=(GREEN,))),
+    ],
+)
+def test_a_coloured_floor_counts(code, level):
+    role = {"E101": "green", "E102": "blue"}[code]
+    assert code in codes(level)
+    assert code not in codes(level.replace(arena=Arena(floor=ArenaBody(role=role))))
+
+
+@pytest.mark.parametrize("shape", [DENT, PENTAGON, SHIFTED])
+def test_other_bad_polygons(shape):
+    assert codes(with_body(shape=shape)) == ["E107"]
+
+
+@pytest.mark.parametrize(
+    ("path", "level"),
+    [
+        ("$.bodies[2].position[0]", with_body(position=(math.nan, 0))),
+        ("$.bodies[2].shape.radius", with_body(shape=Circle(radius=-1))),
+        ("$.bodies[2].angle", with_body(angle=-math.inf)),
+        ("$.bodies[2].friction", with_body(friction=11)),
+        ("$.gravity[1]", GOOD.replace(gravity=(0, math.nan))),
+        ("$.name", GOOD.replace(name="")),
+        ("$.arena.floor.density", GOOD.replace(arena=Arena(floor=ArenaBody(density=0)))),
+        ("$.joints[0].motor.speed", with_joint(motor=Motor(speed=math.inf))),
+    ],
+)
+def test_values_that_no_file_could_hold(path, level):
+    issues = [issue for issue in validate(level) if issue.code == "E106"]
+    assert [issue.path for issue in issues] == [path]
+
+
+def test_touching_needs_contact_but_not_the_right_to_push():
+    near = with_green(position=(3.61 - 0.02, 2))
+    assert codes(near) == []
+    almost = with_green(position=(3.597, 2))  # 3 mm apart: touching under the soft presets
+    assert codes(almost) == ["E104"]
+    joint = {"a": 1, "b": 2, "anchor_a": (0.4, 0), "anchor_b": (0, 0)}
+    joined = with_joint(**joint).replace(bodies=(GREEN.replace(position=(3.7, 2)), BLUE))
+    assert "E104" in codes(joined)
+    apart = with_joint(**joint).replace(bodies=(GREEN.replace(position=(3.597, 2)), BLUE))
+    assert "E104" not in codes(apart)
+    ghost = with_green(position=(3.7, 2), collision="ghost")
+    assert codes(ghost) == []
+
+
+def test_jointed_and_fixed_bodies_do_not_push_each_other_apart():
+    overlapping = with_body(position=(2.5, 0.5))
+    assert codes(overlapping) == ["W202"]
+    pinned = overlapping.replace(
+        joints=(Joint(id=10, kind="revolute", a="floor", b=9, anchor_a=(0, 5.3), anchor_b=(0, 0)),),
+        next_id=11,
+    )
+    assert codes(pinned) == []
+    fixed = overlapping.replace(
+        bodies=(*GOOD.bodies, overlapping.bodies[2].replace(fixed=True)),
+    )
+    assert codes(fixed) == []
+
+
+def test_welds_hide_motors_and_limits():
+    weld = with_joint(kind="fixed", motor=Motor(speed=0), limits=Limits(min=1, max=-1))
+    assert codes(weld) == []
+    assert codes(weld.replace(thrusters=())) == ["W201"]
+    assert codes(with_joint(limits=Limits(min=-4, max=4))) == ["W205"]
+    assert codes(with_joint(limits=Limits(on=False, min=1, max=-1))) == []
+
+
+def test_an_automatic_motor_is_not_a_control():
+    motor = with_joint(motor=Motor(auto=True)).replace(thrusters=())
+    assert codes(motor) == ["W201"]
+    assert codes(with_joint(motor=Motor()).replace(thrusters=())) == []
+
+
+def test_a_thruster_without_body_is_an_error():
+    level = GOOD.replace(thrusters=(PUSH, PUSH.replace(id=4, body=77)), next_id=5)
+    assert codes(level) == ["E108"]
+
+
+def test_a_custom_size_is_named_by_its_numbers():
+    hint = SizeHint(polygons=4, circles=2, joints=0, thrusters=1)
+    message = validate(with_body().replace(size=hint))[0].message
+    assert message == "Uses 5 of 4 polygons: does not fit size 4,2,0,1."
+
+
+def test_fifty_entities_take_less_than_five_milliseconds():
+    bodies = tuple(
+        Body(id=k, shape=box(0.4, 0.2), position=(0.5 * (k % 9), 0.6 + 0.3 * (k // 9)), angle=k)
+        for k in range(1, 36)
+    )
+    joints = tuple(
+        Joint(id=100 + k, kind="revolute", a=k, b=k + 1, anchor_a=(0, 0), anchor_b=(0, 0))
+        for k in range(1, 16)
+    )
+    level = Level(name="many", bodies=bodies, joints=joints)
+    best = math.inf
+    for angle in range(5):
+        moved = level.replace(bodies=(bodies[0].replace(angle=angle), *bodies[1:]))
+        start = time.perf_counter()
+        validate(moved)
+        best = min(best, time.perf_counter() - start)
+    assert best < 0.005
+
+
+@pytest.mark.peer
+def test_published_levels_have_no_error_and_one_has_a_stretched_joint(peer):
+    stretched = []
+    for path in sorted((peer / "levels").rglob("*.json")):
+        level = load_document(path).level
+        issues = validate(level)
+        assert not [issue for issue in issues if issue.severity == "error"]
+        assert {issue.code for issue in issues} <= {"W202", "W209"}
+        stretched += [level.name for issue in issues if issue.code == "W209"]
+    assert stretched == ["gears"]
