@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import widgets
-from editor.camera import ARENA, Camera
+from editor.camera import PIXELS_PER_UNIT, Camera
 from editor.look import COLOURS, FONTS, SMALL, Icons, u32
 from editor.prompts import FileQuestion
 from editor.vectors import Painter, Placement, paint_level, poses_of
 from editor.widgets import px
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
+from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
@@ -250,7 +251,7 @@ def picture(
     """A level at a place of the screen [px]."""
     high = (low[0] + side, low[1] + side)
     draw.push_clip_rect(low, high, True)
-    camera = Camera(origin=low, size=(side, side)).fitted(*ARENA, margin=0.0)
+    camera = Camera(origin=low, size=(side, side), zoom=side / (PIXELS_PER_UNIT * ARENA_WIDTH))
     painter = Painter(draw=draw, camera=camera)
     painter.paper(grid=None)
     paint_level(painter, Placement(level=level, poses=poses_of(level)))

@@ -16,7 +16,7 @@ from editor.look import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba, alpha, u32
 if TYPE_CHECKING:
     from editor.session import Session
 
-ROW_LABEL: Final = 0.40
+ROW_LABEL: Final = 0.33
 """Share of a property row's width that its label gets."""
 MIXED: Final = "—"
 """What a field shows when the selected things differ."""

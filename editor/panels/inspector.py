@@ -228,7 +228,7 @@ class Inspector(Panel):
     def _binding(self, session: "Session", path: str, count: int, first: int) -> None:
         keys = session.control_keys
         options = [
-            (binding, " ".join(key_caps(first + binding, keys)) or str(binding))
+            (binding, "".join(key_caps(first + binding, keys)) or str(binding))
             for binding in range(count)
         ]
         self._editor.options(session, path, options)
