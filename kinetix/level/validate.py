@@ -84,14 +84,13 @@ class _Placed:
 
 def validate(level: Level) -> tuple[Issue, ...]:
     """All static problems of a level, errors first, in the order of their codes."""
-    broken = tuple(_value_issues(level))
-    issues = list(broken)
-    for check in (_role_issues, _joint_reference_issues, _size_issues, _joint_issues):
-        issues += check(level)
-    issues += _control_issues(level)
+    issues = list(_value_issues(level))
     # Geometry of numbers that are not finite, or of missing corners, means nothing.
-    unplaced = {reference for issue in broken for reference in issue.ids}
-    placed = [each for each in _placed_bodies(level) if each.reference not in unplaced]
+    broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}
+    for check in (_role_issues, _joint_reference_issues, _size_issues, _control_issues):
+        issues += check(level)
+    placed = _placed_bodies(level, broken)
+    issues += _joint_issues(level, placed, broken)
     issues += _pair_issues(level, placed)
     issues += _place_issues(placed)
     return tuple(sorted(issues, key=lambda issue: issue.code))
@@ -127,7 +126,8 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _placed_bodies(level: Level) -> list[_Placed]:
+def _placed_bodies(level: Level, broken: set[BodyReference]) -> list[_Placed]:
+    """The bodies that have a place, the arena's first."""
     listed: list[tuple[BodyReference, Body, str]] = [
         (name, body, f"$.arena.{name}")
         for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True)
@@ -136,7 +136,7 @@ def _placed_bodies(level: Level) -> list[_Placed]:
     return [
         _Placed(reference=reference, body=body, box=bounds(body), path=path)
         for reference, body, path in listed
-        if not isinstance(body.shape, Polygon) or body.shape.vertices
+        if reference not in broken
     ]
 
 
@@ -255,12 +255,13 @@ def _size_issues(level: Level) -> Iterator[Issue]:
             yield _issue("E109", message, path="$.size", fix="Choose the size automatically")
 
 
-def _joint_issues(level: Level) -> Iterator[Issue]:
-    bodies: dict[BodyReference, Body] = {body.id: body for body in level.bodies}
-    bodies |= dict(zip(ARENA_NAMES, arena_bodies(level.arena), strict=True))
+def _joint_issues(
+    level: Level, placed: list[_Placed], broken: set[BodyReference]
+) -> Iterator[Issue]:
+    bodies = {each.reference: each.body for each in placed}
     for k, joint in enumerate(level.joints):
         path, a, b = f"$.joints[{k}]", bodies.get(joint.a), bodies.get(joint.b)
-        if a is None or b is None or joint.a == joint.b:
+        if a is None or b is None or joint.a == joint.b or joint.id in broken:
             continue
         if a.fixed and b.fixed:
             message = f"Joint {joint.id} between two fixed shapes has no effect."

@@ -54,7 +54,7 @@ PENTAGON = Polygon(vertices=tuple((math.cos(k), math.sin(k)) for k in range(5)))
 SHIFTED = Polygon(vertices=((1.0, 0.4), (0.0, 0.4), (0.0, 0.0), (1.0, 0.0)))
 CASES = {
     "E101": (
-        GOOD.replace(bodies=(BLUE,), thrusters=()),
+        GOOD.replace(bodies=(GREEN.replace(role="none"), BLUE)),
         "No green shape: the level cannot be won.",
     ),
     "E102": (GOOD.replace(bodies=(GREEN,)), "No blue shape: nothing to reach."),
