@@ -167,10 +167,10 @@ class Document:
         if same_content(after, before):
             return Outcome(changed=False)
         notices = []
-        if after.solution is not None and after.solution is before.solution:
-            if not same_simulation(after, before):
-                after = after.replace(solution=None)
-                notices.append("The recorded solution was dropped: the level changed.")
+        kept = after.solution is not None and after.solution is before.solution
+        if kept and not same_simulation(after, before):
+            after = after.replace(solution=None)
+            notices.append("The recorded solution was dropped: the level changed.")
         notices += self._mass_notices(before, after)
         known = self._known_ids(before)
         created: Selection = tuple(e.id for e in after.entities() if e.id not in known)

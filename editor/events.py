@@ -1,4 +1,4 @@
-"""Input as plain values: what hosts make of the toolkit's events and what tools and sessions read."""
+"""Input as plain values: what hosts make of the toolkit's events, and what tools read."""
 
 import dataclasses
 import enum
@@ -58,7 +58,7 @@ class PointerEvent:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class KeyEvent:
-    """A key went down or up; `key` is pygame's lower-case name (`left`, `space`, `f5`, `a`, `[`)."""
+    """A key went down or up; `key` is pygame's lower-case name (`left`, `space`, `f5`, `[`)."""
 
     key: str
     pressed: bool

@@ -185,7 +185,7 @@ def forget_autosave(document: Document) -> None:
 
 
 def recoveries() -> list[Recovery]:
-    """What earlier runs left behind, newest first; copies of runs that still go on are left alone."""
+    """What earlier runs left behind, newest first; runs that still go on are left alone."""
     found = []
     for file in sorted(autosave_dir().glob("*-*.json")):
         if _alive(file.name.partition("-")[0]):

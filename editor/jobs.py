@@ -168,7 +168,7 @@ class Worker:
             )
 
     def stop(self, seconds: float = 2.0) -> None:
-        """Cancel everything and end the thread; a compilation under way is not waited for longer."""
+        """Cancel everything and end the thread; wait so long for what is under way."""
         with self._condition:
             self._stopping = True
             for waiting in self._queue:

@@ -102,21 +102,22 @@ def stack(
         if distance <= max(radius, JOINT_RADIUS):
             found.append(((0, distance), joint.id))
     for thruster in level.thrusters:
-        body = bodies.get(thruster.body)
-        if body is not None:
-            distance = math.dist(to_world(body, thruster.position), point)
-            if distance <= max(radius, THRUSTER_RADIUS):
-                found.append(((1, distance), thruster.id))
+        distance = _thruster_distance(bodies, thruster, point)
+        if distance <= max(radius, THRUSTER_RADIUS):
+            found.append(((1, distance), thruster.id))
     for index, body in enumerate(level.bodies):
         if _under(body, point, radius):
             layer = 2 if isinstance(body.shape, Circle) else 3
             found.append(((layer, -index), body.id))
-    if arena:
-        for index, name in enumerate(ARENA_NAMES):
-            if contains(arena_body(level.arena, name), point):
-                found.append(((4, index), name))
+    around = ARENA_NAMES if arena else ()
+    found += [((4, 0.0), n) for n in around if contains(arena_body(level.arena, n), point)]
     found.sort(key=lambda item: item[0])
     return tuple(entity for _, entity in found if entity not in without)
+
+
+def _thruster_distance(bodies: dict[int, Body], thruster: Thruster, point: Point) -> float:
+    body = bodies.get(thruster.body)
+    return math.inf if body is None else math.dist(to_world(body, thruster.position), point)
 
 
 def _joint_distance(level: Level, bodies: dict[int, Body], joint: Joint, point: Point) -> float:

@@ -1,4 +1,4 @@
-"""Edit, play, pause, step, restart: a state machine without a window, tested with a fake simulator."""
+"""Edit, play, pause, step, restart: a state machine without a window."""
 
 import enum
 import math
@@ -6,15 +6,18 @@ from collections.abc import Sequence
 from typing import Final, Protocol
 
 from editor.controls import NOOP
-from editor.recording import Action, Ring, Snapshot, Trace
+from editor.recording import (
+    ENGINE_STEPS_PER_SECOND,
+    FRAME_SKIP,
+    Action,
+    Ring,
+    Snapshot,
+    Trace,
+)
 from editor.requests import Pull
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
-ENGINE_STEPS_PER_SECOND: Final = 60
-"""Real time."""
-FRAME_SKIP: Final = 2
-"""Engine steps in one environment step when a person plays."""
 SPEEDS: Final = tuple(2.0**exponent for exponent in range(-4, 4))
 """1/16 … 8 times real time."""
 BACKLOG_SECONDS: Final = 0.25
@@ -67,7 +70,7 @@ class Simulator(Protocol):
 
 
 class Playback:
-    """Owns the mode and the episode; reads the level once, when play starts, and never writes it."""
+    """Owns the mode and the episode; reads the level when play starts and never writes it."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator

@@ -11,6 +11,10 @@ OutcomeName: TypeAlias = Literal["won", "lost", "timeout"]
 Action: TypeAlias = tuple[int, ...]
 """Multi-discrete: four motor channels in {0, 1, 2}, two thruster channels in {0, 1}."""
 
+ENGINE_STEPS_PER_SECOND: Final = 60
+"""Real time."""
+FRAME_SKIP: Final = 2
+"""Engine steps in one environment step when a person plays."""
 RING_STATES: Final = 1024
 """Environment steps that can be stepped back."""
 

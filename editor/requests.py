@@ -11,7 +11,8 @@ from jaxtyping import UInt8
 from editor.recording import Snapshot, Trace
 from kinetix.level.model import Level
 
-
+PHYSICS_PRESETS: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
+"""The physics presets, known before the engine's registry can be asked."""
 MUTATIONS: Final = (
     ("add_shape", "Add a shape"),
     ("add_connected_shape", "Add a connected shape"),
@@ -94,7 +95,9 @@ class RenderState:
     centre: tuple[float, float]
     scale: float
     physics: str = "balanced"
-    palette: str = "Kinetix"
+    palette: str = "kinetix"
+    glyphs: bool = True
+    patterns: bool = False
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -134,7 +137,7 @@ class ExportPicture:
     factor: int = 1
     """1 … 8 times 500 pixels."""
     transparent: bool = False
-    palette: str = "Kinetix"
+    palette: str = "kinetix"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -147,7 +150,7 @@ class ExportFilm:
     pixels: int = 500
     stride: int = 1
     """Every how many environment steps a picture is taken."""
-    palette: str = "Kinetix"
+    palette: str = "kinetix"
 
 
 Request: TypeAlias = (
@@ -187,7 +190,7 @@ class DynamicsReport:
     attempts: int
 
 
-class Cancelled(Exception):  # noqa: N818 - not an error: the user asked for it
+class Cancelled(Exception):
     """The job was cancelled."""
 
 

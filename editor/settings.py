@@ -33,7 +33,7 @@ class Settings:
     """Whether a tool stays after it has made something."""
     physics: str = "balanced"
     restart_automatically: bool = False
-    palette: str = "Kinetix"
+    palette: str = "kinetix"
     glyphs: bool = True
     """Role marks on bodies."""
     patterns: bool = False

@@ -25,7 +25,9 @@ Pair = tuple[BodyReference, BodyReference]
 
 def touching_bodies(level: Level, capacity: Capacity, touching: np.ndarray) -> tuple[Pair, ...]:
     """The pairs of bodies that touch, as ids and arena names."""
-    named = {slot: reference for reference, slot in body_slots(level, capacity).items()}
+    named: dict[int, BodyReference] = {
+        slot: reference for reference, slot in body_slots(level, capacity).items()
+    }
     pairs = candidate_pairs(capacity)[touching]
     return tuple((named[a], named[b]) for a, b in pairs.tolist() if a in named and b in named)
 
@@ -55,7 +57,11 @@ def _between(a: BodyReference, b: BodyReference, body_a: Body, body_b: Body) -> 
         points += [p for p in world_vertices(body_b) if signed_distance(body_a, p) <= TOUCH]
     return [
         ContactPoint(
-            at=point, normal=_normal(body_a, body_b, point), separation=separation, body_a=a, body_b=b
+            at=point,
+            normal=_normal(body_a, body_b, point),
+            separation=separation,
+            body_a=a,
+            body_b=b,
         )
         for point in points[:2]
     ]

@@ -9,9 +9,12 @@ import jax
 from editor.requests import (
     Advance,
     CheckDynamics,
+    ExportFilm,
+    ExportPicture,
     Mutate,
     Progress,
     RandomLevel,
+    RenderState,
     Request,
     Restore,
     StartEpisode,
@@ -19,6 +22,7 @@ from editor.requests import (
 )
 from editor.simulation.episode import Episode, warm_up
 from editor.simulation.levels import check_dynamics, drawn, mutated
+from editor.simulation.pictures import export_film, export_picture, render_state
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 from kinetix.errors import KinetixError
@@ -34,7 +38,7 @@ class _Bridge:
 
     def __init__(self) -> None:
         sys.setswitchinterval(SWITCH_SECONDS)
-        if jax.config.jax_compilation_cache_dir is None:
+        if getattr(jax.config, "jax_compilation_cache_dir", None) is None:
             jax.config.update("jax_compilation_cache_dir", str(cache_dir() / "jax"))
         self._episode: Episode | None = None
         self._does: dict[type, Callable[[Any, Progress], Any]] = {
@@ -42,9 +46,12 @@ class _Bridge:
             StartEpisode: self._start,
             Advance: self._advance,
             Restore: self._restore,
+            RenderState: lambda request, _: render_state(request),
             RandomLevel: lambda request, _: drawn(request),
             Mutate: lambda request, _: mutated(request),
             CheckDynamics: check_dynamics,
+            ExportPicture: lambda request, _: export_picture(request),
+            ExportFilm: export_film,
         }
 
     def perform(self, request: Request, progress: Progress) -> Any:

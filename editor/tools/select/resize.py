@@ -86,10 +86,8 @@ def _stretched(
     low, high = (min(xs), min(ys)), (max(xs), max(ys))
     corner, axes = _grip(handle, low, high)
     centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
-    if event.modifiers.alt:
-        hold = centre
-    else:
-        hold = (2 * centre[0] - corner[0], 2 * centre[1] - corner[1])
+    opposite = (2 * centre[0] - corner[0], 2 * centre[1] - corner[1])
+    hold = centre if event.modifiers.alt else opposite
     local = to_local(body, pointer)
     size = (high[0] - low[0], high[1] - low[1])
     factors = [1.0, 1.0]
