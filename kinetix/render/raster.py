@@ -16,6 +16,9 @@ TILE_HEIGHT = 50
 TILE_WIDTH = 100
 """Size of a tile [px]: small enough to stay in the cache, large enough to hide the loop."""
 
+STRIPE_SHADE = 0.6
+"""How far stripes turn the fill into the outline's colour, 0–1."""
+
 _NOWHERE = 1e9
 """Distance that stands for "no edge here" [px]."""
 
@@ -127,22 +130,45 @@ def concatenate(*layers: Layers) -> Layers:
     return jax.tree.map(lambda *rows: jnp.concatenate(rows), *layers)
 
 
+def _pack(layers: Layers) -> Float[Array, "l k"]:
+    """All numbers of a shape in one row, so that picking a shape is one copy."""
+    count = layers.radius.shape[0]
+    leaves = [leaf.reshape(count, -1).astype(jnp.float32) for leaf in jax.tree.leaves(layers)]
+    return jnp.concatenate(leaves, axis=1)
+
+
+def _unpack(row: Float[Array, " k"], layers: Layers) -> Layers:
+    """One shape back from its row: the fields of `layers` without their first axis."""
+    leaves, structure = jax.tree.flatten(layers)
+    parts, start = [], 0
+    for leaf in leaves:
+        size = leaf[0].size
+        parts.append(row[start : start + size].reshape(leaf.shape[1:]))
+        start += size
+    return jax.tree.unflatten(structure, parts)
+
+
 def _depth(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> Float[Array, "h w"]:
     """Distance inside the shape [px], negative outside (near corners a little too large)."""
-    edges = shape.normal[:, 0, None, None] * x + (
-        shape.normal[:, 1, None, None] * y + shape.offset[:, None, None]
-    )
-    flat = jnp.minimum(jnp.minimum(edges[0], edges[1]), jnp.minimum(edges[2], edges[3]))
-    dx, dy = x - shape.centre[0], y - shape.centre[1]
-    round_ = shape.radius - jnp.sqrt(dx * dx + dy * dy)
-    return jnp.where(shape.radius >= 0, round_, flat)
+
+    def disc() -> Float[Array, "h w"]:
+        dx, dy = x - shape.centre[0], y - shape.centre[1]
+        return shape.radius - jnp.sqrt(dx * dx + dy * dy)
+
+    def polygon() -> Float[Array, "h w"]:
+        edges = [
+            shape.normal[k, 0] * x + (shape.normal[k, 1] * y + shape.offset[k]) for k in range(4)
+        ]
+        return jnp.minimum(jnp.minimum(edges[0], edges[1]), jnp.minimum(edges[2], edges[3]))
+
+    return jax.lax.cond(shape.radius >= 0, disc, polygon)
 
 
 def _striped(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> Float[Array, "h w"]:
     """Share of each pixel that stripes cover."""
-    covered = jnp.zeros((y.shape[0], x.shape[1]))
     assert shape.stripes is not None
     assert shape.stripe is not None
+    covered = jnp.zeros((y.shape[0], x.shape[1]))
     for family in range(2):
         nx, ny, offset = (shape.stripes[family, k] for k in range(3))
         periods = nx * x + (ny * y + offset)
@@ -155,6 +181,7 @@ def _striped(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> F
 
 def _paint_tile(
     layers: Layers,
+    rows: Float[Array, "l k"],
     order: Int[Array, " l"],
     count: Int[Array, ""],
     corner: Int[Array, "2"],
@@ -163,24 +190,24 @@ def _paint_tile(
     x = corner[0].astype(jnp.float32) + jnp.arange(TILE_WIDTH, dtype=jnp.float32)[None, :] + 0.5
     y = corner[1].astype(jnp.float32) + jnp.arange(TILE_HEIGHT, dtype=jnp.float32)[:, None] + 0.5
 
-    def paint(turn: Array, planes: tuple[Array, ...]) -> tuple[Array, ...]:
-        shape = jax.tree.map(lambda rows: rows[order[turn]], layers)
+    # The three channels are one array: three would be three loops over the tile for every shape.
+    def blend(turn: Array, planes: Float[Array, "3 h w"]) -> Float[Array, "3 h w"]:
+        row = jax.lax.dynamic_index_in_dim(rows, order[turn], keepdims=False)
+        shape = _unpack(row, layers)
         depth = _depth(shape, x, y)
         cover = jnp.clip(depth + 0.5, 0.0, 1.0)
         inner = jnp.clip(depth - shape.edge + 0.5, 0.0, 1.0)
         if shape.stripes is not None:
-            inner = inner * (1 - 0.6 * _striped(shape, x, y))
-        painted = []
-        for channel, plane in enumerate(planes):
-            colour = shape.ink[channel] + (shape.fill[channel] - shape.ink[channel]) * inner
-            painted.append(plane + (colour - plane) * cover)
-        return tuple(painted)
+            inner = inner * (1 - STRIPE_SHADE * _striped(shape, x, y))
+        fill, ink = shape.fill[:, None, None], shape.ink[:, None, None]
+        colour = ink + (fill - ink) * inner[None]
+        return planes + (colour - planes) * cover[None]
 
-    blank = tuple(
-        jnp.full((TILE_HEIGHT, TILE_WIDTH), channel, jnp.float32) for channel in background
+    blank = jnp.broadcast_to(
+        jnp.array(background, jnp.float32)[:, None, None], (3, TILE_HEIGHT, TILE_WIDTH)
     )
-    planes = jax.lax.fori_loop(0, count, paint, blank)
-    return jnp.stack([(plane + 0.5).astype(jnp.uint8) for plane in planes], axis=-1)
+    planes = jax.lax.fori_loop(0, count, blend, blank)
+    return jnp.moveaxis((planes + 0.5).astype(jnp.uint8), 0, -1)
 
 
 def paint(layers: Layers, background: Rgb, width: int, height: int) -> UInt8[Array, "h w 3"]:
@@ -209,12 +236,13 @@ def paint(layers: Layers, background: Rgb, width: int, height: int) -> UInt8[Arr
     )
     # The touching shapes first, in their order.
     order = jnp.argsort(~touches, axis=1, stable=True)
+    packed = _pack(layers)
     tiles = jax.lax.map(
-        lambda tile: _paint_tile(layers, *tile, background),
+        lambda tile: _paint_tile(layers, packed, *tile, background),
         (order, touches.sum(axis=1), corner),
     )
-    rows = tiles.reshape(down, across, TILE_HEIGHT, TILE_WIDTH, 3).swapaxes(1, 2)
-    return rows.reshape(down * TILE_HEIGHT, across * TILE_WIDTH, 3)[:height, :width]
+    bands = tiles.reshape(down, across, TILE_HEIGHT, TILE_WIDTH, 3).swapaxes(1, 2)
+    return bands.reshape(down * TILE_HEIGHT, across * TILE_WIDTH, 3)[:height, :width]
 
 
 __all__ = [
