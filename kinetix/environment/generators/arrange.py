@@ -4,6 +4,9 @@ Random levels end with a uniform permutation of polygons, circles, joints and th
 not matter which slots they were created in: here they get their final ones at once.
 """
 
+import dataclasses
+import itertools
+
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
@@ -77,7 +80,7 @@ def arranged(
     starts = [sum(ends[:k]) for k in range(len(ends) + 1)]
     polygon_order, circle_order, joint_order, thruster_order = (
         permutation(u[low:high] if shuffle else _ascending(high - low, u.shape[1]))
-        for low, high in zip(starts[:-1], starts[1:], strict=True)
+        for low, high in itertools.pairwise(starts)
     )
     arena_rows = (jnp.arange(figures.active.shape[0]) < ARENA_BODIES)[:, None]
     drawn = figures.active & ~arena_rows
@@ -109,9 +112,7 @@ def shuffle_length(capacity: Capacity) -> int:
 def _place_figures(figures: Figures, source: Int[Array, "c n"], slots: Capacity) -> Figures:
     empty = {"vertex_count": VERTICES, "density": 1}
     names = figures.__dataclass_fields__
-    placed = {
-        name: _place(getattr(figures, name), source, empty.get(name, 0)) for name in names
-    }
+    placed = {name: _place(getattr(figures, name), source, empty.get(name, 0)) for name in names}
     placed["circle"] = jnp.broadcast_to(
         (jnp.arange(slots.bodies) >= slots.polygons)[:, None], source.shape
     )
@@ -121,7 +122,8 @@ def _place_figures(figures: Figures, source: Int[Array, "c n"], slots: Capacity)
 def _place_joints(
     joints: JointRows, source: Int[Array, "c n"], of_body: Int[Array, "b n"]
 ) -> JointRows:
-    joints = joints.replace(
+    joints = dataclasses.replace(
+        joints,
         body_a=jnp.maximum(pick(of_body, joints.body_a), 0),
         body_b=jnp.maximum(pick(of_body, joints.body_b), 0),
     )
@@ -132,7 +134,7 @@ def _place_joints(
 def _place_thrusters(
     thrusters: ThrusterRows, source: Int[Array, "c n"], of_body: Int[Array, "b n"]
 ) -> ThrusterRows:
-    thrusters = thrusters.replace(body=jnp.maximum(pick(of_body, thrusters.body), 0))
+    thrusters = dataclasses.replace(thrusters, body=jnp.maximum(pick(of_body, thrusters.body), 0))
     names = thrusters.__dataclass_fields__
     active = (thrusters.active).astype(jnp.float32)
     placed = {

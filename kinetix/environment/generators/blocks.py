@@ -7,6 +7,7 @@ over the proposals.
 Source: level_generation.md 2; Q1 … Q8 are the quirks of `UEDParams.kinetix_quirks`.
 """
 
+import dataclasses
 import math
 from typing import Final
 
@@ -224,7 +225,7 @@ def new_dimensions(
     ued: UEDParams,
 ) -> Figures:
     """A shape as a new body would have it, at the origin: a rectangle, or a circle where asked."""
-    return _draw_figure(draws, circle, limit, ued.replace(generate_triangles=False))[0]
+    return _draw_figure(draws, circle, limit, dataclasses.replace(ued, generate_triangles=False))[0]
 
 
 def _corners(
@@ -291,7 +292,8 @@ def free_shape(
         lowered = jnp.maximum(lowered, FLOOR_TOP + extent)
     y = jnp.where(fixed & (lower < bias) & (y >= half), lowered, y)
 
-    figure = figure.replace(
+    figure = dataclasses.replace(
+        figure,
         position=jnp.stack([x, y], axis=-2),
         role=role,
         fixed=fixed,
@@ -346,7 +348,7 @@ def _anchor(
     return jnp.where(figures.circle[..., None, :], 0.0, place)
 
 
-def connected_shape(
+def connected_shape(  # noqa: PLR0913 (one more than the limit, all of them different things)
     draws: ShapeDraws,
     figures: Figures,
     joint_counts: Int[Array, "b n"],
@@ -393,7 +395,7 @@ def connected_shape(
 
     exists = found & around.joint_room & (around.polygon_room | around.circle_room)
     target_first = jnp.where(circle, True, ~target_circle & (target < new_polygon_row))
-    figure = figure.replace(position=position, role=role, active=exists)
+    figure = dataclasses.replace(figure, position=position, role=role, active=exists)
     if ued.kinetix_quirks:
         # Q8: the anchors were swapped with the bodies' order, but the bodies were not.
         swapped = target_first[..., None, :]

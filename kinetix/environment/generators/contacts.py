@@ -60,7 +60,9 @@ def outlines(figures: Figures) -> Outlines:
     )
 
 
-def count_contacts(new: Outlines, others: Outlines, rows: Int[Array, ""] | int) -> Int[Array, "q n"]:
+def count_contacts(
+    new: Outlines, others: Outlines, rows: Int[Array, ""] | int
+) -> Int[Array, "q n"]:
     """Active contacts between each proposal and the active ones of the first `rows` bodies.
 
     A pair of polygons counts 1 or 2 (its two contact slots), any other pair 1. Whether the pair is
@@ -127,7 +129,8 @@ def _best_axis(
         The separation [m], negative when overlapping, and how deep the second deepest corner of the
         other polygon lies behind that edge [m].
     """
-    best, second_depth = -jnp.inf, 0.0
+    best = jnp.full_like(reference.radius, -jnp.inf)
+    second_depth = jnp.zeros_like(best)
     for k in range(VERTICES):
         nx, ny = reference.normals[..., k, 0, :], reference.normals[..., k, 1, :]
         least, second = jnp.inf, jnp.inf

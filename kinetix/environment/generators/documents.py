@@ -1,5 +1,6 @@
 """Random levels and mutations as documents: what the editor and the command line ask for."""
 
+import dataclasses
 import functools
 from collections.abc import Callable, Iterator
 from typing import Any, Final
@@ -9,7 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from kinetix.engine import Capacity, SceneSpec, solver_named
+from kinetix.engine.presets import solver_named
+from kinetix.engine.spec import ARENA_BODIES, Capacity, SceneSpec
 from kinetix.environment.generators.draft import states
 from kinetix.environment.generators.edits import mutate_state
 from kinetix.environment.generators.locomotion import LocomotionParams, draw_locomotion
@@ -96,7 +98,9 @@ def _drawer(capacity: Capacity, locomotion: bool) -> Callable[[Array], EnvState]
 def _document(state: EnvState, name: str) -> Level:
     limit = np.int32(EnvParams().max_timesteps)
     scene = Scene(
-        world=state.world, state=state.physics, labels=state.labels.replace(max_timesteps=limit)
+        world=state.world,
+        state=state.physics,
+        labels=dataclasses.replace(state.labels, max_timesteps=limit),
     )
     return level_from_scene(scene, name=name, inertia_model="kinetix", tags=("random",))
 
@@ -133,7 +137,9 @@ def _mutator(name: str, ued: UEDParams) -> Callable[[Array, EnvState], EnvState]
 
 def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) -> Level:
     """The level with what differs between two compiled forms of it."""
-    old = _by_slot(level_from_scene(before, name=level.name, inertia_model=level.inertia_model), before)
+    old = _by_slot(
+        level_from_scene(before, name=level.name, inertia_model=level.inertia_model), before
+    )
     fresh = level_from_scene(after, name=level.name, inertia_model=level.inertia_model)
     new = _by_slot(fresh, after)
     own = {
@@ -150,9 +156,7 @@ def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) ->
             else:
                 ids[entity.id] = next_id
                 next_id += 1
-    old_ids = {
-        entity.id: own[kind][slot].id for kind in old for slot, entity in old[kind].items()
-    }
+    old_ids = {entity.id: own[kind][slot].id for kind in old for slot, entity in old[kind].items()}
     merged: dict[str, list[Any]] = {}
     for kind, entities in new.items():
         result = {}
@@ -173,9 +177,8 @@ def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) ->
 
 def _by_slot(document: Level, scene: Scene) -> dict[str, dict[int, Any]]:
     """The entities of a document by the slots that they were read from."""
-    arena = 4
     active = {
-        "bodies": np.flatnonzero(scene.world.bodies.active)[arena:],
+        "bodies": np.flatnonzero(scene.world.bodies.active)[ARENA_BODIES:],
         "joints": np.flatnonzero(scene.world.joints.active),
         "thrusters": np.flatnonzero(scene.world.thrusters.active),
     }

@@ -5,8 +5,6 @@ It says what a level says and nothing derived: masses, the collision filter and 
 memory come in `states`.
 """
 
-import functools
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -20,6 +18,7 @@ from kinetix.environment.generators.figures import VERTICES, Figures, inertia, m
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import NO_DISTANCE, EnvState
 from kinetix.level.compile import Labels
+from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree
 
 FARTHEST = 15.0
@@ -82,7 +81,7 @@ def _worlds_last(rows: Array) -> Array:
     return jnp.moveaxis(rows, 0, -1)
 
 
-def states(draft: Draft, engine: PhysicsEngine, inertia_model: str) -> EnvState:
+def states(draft: Draft, engine: PhysicsEngine, inertia_model: InertiaModel) -> EnvState:
     """The drafts as environment states at the start of an episode, worlds on the first axis.
 
     Args:
@@ -129,7 +128,7 @@ def _inverse(quantity: Float[Array, "b n"], moves: Bool[Array, "b n"]) -> Float[
     return _worlds_first(jnp.where(moves, 1 / safe, 0.0))
 
 
-def _bodies(draft: Draft, capacity: Capacity, inertia_model: str) -> Bodies:
+def _bodies(draft: Draft, capacity: Capacity, inertia_model: InertiaModel) -> Bodies:
     figures = draft.figures
     moves = figures.active & ~figures.fixed
     return Bodies(

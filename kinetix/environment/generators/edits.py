@@ -1,5 +1,6 @@
 """Mutations of environment states: one by name, or the random series of the ACCEL curriculum."""
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import Any, Final
@@ -8,8 +9,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key
 
-from kinetix.engine import Control, SceneSpec, default_parameters, solver_named, step
-from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.engine.pipeline import step
+from kinetix.engine.presets import solver_named
+from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
+from kinetix.engine.types import Control, default_parameters
 from kinetix.environment.generators.batching import for_one_world
 from kinetix.environment.generators.draft import Draft, draft_of, states
 from kinetix.environment.generators.draws import Tape, choose, raw_keys
@@ -132,16 +135,17 @@ def _weights(draft: Draft) -> Array:
     )
 
 
-def settled(
-    draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UEDParams
-) -> Draft:
+def settled(draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UEDParams) -> Draft:
     """Put jointed bodies together again in the marked worlds, and everything there at rest.
 
     A few physics steps without gravity, collisions and controls, from rest each time.
     """
-    engine = PhysicsEngine(spec=SceneSpec(capacity=capacity), solver=solver_named(SETTLING_PHYSICS))
+    # No pair can push: what is not listed is not even compiled.
+    spec = SceneSpec(capacity=capacity, features=Features(pairs=()))
+    engine = PhysicsEngine(spec=spec, solver=solver_named(SETTLING_PHYSICS))
     start = states(draft, engine, ued.inertia_model)
-    world = start.world.replace(
+    world = dataclasses.replace(
+        start.world,
         gravity=jnp.zeros_like(start.world.gravity),
         collides=jnp.zeros_like(start.world.collides),
     )
@@ -155,7 +159,8 @@ def settled(
     )
 
     def at_rest(physics: Any) -> Any:
-        return physics.replace(
+        return dataclasses.replace(
+            physics,
             velocity=jnp.zeros_like(physics.velocity),
             angular_velocity=jnp.zeros_like(physics.angular_velocity),
         )
@@ -167,8 +172,10 @@ def settled(
     position = jnp.moveaxis(physics.position, 0, -1)
     rotation = jnp.moveaxis(physics.rotation, 0, -1)
     figures = draft.figures
-    return draft.replace(
-        figures=figures.replace(
+    return dataclasses.replace(
+        draft,
+        figures=dataclasses.replace(
+            figures,
             position=jnp.where(marked[None, None], position, figures.position),
             rotation=jnp.where(marked[None], rotation, figures.rotation),
         ),
@@ -184,7 +191,8 @@ def _rebuilt(
     engine = PhysicsEngine(spec=SceneSpec(capacity=capacity), solver=solver_named(SETTLING_PHYSICS))
     new = states(after, engine, ued.inertia_model)
     same = _same_bodies(before, after)
-    bodies = new.world.bodies.replace(
+    bodies = dataclasses.replace(
+        new.world.bodies,
         inverse_mass=jnp.where(
             same, state.world.bodies.inverse_mass, new.world.bodies.inverse_mass
         ),
@@ -192,10 +200,13 @@ def _rebuilt(
             same, state.world.bodies.inverse_inertia, new.world.bodies.inverse_inertia
         ),
     )
-    return new.replace(
-        world=new.world.replace(bodies=bodies),
-        physics=new.physics.replace(cache=jax.tree.map(jnp.zeros_like, state.physics.cache)),
-        labels=new.labels.replace(max_timesteps=state.labels.max_timesteps),
+    return dataclasses.replace(
+        new,
+        world=dataclasses.replace(new.world, bodies=bodies),
+        physics=dataclasses.replace(
+            new.physics, cache=jax.tree.map(jnp.zeros_like, state.physics.cache)
+        ),
+        labels=dataclasses.replace(new.labels, max_timesteps=state.labels.max_timesteps),
     )
 
 

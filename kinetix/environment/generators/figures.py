@@ -5,16 +5,15 @@ levels are one vector operation. The axes `*r` before it list bodies (`b`), or p
 one new body, or are absent (one body a world). Nothing here depends on slots.
 """
 
-from typing import Final, Literal, TypeVar
+from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import ARENA_BODIES
+from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree
-
-T = TypeVar("T")
 
 VERTICES: Final = 4
 """Rows for the corners of a polygon."""
@@ -119,7 +118,9 @@ def movable_rows(figures: Figures) -> Bool[Array, "b n"]:
     return figures.active & ~is_arena(figures)
 
 
-def rotate(vector: Float[Array, "... 2 n"], angle: Float[Array, "... n"]) -> Float[Array, "... 2 n"]:
+def rotate(
+    vector: Float[Array, "... 2 n"], angle: Float[Array, "... n"]
+) -> Float[Array, "... 2 n"]:
     """The vectors turned counter-clockwise by the angle [rad] (same rank without the axis of 2)."""
     c, s = jnp.cos(angle), jnp.sin(angle)
     x, y = vector[..., 0, :], vector[..., 1, :]
@@ -146,9 +147,7 @@ def mass(figures: Figures) -> Float[Array, "*r n"]:
     return figures.density * area(figures)
 
 
-def inertia(
-    figures: Figures, inertia_model: Literal["kinetix", "exact"]
-) -> Float[Array, "*r n"]:
+def inertia(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r n"]:
     """Moment of inertia about the frame's origin [kg m²], as if not fixed.
 
     Args:
@@ -176,9 +175,7 @@ def inertia(
     return figures.density * jnp.where(figures.circle, disc, total)
 
 
-def centroid(
-    figures: Figures, inertia_model: Literal["kinetix", "exact"]
-) -> Float[Array, "*r 2 n"]:
+def centroid(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r 2 n"]:
     """Centre of mass of polygons in their own frame [m]; 0 for circles.
 
     Args:

@@ -3,10 +3,11 @@
 Source: level_generation.md 8; Q11 and Q12 are quirks of `LocomotionParams.kinetix_quirks`.
 """
 
+import dataclasses
 import functools
 import math
 from collections.abc import Callable
-from typing import Final, Literal
+from typing import Final
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
@@ -36,6 +37,7 @@ from kinetix.environment.generators.sample import draw_floor_role
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree, static
 
 OVERLAP: Final = 0.05
@@ -54,7 +56,9 @@ GOAL_RADIUS: Final = 0.3
 GOAL_HEIGHT: Final = 1.0
 GOAL_RANGE: Final = (2.0, 4.5)
 """Where the goal may be along x, before mirroring [m]."""
-FLOOR_PROBABILITIES: Final = {"normal": 0.75, "green": 0.0, "blue": 0.0, "red": 0.25}
+FLOOR_ODDS: Final = UEDParams(
+    floor_prob_normal=0.75, floor_prob_green=0.0, floor_prob_blue=0.0, floor_prob_red=0.25
+)
 """The floor's roles where no UEDParams are given."""
 _CORNERS: Final = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
 """Clockwise, but from another corner than all other generated rectangles."""
@@ -103,7 +107,7 @@ class LocomotionParams:
     """Whether the goal is in the middle of its range."""
     do_permute_state: bool = static(default=False)
     kinetix_quirks: bool = static(default=True)
-    inertia_model: Literal["kinetix", "exact"] = static(default="kinetix")
+    inertia_model: InertiaModel = static(default="kinetix")
     legacy_ceiling: bool = static(default=False)
 
 
@@ -285,11 +289,9 @@ def draw_locomotion(
     _assemble(creature, turn_u, mirror, count_u, most)
     floor_friction = creature.surface()
     figures, joints, friction = _rows(creature, mirror, goal_u, capacity)
-    floor_odds = ued or UEDParams(
-        **{f"floor_prob_{role}": chance for role, chance in FLOOR_PROBABILITIES.items()}
-    )
+    floor_odds = ued or FLOOR_ODDS
     role = figures.role.at[0].set(draw_floor_role(floor_u, floor_odds))
-    figures = figures.replace(role=role)
+    figures = dataclasses.replace(figures, role=role)
     none = jnp.zeros((capacity.thrusters, worlds))
     thrusters = ThrusterRows(
         body=none.astype(jnp.int32),
@@ -312,7 +314,7 @@ def draw_locomotion(
         [floor_friction[None], jnp.ones((ARENA_BODIES - 1, worlds)), friction]
     )
     surface = jnp.where(slots >= 0, pick(friction, slots), 1.0)
-    return draft.replace(friction=surface)
+    return dataclasses.replace(draft, friction=surface)
 
 
 def _check_room(capacity: Capacity, params: LocomotionParams) -> None:
@@ -375,9 +377,7 @@ def _assemble(
         size = thick(creature.dimension("leg"))
         binding = creature.random_binding(binding_u)
         limb = creature.hang(parent, _bottom(parent), size, 0.0, binding, active)
-        tips = [
-            _either((choice == index) & active, limb, tip) for index, tip in enumerate(tips)
-        ]
+        tips = [_either((choice == index) & active, limb, tip) for index, tip in enumerate(tips)]
 
 
 def _bottom(limb: Limb) -> Float[Array, "2 n"]:
@@ -430,7 +430,11 @@ def _rows(
         active=active,
     )
     low, high = GOAL_RANGE
-    x = jnp.full((worlds,), (low + high) / 2) if params.fix_goal_position else low + goal_u * (high - low)
+    x = (
+        jnp.full((worlds,), (low + high) / 2)
+        if params.fix_goal_position
+        else low + goal_u * (high - low)
+    )
     goal = _goal(jnp.where(mirror, ARENA_SIDE - x, x))
     floor_and_walls = arena(worlds, legacy_ceiling=params.legacy_ceiling)
     parts = (floor_and_walls, creature_figures, goal)

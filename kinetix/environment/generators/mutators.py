@@ -7,6 +7,7 @@ have in common: where there is nothing to act on, nothing happens.
 Source: level_generation.md 4; Q2, Q9 and Q10 are quirks of `UEDParams.kinetix_quirks`.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import Any, Final
@@ -43,8 +44,8 @@ from kinetix.environment.generators.draws import (
 from kinetix.environment.generators.figures import (
     ARENA_SIDE,
     FLOOR_TOP,
-    Figures,
     VERTICES,
+    Figures,
     bounds,
     centroid,
     has_vertex,
@@ -94,7 +95,7 @@ def _one_body(
 
 
 def _with_figures(draft: Draft, **changes: Array) -> Draft:
-    return draft.replace(figures=draft.figures.replace(**changes))
+    return dataclasses.replace(draft, figures=dataclasses.replace(draft.figures, **changes))
 
 
 def _spread(marks: Bool[Array, "b n"], like: Array) -> Array:
@@ -119,9 +120,10 @@ def remove_shape(
     at_a, at_b = _ends(draft.joints, gone)
     thrusters, joints = draft.thrusters, draft.joints
     loose = pick(gone, thrusters.body)
-    return _with_figures(draft, active=draft.figures.active & ~gone).replace(
-        joints=joints.replace(active=joints.active & ~(at_a | at_b)),
-        thrusters=thrusters.replace(active=thrusters.active & ~loose),
+    return dataclasses.replace(
+        _with_figures(draft, active=draft.figures.active & ~gone),
+        joints=dataclasses.replace(joints, active=joints.active & ~(at_a | at_b)),
+        thrusters=dataclasses.replace(thrusters, active=thrusters.active & ~loose),
     )
 
 
@@ -132,7 +134,9 @@ def remove_joint(
     del ued, capacity
     active = draft.joints.active
     gone = _hit(active, _some(active, numbers[0]), marked)
-    return draft.replace(joints=draft.joints.replace(active=active & ~gone))
+    return dataclasses.replace(
+        draft, joints=dataclasses.replace(draft.joints, active=active & ~gone)
+    )
 
 
 def remove_thruster(
@@ -142,7 +146,9 @@ def remove_thruster(
     del ued, capacity
     active = draft.thrusters.active
     gone = _hit(active, _some(active, numbers[0]), marked)
-    return draft.replace(thrusters=draft.thrusters.replace(active=active & ~gone))
+    return dataclasses.replace(
+        draft, thrusters=dataclasses.replace(draft.thrusters, active=active & ~gone)
+    )
 
 
 def swap_role(
@@ -157,9 +163,7 @@ def swap_role(
     second = _some(others, numbers[1])
     marked = marked & _any_row(bodies) & _any_row(others)
     role = jnp.where(_hit(role, first, marked), pick(draft.figures.role, second)[None], role)
-    return _with_figures(
-        draft, role=jnp.where(_hit(role, second, marked), first_role[None], role)
-    )
+    return _with_figures(draft, role=jnp.where(_hit(role, second, marked), first_role[None], role))
 
 
 def toggle_fixture(
@@ -180,16 +184,21 @@ def _recentred(draft: Draft, freed: Bool[Array, "b n"], ued: UEDParams) -> Draft
     off = jnp.max(jnp.abs(shift), axis=1) > OFF_CENTRE
     shift = jnp.where((freed & off & ~figures.circle)[:, None], shift, 0.0)
     real = jnp.stack([has_vertex(figures, k) for k in range(VERTICES)], axis=1)[:, :, None]
-    return draft.replace(
-        figures=figures.replace(
+    return dataclasses.replace(
+        draft,
+        figures=dataclasses.replace(
+            figures,
             vertices=figures.vertices - jnp.where(real, shift[:, None], 0.0),
             position=figures.position + rotate(shift, figures.rotation),
         ),
-        joints=joints.replace(
+        joints=dataclasses.replace(
+            joints,
             anchor_a=joints.anchor_a - pick(shift, joints.body_a),
             anchor_b=joints.anchor_b - pick(shift, joints.body_b),
         ),
-        thrusters=thrusters.replace(position=thrusters.position - pick(shift, thrusters.body)),
+        thrusters=dataclasses.replace(
+            thrusters, position=thrusters.position - pick(shift, thrusters.body)
+        ),
     )
 
 
@@ -200,7 +209,7 @@ def change_gravity(
     del ued, capacity
     pull = jnp.where(numbers[0] < 0.5, 1.0, numbers[1]) * MUTATED_GRAVITY
     gravity = jnp.stack([jnp.zeros_like(pull), pull])
-    return draft.replace(gravity=jnp.where(marked[None], gravity, draft.gravity))
+    return dataclasses.replace(draft, gravity=jnp.where(marked[None], gravity, draft.gravity))
 
 
 def change_size(
@@ -221,23 +230,28 @@ def change_size(
     scale = jnp.where(was > 1e-6, drawn / jnp.maximum(was, 1e-6), 1.0)
     round_scale = new.radius / jnp.maximum(pick(old.radius, row), 1e-6)
     scale = jnp.where(circle[None], round_scale[None], scale)
-    figures = old.replace(
-        vertices=jnp.where(_spread(body, old.vertices), old.vertices * scale[None, None], old.vertices),
+    figures = dataclasses.replace(
+        old,
+        vertices=jnp.where(
+            _spread(body, old.vertices), old.vertices * scale[None, None], old.vertices
+        ),
         radius=jnp.where(body & circle[None], new.radius[None], old.radius),
     )
     joints, thrusters = draft.joints, draft.thrusters
     at_a, at_b = (end[:, None] for end in _ends(joints, body))
-    joints = joints.replace(
+    joints = dataclasses.replace(
+        joints,
         anchor_a=jnp.where(at_a, joints.anchor_a * scale[None], joints.anchor_a),
         anchor_b=jnp.where(at_b, joints.anchor_b * scale[None], joints.anchor_b),
     )
     if not ued.kinetix_quirks:
         # Q9: the peer leaves thrusters where they were.
         moved = (thrusters.active & pick(body, thrusters.body))[:, None]
-        thrusters = thrusters.replace(
-            position=jnp.where(moved, thrusters.position * scale[None], thrusters.position)
+        thrusters = dataclasses.replace(
+            thrusters,
+            position=jnp.where(moved, thrusters.position * scale[None], thrusters.position),
         )
-    return draft.replace(figures=figures, joints=joints, thrusters=thrusters)
+    return dataclasses.replace(draft, figures=figures, joints=joints, thrusters=thrusters)
 
 
 def _leftmost(vertices: Float[Array, "4 2 n"], count: Int[Array, " n"]) -> Float[Array, "2 n"]:
@@ -257,7 +271,7 @@ def change_location(
     moved = bodies & (label == pick(label, row)[None]) & _any_row(body)[None]
     step = between(numbers[1:3], -LARGEST_STEP, LARGEST_STEP)
     position = draft.figures.position + jnp.where(moved[:, None], step[None], 0.0)
-    figures = draft.figures.replace(position=position)
+    figures = dataclasses.replace(draft.figures, position=position)
     # Q10: the peer measures all bodies, unturned, but moves the component only.
     low, high = _extents(figures, turned=not ued.kinetix_quirks)
     measured = (bodies if ued.kinetix_quirks else moved)[:, None]
@@ -273,7 +287,7 @@ def _extents(figures: Figures, *, turned: bool) -> tuple[Array, Array]:
     """Bounding boxes of all bodies [m], with their rotation or without it."""
     if turned:
         angles = figures.rotation[:, None]
-        figures = figures.replace(vertices=rotate(figures.vertices, angles))
+        figures = dataclasses.replace(figures, vertices=rotate(figures.vertices, angles))
     low, high = bounds(figures)
     low = jnp.where(figures.circle[:, None], -figures.radius[:, None], low)
     high = jnp.where(figures.circle[:, None], figures.radius[:, None], high)
@@ -292,8 +306,9 @@ def change_rotation(
     change = jnp.where(at_a, -turn[None], 0.0) + jnp.where(at_b, turn[None], 0.0)
     reference = joints.reference_angle + jnp.where(joints.weld, change, 0.0)
     rotation = draft.figures.rotation + jnp.where(body, turn[None], 0.0)
-    return _with_figures(draft, rotation=rotation).replace(
-        joints=joints.replace(reference_angle=reference)
+    return dataclasses.replace(
+        _with_figures(draft, rotation=rotation),
+        joints=dataclasses.replace(joints, reference_angle=reference),
     )
 
 
@@ -340,10 +355,11 @@ def _insert(
     figure = chosen.figure
     if ued.kinetix_quirks:
         # Q2: a slot keeps the density of the body that was there before.
-        figure = figure.replace(density=pick(draft.figures.density, slot))
+        figure = dataclasses.replace(figure, density=pick(draft.figures.density, slot))
     body = _hit(draft.figures.active, slot, marked)
     return (
-        draft.replace(
+        dataclasses.replace(
+            draft,
             figures=_put(draft.figures, figure, slot, marked),
             velocity=jnp.where(body[:, None], 0.0, draft.velocity),
             angular_velocity=jnp.where(body, 0.0, draft.angular_velocity),
@@ -407,7 +423,7 @@ def add_connected_shape(
         ued=ued,
     )
     place = _first(~joints.active)
-    return grown.replace(joints=_put(joints, joint, place, marked & joint.active))
+    return dataclasses.replace(grown, joints=_put(joints, joint, place, marked & joint.active))
 
 
 def add_thruster(
@@ -426,7 +442,7 @@ def add_thruster(
     new = jax.tree.map(lambda leaf: leaf[0], new)
     free = ~thrusters.active
     marked = marked & _any_row(free) & new.active
-    return draft.replace(thrusters=_put(thrusters, new, _first(free), marked))
+    return dataclasses.replace(draft, thrusters=_put(thrusters, new, _first(free), marked))
 
 
 MUTATORS: Final[dict[str, Mutation]] = {

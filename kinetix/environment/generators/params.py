@@ -1,8 +1,8 @@
 """The options of random levels: the peer's names and defaults, and three switches of ours."""
 
 import math
-from typing import Literal
 
+from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree, static
 
 
@@ -70,7 +70,7 @@ class UEDParams:
     floor_prob_red: float = static(default=0.08)
     kinetix_quirks: bool = static(default=True)
     """True: the peer's distribution with its quirks Q1–Q12; False: all of them off together."""
-    inertia_model: Literal["kinetix", "exact"] = static(default="kinetix")
+    inertia_model: InertiaModel = static(default="kinetix")
     """Moment of inertia of generated bodies: the peer's (disc m·r²/4) or the true one."""
     legacy_ceiling: bool = static(default=False)
     """Whether the ceiling has the peer's slanted outer edge (first corner at x = 5)."""

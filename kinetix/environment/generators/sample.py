@@ -7,6 +7,7 @@ proposal is compared by its contacts.
 Source: level_generation.md 3.
 """
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import Any
@@ -22,7 +23,6 @@ from kinetix.environment.generators.blocks import (
     BLUE,
     GREEN,
     NEUTRAL,
-    RED,
     JointRows,
     Proposals,
     ThrusterRows,
@@ -116,7 +116,7 @@ def draw_levels(
     grown = _empty(keys.shape[0], steps, ued)
     floor = draw_floor_role(floor_u, ued)
     role = grown.figures.role.at[0].set(floor)
-    grown = grown.replace(figures=grown.figures.replace(role=role))
+    grown = dataclasses.replace(grown, figures=dataclasses.replace(grown.figures, role=role))
 
     # One of (thruster, motor) = (0, 1), (1, 0), (1, 1).
     thruster_forced = control_u >= 1 / 3
@@ -134,7 +134,7 @@ def draw_levels(
     thrusters = _draw_thrusters(tape, grown.figures, thruster_forced, capacity, ued)
     roles = _swap_roles(grown.figures.role, (floor == NEUTRAL) & (swap_u < 0.5))
     shuffle_u = tape.take(shuffle_length(capacity))
-    figures = grown.figures.replace(role=roles)
+    figures = dataclasses.replace(grown.figures, role=roles)
     return arranged(figures, joints, thrusters, shuffle_u, capacity, slots or capacity)[0]
 
 
@@ -156,7 +156,8 @@ def _plan(
     return Plan(
         free=free,
         connected=connected,
-        force_no_fixate=never_fixed.at[0].set(never_fixed[0] | first_moves)
+        force_no_fixate=never_fixed.at[0]
+        .set(never_fixed[0] | first_moves)
         .at[1]
         .set(never_fixed[1] | ~first_moves),
         force_rjoint=jnp.zeros_like(free).at[2].set(motor_forced),
@@ -236,8 +237,8 @@ def _propose(
     )
     happens = (what.free | what.connected)[None]
     figure = proposals.figure
-    figure = figure.replace(active=figure.active & happens)
-    proposals = proposals.replace(figure=figure, joint=proposals.joint & happens)
+    figure = dataclasses.replace(figure, active=figure.active & happens)
+    proposals = dataclasses.replace(proposals, figure=figure, joint=proposals.joint & happens)
     candidates = _traced(figure, ued)
     if shape_rows.shape[1] == 1:
         best = jnp.zeros((shape_rows.shape[2],), jnp.int32)
@@ -276,7 +277,11 @@ def _first_minimum(score: Float[Array, "q n"]) -> Int[Array, " n"]:
 
 
 def _added(
-    grown: Growing, chosen: Proposals, outline: Outlines | Boxes, joint: JointRows, row: Int[Array, ""]
+    grown: Growing,
+    chosen: Proposals,
+    outline: Outlines | Boxes,
+    joint: JointRows,
+    row: Int[Array, ""],
 ) -> Growing:
     """The level with the chosen body in the given row (inactive where there is none)."""
 
@@ -316,7 +321,7 @@ def _draw_thrusters(
     both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), first, later)
     if count:
         wanted = wanted.at[0].set(forced)
-    return both.replace(active=both.active & wanted)
+    return dataclasses.replace(both, active=both.active & wanted)
 
 
 def _rows(draws: Any, part: slice) -> Any:

@@ -1,0 +1,170 @@
+"""Other sources of levels for training: all sizes mixed, and the simple starts of ACCEL."""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Final, TypeVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Key, UInt
+
+from kinetix.engine.spec import Capacity
+from kinetix.environment.generators.arrange import arranged, shuffle_length
+from kinetix.environment.generators.batching import for_one_world
+from kinetix.environment.generators.blocks import JointRows, SizeLimit, ThrusterRows
+from kinetix.environment.generators.draft import Draft, plain_draft, states
+from kinetix.environment.generators.draws import Tape, among, raw_keys
+from kinetix.environment.generators.figures import Figures, arena
+from kinetix.environment.generators.mutators import (
+    NUMBERS,
+    add_connected_shape,
+    add_shape,
+    add_thruster,
+)
+from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.generators.sample import draw_levels
+from kinetix.environment.params import PhysicsEngine
+from kinetix.environment.state import EnvState
+from kinetix.level.sizes import AUTOMATIC, SIZES
+
+LARGE_CHANCE: Final = 0.05
+"""How often a shape of an ACCEL start is drawn with the large limits."""
+LARGE: Final = (2.0, 1.0)
+"""max_shape_size [m] and goal_body_size_factor of those shapes."""
+SMALL: Final = (0.5, 2.0)
+"""The same of all others."""
+START_THRUSTER_POWER: Final = 2.0
+"""thruster_power_multiplier of ACCEL starts."""
+
+
+@functools.cache
+def mixed_sampler(
+    engine: PhysicsEngine, ued_params: UEDParams | None = None
+) -> Callable[[Key[Array, ""]], EnvState]:
+    """The function from a key to a random level of size s, m or l, equally often.
+
+    Args:
+        engine: Sizes and solver; levels of smaller sizes leave slots empty.
+        ued_params: The options; None for the defaults.
+    """
+    ued = ued_params or UEDParams()
+    slots = engine.spec.capacity
+    sizes = [SIZES[name] for name in AUTOMATIC if slots.covers(SIZES[name])]
+
+    def batched(keys: UInt[Array, "n 2"]) -> EnvState:
+        drafts = [draw_levels(keys, size, ued, slots) for size in sizes]
+        choice = jax.vmap(lambda key: jax.random.uniform(jax.random.fold_in(key, 1)))(keys)
+        choice = among(choice, len(sizes))
+        mixed = drafts[0]
+        for index, draft in enumerate(drafts[1:], start=1):
+            mixed = jax.tree.map(functools.partial(_where, choice == index), draft, mixed)
+        return states(mixed, engine, ued.inertia_model)
+
+    single = for_one_world(batched)
+    return lambda key: single(raw_keys(key))
+
+
+def _where(condition: Bool[Array, " n"], new: Array, old: Array) -> Array:
+    return jnp.where(condition.reshape((1,) * (old.ndim - 1) + condition.shape), new, old)
+
+
+@functools.cache
+def accel_start_sampler(
+    engine: PhysicsEngine, ued_params: UEDParams | None = None
+) -> Callable[[Key[Array, ""]], EnvState]:
+    """The function from a key to a simple level: green, blue, and something that drives.
+
+    Args:
+        engine: Sizes and solver.
+        ued_params: The options besides those that this distribution sets; None for the defaults.
+
+    Source: level_generation.md 5 (what the peer meant; its own function fails when called).
+    """
+    ued = dataclasses.replace(
+        ued_params or UEDParams(), thruster_power_multiplier=START_THRUSTER_POWER
+    )
+
+    def batched(keys: UInt[Array, "n 2"]) -> EnvState:
+        return states(_draw_starts(keys, engine.spec.capacity, ued), engine, ued.inertia_model)
+
+    single = for_one_world(batched)
+    return lambda key: single(raw_keys(key))
+
+
+def _draw_starts(keys: UInt[Array, "n 2"], capacity: Capacity, ued: UEDParams) -> Draft:
+    worlds = keys.shape[0]
+    tape = Tape(keys, 4 * (NUMBERS + 1) + 1 + shuffle_length(capacity))
+    draft = empty_draft(worlds, capacity, legacy_ceiling=ued.legacy_ceiling)
+    everywhere = jnp.ones((worlds,), bool)
+    for _ in range(2):
+        draft = add_shape(
+            draft, tape.take(NUMBERS), everywhere, ued, capacity, size=_drawn_size(tape)
+        )
+    # One of (thruster, motor) = (0, 1), (1, 0), (1, 1).
+    control = tape.take(1)[0]
+    motor = (control < 1 / 3) | (control >= 2 / 3)
+    draft = add_connected_shape(
+        draft,
+        tape.take(NUMBERS),
+        motor,
+        ued,
+        capacity,
+        force_rjoint=True,
+        size=_drawn_size(tape),
+    )
+    draft = add_thruster(draft, tape.take(NUMBERS), control >= 1 / 3, ued, capacity)
+    return arranged(
+        draft.figures,
+        draft.joints,
+        draft.thrusters,
+        tape.take(shuffle_length(capacity)),
+        capacity,
+        capacity,
+    )[0]
+
+
+def _drawn_size(tape: Tape) -> SizeLimit:
+    large = tape.take(1) < LARGE_CHANCE
+    return SizeLimit(
+        limit=jnp.where(large, LARGE[0], SMALL[0]), goal_factor=jnp.where(large, LARGE[1], SMALL[1])
+    )
+
+
+def empty_draft(worlds: int, capacity: Capacity, *, legacy_ceiling: bool = False) -> Draft:
+    """Levels with nothing but the arena."""
+    floor_and_walls = arena(worlds, legacy_ceiling=legacy_ceiling)
+
+    def room(rows: Array) -> Array:
+        more = capacity.bodies - rows.shape[0]
+        return jnp.concatenate([rows, jnp.zeros((more, *rows.shape[1:]), rows.dtype)])
+
+    figures: Figures = jax.tree.map(room, floor_and_walls)
+    circle = (jnp.arange(capacity.bodies) >= capacity.polygons)[:, None]
+    beyond = (jnp.arange(capacity.bodies) >= floor_and_walls.active.shape[0])[:, None]
+    figures = dataclasses.replace(
+        figures,
+        circle=jnp.broadcast_to(circle, figures.circle.shape),
+        vertex_count=jnp.full_like(figures.vertex_count, 4),
+        density=jnp.where(beyond, 1.0, figures.density),
+    )
+    return plain_draft(
+        figures,
+        _zero_rows(JointRows, capacity.joints, worlds),
+        _zero_rows(ThrusterRows, capacity.thrusters, worlds),
+    )
+
+
+Rows = TypeVar("Rows", JointRows, ThrusterRows)
+_VECTORS: Final = frozenset({"anchor_a", "anchor_b", "position"})
+_FLAGS: Final = frozenset({"active", "weld", "motor_on", "limited", "auto"})
+_INDEXES: Final = frozenset({"body", "body_a", "body_b", "binding"})
+
+
+def _zero_rows(kind: type[Rows], count: int, worlds: int) -> Rows:
+    def zero(name: str) -> Array:
+        dtype = bool if name in _FLAGS else jnp.int32 if name in _INDEXES else jnp.float32
+        shape = (count, 2, worlds) if name in _VECTORS else (count, worlds)
+        return jnp.zeros(shape, dtype)
+
+    return kind(**{name: zero(name) for name in kind.__dataclass_fields__})
