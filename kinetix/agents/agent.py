@@ -1,5 +1,6 @@
 """A trained agent: load it, ask it for actions, save it."""
 
+import dataclasses
 import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
+from flax import linen as nn
 from jaxtyping import Array, Bool
 
 from kinetix.agents.card import AgentCard
@@ -16,13 +18,47 @@ from kinetix.agents.kinetix_env import (
     read_peer_checkpoint,
     write_peer_checkpoint,
 )
-from kinetix.agents.networks.build import build_network
-from kinetix.agents.networks.distributions import Distribution, action_head
 from kinetix.agents.networks.recurrent import Carry, initial_carry
-from kinetix.agents.normalisation import Normalisation, from_card, normalise
+from kinetix.agents.normalisation import from_card, normalise
 from kinetix.agents.player import Decision, sample_each
-from kinetix.agents.shapes import static_env_params_of_card
+from kinetix.agents.shapes import network_of_card
 from kinetix.errors import CheckpointError
+
+
+@dataclasses.dataclass(frozen=True)
+class NetworkPolicy:
+    """Chooses by a network; see `player.Policy`. Its params are "params" and "normalisation"."""
+
+    network: nn.Module
+
+    def init_carry(self, batch: int) -> Carry:
+        """Zeros."""
+        return initial_carry(batch)
+
+    def decide(
+        self,
+        params: Any,
+        carry: Carry,
+        observation: Any,
+        keys: Array,
+        done: Bool[Array, " n"],
+        *,
+        deterministic: bool = False,
+    ) -> Decision:
+        """See `player.Policy`."""
+        inputs = (normalise(params["normalisation"], observation), done)
+        inputs = jax.tree.map(lambda x: x[None], inputs)
+        output: Any = self.network.apply({"params": params["params"]}, carry, inputs)
+        carry, policy, value = output
+        policy = policy.replace(logits=policy.logits[0])
+        action = policy.mode() if deterministic else sample_each(policy, keys)
+        info = {
+            "logits": policy.logits,
+            "log_prob": policy.log_prob(action),
+            "value": value[0],
+            "entropy": policy.entropy(),
+        }
+        return action, carry, info
 
 
 class Agent:
@@ -31,6 +67,7 @@ class Agent:
     Attributes:
         card: What it sees and says, its network, where it was trained, its results.
         params: Its variables and its normalisation, as one pytree.
+        policy: How it chooses.
     """
 
     def __init__(self, card: AgentCard, params: Mapping[str, Any]) -> None:
@@ -45,13 +82,7 @@ class Agent:
             "params": jax.tree.map(jnp.asarray, dict(params)),
             "normalisation": from_card(card.normalisation),
         }
-        static_env_params = static_env_params_of_card(card)
-        head = action_head(
-            card.action.type,
-            motor_bindings=static_env_params.num_motor_bindings,
-            thruster_bindings=static_env_params.num_thruster_bindings,
-        )
-        self._network = build_network(card.network, head)
+        self.policy = NetworkPolicy(network_of_card(card))
 
     @property
     def frame_skip(self) -> int:
@@ -60,7 +91,7 @@ class Agent:
 
     def init_carry(self, batch: int) -> Carry:
         """Memory at the start of `batch` episodes."""
-        return initial_carry(batch)
+        return self.policy.init_carry(batch)
 
     def act(
         self,
@@ -85,43 +116,18 @@ class Agent:
         batch = carry[0].shape[0]
         keys = jax.random.split(key, batch)
         done = jnp.zeros(batch, bool) if done is None else jnp.asarray(done)
-        return self._act(self.params, carry, obs, keys, done, deterministic=deterministic)
+        return _decide(
+            self.policy, self.params, carry, obs, keys, done, deterministic=deterministic
+        )
 
-    def decide(
-        self,
-        params: Any,
-        carry: Carry,
-        observation: Any,
-        keys: Array,
-        done: Bool[Array, " n"],
-        *,
-        deterministic: bool = False,
-    ) -> Decision:
-        """See `player.Player`."""
-        carry, policy, value = self._policy(params, carry, observation, done)
-        action = policy.mode() if deterministic else sample_each(policy, keys)
-        info = {
-            "logits": policy.logits,
-            "log_prob": policy.log_prob(action),
-            "value": value,
-            "entropy": policy.entropy(),
-        }
-        return action, carry, info
+    def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
+        """The policy's own `decide`; see `player.Policy`."""
+        return self.policy.decide(*arguments, deterministic=deterministic)
 
-    def _policy(
-        self, params: Any, carry: Carry, observation: Any, done: Array
-    ) -> tuple[Carry, Distribution, Array]:
-        statistics: Normalisation | None = params["normalisation"]
-        inputs = (normalise(statistics, observation), done)
-        inputs = jax.tree.map(lambda x: x[None], inputs)
-        variables = {"params": params["params"]}
-        output: Any = self._network.apply(variables, carry, inputs)
-        carry, policy, value = output
-        return carry, policy.replace(logits=policy.logits[0]), value[0]
 
-    @functools.cached_property
-    def _act(self) -> Callable[..., Decision]:
-        return jax.jit(self.decide, static_argnames="deterministic")
+@functools.partial(jax.jit, static_argnums=0, static_argnames="deterministic")
+def _decide(policy: NetworkPolicy, *arguments: Any, deterministic: bool) -> Decision:
+    return policy.decide(*arguments, deterministic=deterministic)
 
 
 def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None = None) -> Agent:

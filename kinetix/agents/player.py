@@ -2,6 +2,7 @@
 
 from typing import Any, Protocol
 
+import jax
 from jaxtyping import Array
 
 from kinetix.agents.card import AgentCard
@@ -11,21 +12,11 @@ Decision = tuple[Any, Any, dict[str, Array]]
 """Action, the next carry, and what is known about the action."""
 
 
-class Player(Protocol):
-    """Something that chooses actions for a batch of environments.
+class Policy(Protocol):
+    """How actions are chosen: a pure function that is hashable by value.
 
-    `decide` is pure: it can be compiled into a larger loop, with `params` as an argument.
+    Two players with equal policies share compiled code; what differs is in their `params`.
     """
-
-    @property
-    def card(self) -> AgentCard:
-        """What it sees, says and was trained for."""
-        ...
-
-    @property
-    def params(self) -> Any:
-        """Whatever `decide` needs, as a pytree of arrays."""
-        ...
 
     def init_carry(self, batch: int) -> Any:
         """Memory at the start of `batch` episodes."""
@@ -41,10 +32,10 @@ class Player(Protocol):
         *,
         deterministic: bool = False,
     ) -> Decision:
-        """Choose actions.
+        """Choose actions for a batch of environments.
 
         Args:
-            params: As in `params`.
+            params: The player's.
             carry: From `init_carry` or the last call.
             observation: With a leading axis of environments.
             keys: A random key for each environment, so that none depends on its neighbours.
@@ -52,8 +43,28 @@ class Player(Protocol):
             deterministic: Take the likeliest action instead of drawing one.
 
         Returns:
-            Actions, the next carry, and `logits`, `log_prob`, `value`, `entropy`.
+            Actions, the next carry, and, where there is a network, `logits`, `log_prob`, `value`
+            and `entropy`.
         """
+        ...
+
+
+class Player(Protocol):
+    """Something that plays: a policy, the arrays that it needs, and what it was made for."""
+
+    @property
+    def card(self) -> AgentCard:
+        """What it sees, says and was trained for."""
+        ...
+
+    @property
+    def params(self) -> Any:
+        """What its policy needs, as a pytree of arrays."""
+        ...
+
+    @property
+    def policy(self) -> Policy:
+        """How it chooses."""
         ...
 
 
@@ -64,8 +75,6 @@ def sample_each(policy: Distribution, keys: Array) -> Array:
         policy: Distributions with one leading axis.
         keys: As many keys.
     """
-    import jax
-
     made: Any = policy
     return jax.vmap(lambda logits, key: made.replace(logits=logits).sample(key))(
         policy.logits, keys

@@ -1,5 +1,6 @@
 """Players that learnt nothing: doing nothing, and doing anything."""
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -15,33 +16,12 @@ SCRIPTED = ("noop", "random")
 """Names of the scripted players."""
 
 
-class ScriptedPlayer:
-    """Acts without looking.
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ScriptedPolicy:
+    """Acts without looking; see `player.Policy`."""
 
-    Attributes:
-        card: Says what it is; it sees the flat observation, which it ignores.
-        params: Nothing.
-    """
-
-    def __init__(self, name: str, actions: AbstractAction | None = None) -> None:
-        """Make one.
-
-        Args:
-            name: "noop" or "random".
-            actions: The environment's kind of action; by default multi-discrete ones.
-
-        Raises:
-            CheckpointError: Another name.
-        """
-        if name not in SCRIPTED:
-            raise CheckpointError(f"player: expected {' or '.join(SCRIPTED)}, got {name!r}")
-        self._actions = actions or MultiDiscreteActions()
-        self.card = AgentCard(
-            name=name,
-            observation=ObservationCard(type="blind"),
-            action=ActionCard(type=self._actions.name),
-        )
-        self.params: dict[str, Any] = {}
+    actions: AbstractAction
+    random: bool
 
     def init_carry(self, batch: int) -> tuple[()]:
         """Nothing to remember."""
@@ -58,11 +38,50 @@ class ScriptedPlayer:
         *,
         deterministic: bool = False,
     ) -> Decision:
-        """See `player.Player`."""
+        """See `player.Policy`; `deterministic` changes nothing."""
         del params, observation, done, deterministic
-        if self.card.name == "random":
-            action = jax.vmap(self._actions.random_action)(keys)
+        if self.random:
+            action = jax.vmap(self.actions.random_action)(keys)
         else:
-            one = self._actions.noop_action()
+            one = self.actions.noop_action()
             action = jnp.broadcast_to(one, (keys.shape[0], *jnp.shape(one)))
         return action, carry, {}
+
+
+class ScriptedPlayer:
+    """A player that learnt nothing.
+
+    Attributes:
+        card: Says what it is; it ignores what it sees.
+        params: Nothing.
+        policy: How it chooses.
+    """
+
+    def __init__(self, name: str, actions: AbstractAction | None = None) -> None:
+        """Make one.
+
+        Args:
+            name: "noop" or "random".
+            actions: The environment's kind of action; by default multi-discrete ones.
+
+        Raises:
+            CheckpointError: Another name.
+        """
+        if name not in SCRIPTED:
+            raise CheckpointError(f"player: expected {' or '.join(SCRIPTED)}, got {name!r}")
+        actions = actions or MultiDiscreteActions()
+        self.card = AgentCard(
+            name=name,
+            observation=ObservationCard(type="blind"),
+            action=ActionCard(type=actions.name),
+        )
+        self.params: dict[str, Any] = {}
+        self.policy = ScriptedPolicy(actions=actions, random=name == "random")
+
+    def init_carry(self, batch: int) -> tuple[()]:
+        """Nothing to remember."""
+        return self.policy.init_carry(batch)
+
+    def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
+        """The policy's own `decide`; see `player.Policy`."""
+        return self.policy.decide(*arguments, deterministic=deterministic)

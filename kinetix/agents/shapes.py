@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+from flax import linen as nn
 
 from kinetix.agents.arrays import Tree
 from kinetix.agents.card import AgentCard, CapacityCard
@@ -75,6 +76,21 @@ def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
     return jnp.zeros((*axes, *space.shape), space.dtype)
 
 
+def network_of_card(card: AgentCard) -> nn.Module:
+    """The network that an agent's description asks for.
+
+    Args:
+        card: The agent's description.
+    """
+    sizes = card.capacity or _USUAL
+    head = action_head(
+        card.action.type,
+        motor_bindings=sizes.motor_bindings,
+        thruster_bindings=sizes.thruster_bindings,
+    )
+    return build_network(card.network, head)
+
+
 def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
     """Fresh parameters for an agent.
 
@@ -87,14 +103,8 @@ def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
     """
     static_env_params = static_env_params_of_card(card)
     observations = observations_of_card(card, EnvParams(), static_env_params)
-    head = action_head(
-        card.action.type,
-        motor_bindings=static_env_params.num_motor_bindings,
-        thruster_bindings=static_env_params.num_thruster_bindings,
-    )
-    network = build_network(card.network, head)
     inputs = (zero_observation(observations, 1, 1), jnp.zeros((1, 1), bool))
-    variables: Any = network.init(key, initial_carry(1), inputs)
+    variables: Any = network_of_card(card).init(key, initial_carry(1), inputs)
     return variables["params"]
 
 

@@ -1,14 +1,13 @@
 """From a configuration to a network."""
 
-from typing import Any
-
 from flax import linen as nn
 
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.networks.distributions import ActionHead
+from kinetix.agents.networks.heads import HeadOptions
 from kinetix.agents.networks.mlp import FlatNetwork, PermutationInvariantNetwork
 from kinetix.agents.networks.pixels import PixelNetwork
-from kinetix.agents.networks.transformer import EntityTransformer
+from kinetix.agents.networks.transformer import EntityTransformer, LayerOptions
 
 
 def build_network(config: NetworkConfig, head: ActionHead) -> nn.Module:
@@ -25,34 +24,34 @@ def build_network(config: NetworkConfig, head: ActionHead) -> nn.Module:
     return _BUILDERS[config.kind](config, head)
 
 
-def _shared(config: NetworkConfig) -> dict[str, Any]:
-    return {
-        "activation": config.activation,
-        "recurrent": config.recurrent_model,
-        "actor_depth": config.actor_depth,
-        "actor_width": config.actor_width,
-        "critic_depth": config.critic_depth,
-        "critic_width": config.critic_width,
-    }
+def _shared(config: NetworkConfig) -> HeadOptions:
+    return HeadOptions(
+        activation=config.activation,
+        recurrent=config.recurrent_model,
+        actor_depth=config.actor_depth,
+        actor_width=config.actor_width,
+        critic_depth=config.critic_depth,
+        critic_width=config.critic_width,
+    )
 
 
 def _transformer(config: NetworkConfig, head: ActionHead) -> nn.Module:
-    layers = {
-        "depth": config.transformer_depth,
-        "size": config.transformer_size,
-        "ffn": config.transformer_ffn,
-        "dropout": config.dropout_prob,
-        "mixing": config.multilayer_joint_thruster_mixing,
-        "mixing_layers": config.joint_thruster_block_num_layers,
-        "mixing_multiplication": config.joint_thruster_block_hidden_dim_multiplication,
-    }
+    layers = LayerOptions(
+        depth=config.transformer_depth,
+        size=config.transformer_size,
+        num_heads=config.num_heads,
+        ffn=config.transformer_ffn,
+        dropout=config.dropout_prob,
+        mixing=config.multilayer_joint_thruster_mixing,
+        mixing_layers=config.joint_thruster_block_num_layers,
+        mixing_multiplication=config.joint_thruster_block_hidden_dim_multiplication,
+    )
     return EntityTransformer(
         activation=config.activation,
         encoder_size=config.transformer_encoder_size,
         full_attention_mask=config.full_attention_mask,
         aggregate_mode=config.aggregate_mode,
         legacy_entity_id=config.legacy_entity_id,
-        num_heads=config.num_heads,
         layers=layers,
         shared=_shared(config),
         head=head,

@@ -1,5 +1,6 @@
 """The part that all networks share: optional memory, then an actor and a critic."""
 
+import dataclasses
 from collections.abc import Callable
 
 import jax
@@ -40,6 +41,18 @@ class DenseAndActivation(nn.Module):
         return ACTIVATIONS[self.activation](dense(self.features, name="Dense_0")(x))
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class HeadOptions:
+    """Options of the shared part; see `config.NetworkConfig`."""
+
+    activation: str
+    recurrent: bool
+    actor_depth: int
+    actor_width: int
+    critic_depth: int
+    critic_width: int
+
+
 class ActorCriticHead(nn.Module):
     """Optional GRU, then a stack of layers for the policy and one for the value.
 
@@ -47,13 +60,8 @@ class ActorCriticHead(nn.Module):
     from the actor's.
     """
 
+    options: HeadOptions
     head: ActionHead
-    activation: str
-    recurrent: bool
-    actor_depth: int
-    actor_width: int
-    critic_depth: int
-    critic_width: int
 
     @nn.compact
     def __call__(
@@ -69,15 +77,16 @@ class ActorCriticHead(nn.Module):
             embeddings: One embedding for both, or one for the actor and one for the critic.
             dones: Where true, the recurrent state is zeroed before that step.
         """
-        if self.recurrent:
+        options = self.options
+        if options.recurrent:
             carry, embeddings = self._remember(carry, embeddings, dones)
         actor, critic = embeddings[0], embeddings[-1]
-        for index in range(self.actor_depth):
+        for index in range(options.actor_depth):
             name = f"DenseAndActivation_{index}"
-            actor = DenseAndActivation(self.actor_width, self.activation, name=name)(actor)
-        for index in range(self.critic_depth):
-            name = f"DenseAndActivation_{self.actor_depth + index}"
-            critic = DenseAndActivation(self.critic_width, self.activation, name=name)(critic)
+            actor = DenseAndActivation(options.actor_width, options.activation, name=name)(actor)
+        for index in range(options.critic_depth):
+            name = f"DenseAndActivation_{options.actor_depth + index}"
+            critic = DenseAndActivation(options.critic_width, options.activation, name=name)(critic)
         # A small last layer: the first policy is close to uniform.
         logits = dense(self.head.dimension, gain=0.01, name="Dense_0")(actor)
         value = dense(1, gain=1.0, name="Dense_1")(critic)

@@ -8,7 +8,7 @@ from flax import linen as nn
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, Output, dense
+from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, HeadOptions, Output, dense
 from kinetix.agents.networks.recurrent import Carry
 
 KINDS = 4
@@ -19,7 +19,7 @@ class FlatNetwork(nn.Module):
     """One layer over a flat observation, then the shared head."""
 
     width: int
-    shared: dict[str, Any]
+    shared: HeadOptions
     head: ActionHead
 
     @nn.compact
@@ -35,7 +35,7 @@ class FlatNetwork(nn.Module):
         observation, dones = inputs
         # relu whatever the activation of the rest: so published networks were trained.
         embedding = jax.nn.relu(dense(self.width, name="Dense_0")(observation))
-        shared = ActorCriticHead(head=self.head, name="GeneralActorCriticRNN_0", **self.shared)
+        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
         return shared(carry, (embedding,), dones)
 
 
@@ -68,7 +68,7 @@ class PermutationInvariantNetwork(nn.Module):
     embedding_size: int
     encoder_size: int
     separate: bool
-    shared: dict[str, Any]
+    shared: HeadOptions
     head: ActionHead
 
     @nn.compact
@@ -85,7 +85,7 @@ class PermutationInvariantNetwork(nn.Module):
             activation(MultiHeadDense(self.num_heads, features, name=f"MultiHeadDense_{i}")(rows))
             for i in range(2 if self.separate else 1)
         )
-        shared = ActorCriticHead(head=self.head, name="GeneralActorCriticRNN_0", **self.shared)
+        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
         return shared(carry, embeddings, dones)
 
     def _encode(self, observation: Any) -> Float[Array, "k n e f"]:

@@ -8,7 +8,7 @@ from flax import linen as nn
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ActorCriticHead, Output
+from kinetix.agents.networks.heads import ActorCriticHead, HeadOptions, Output
 from kinetix.agents.networks.recurrent import Carry
 
 _STAGES = (64, 128, 256, 512)
@@ -69,7 +69,7 @@ class PixelNetwork(nn.Module):
     """A convolutional encoder, gravity beside it, then the shared head."""
 
     mode: str
-    shared: dict[str, Any]
+    shared: HeadOptions
     head: ActionHead
 
     @nn.compact
@@ -83,5 +83,5 @@ class PixelNetwork(nn.Module):
         flat = image.reshape(-1, *image.shape[-3:])
         features = _ENCODERS[self.mode](flat).reshape(*image.shape[:-3], -1)
         embedding = jnp.concatenate([features, observation.global_info], axis=-1)
-        shared = ActorCriticHead(head=self.head, name="GeneralActorCriticRNN_0", **self.shared)
+        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
         return shared(carry, (embedding,), dones)

@@ -4,6 +4,7 @@ The heads are relational: each quarter of them sees one kind of neighbour (every
 jointed assembly, directly jointed bodies, bodies in contact).
 """
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -12,7 +13,7 @@ from flax import linen as nn
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, Output, dense
+from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, HeadOptions, Output, dense
 from kinetix.agents.networks.recurrent import Carry
 
 MASK_PLANES = 4
@@ -39,29 +40,41 @@ class Gate(nn.Module):
         return (1 - update) * x + update * candidate
 
 
-class TransformerLayer(nn.Module):
-    """Masked self-attention and a linear (or two-layer) block, each behind a gate."""
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LayerOptions:
+    """Options of the layers; see `config.NetworkConfig`."""
 
+    depth: int
     size: int
     num_heads: int
     ffn: bool
     dropout: float
+    mixing: bool
+    mixing_layers: int
+    mixing_multiplication: int
+
+
+class TransformerLayer(nn.Module):
+    """Masked self-attention and a linear (or two-layer) block, each behind a gate."""
+
+    options: LayerOptions
 
     @nn.compact
     def __call__(
         self, x: Float[Array, "*n e f"], mask: Bool[Array, "*n h e e"], *, train: bool
     ) -> Float[Array, "*n e f"]:
         """Update the tokens; head `h` of token i sees token j where `mask[h, i, j]`."""
+        options = self.options
         attention = nn.MultiHeadDotProductAttention(
-            num_heads=self.num_heads, qkv_features=self.size, name="attention1"
+            num_heads=options.num_heads, qkv_features=options.size, name="attention1"
         )
         y = attention(nn.LayerNorm(name="ln1")(x), mask=mask)
         x = Gate(name="gate1")(x, jax.nn.relu(y))
         e = nn.LayerNorm(name="ln2")(x)
         width = x.shape[-1]
-        if self.ffn:
+        if options.ffn:
             e = jax.nn.relu(nn.Dense(4 * width, name="dense1")(e))
-            e = nn.Dropout(self.dropout, deterministic=not train)(e)
+            e = nn.Dropout(options.dropout, deterministic=not train)(e)
             e = nn.Dense(width, name="dense2")(e)
         else:
             e = nn.Dense(width, name="dense1")(e)
@@ -87,14 +100,7 @@ class MessageBlock(nn.Module):
 class Transformer(nn.Module):
     """Layers of attention, each followed by the messages of joints and thrusters."""
 
-    depth: int
-    size: int
-    num_heads: int
-    ffn: bool
-    dropout: float
-    mixing: bool
-    mixing_layers: int
-    mixing_multiplication: int
+    options: LayerOptions
 
     @nn.compact
     def __call__(
@@ -116,10 +122,8 @@ class Transformer(nn.Module):
             train: Whether dropout acts.
         """
         width = tokens.shape[-1]
-        for index in range(self.depth):
-            layer = TransformerLayer(
-                self.size, self.num_heads, self.ffn, self.dropout, name=f"tf_layers_{index}"
-            )
+        for index in range(self.options.depth):
+            layer = TransformerLayer(self.options, name=f"tf_layers_{index}")
             x = layer(tokens, mask, train=train)
             # Both kinds of message are computed from x and only then added.
             tokens = (
@@ -130,8 +134,11 @@ class Transformer(nn.Module):
         return tokens
 
     def _message(self, name: str, width: int) -> nn.Module:
-        if self.mixing:
-            return MessageBlock(self.mixing_layers, self.mixing_multiplication, width, name=name)
+        options = self.options
+        if options.mixing:
+            return MessageBlock(
+                options.mixing_layers, options.mixing_multiplication, width, name=name
+            )
         return nn.Dense(width, name=name)
 
 
@@ -174,9 +181,8 @@ class EntityTransformer(nn.Module):
     full_attention_mask: bool
     aggregate_mode: str
     legacy_entity_id: bool
-    num_heads: int
-    layers: dict[str, Any]
-    shared: dict[str, Any]
+    layers: LayerOptions
+    shared: HeadOptions
     head: ActionHead
 
     @nn.compact
@@ -188,7 +194,7 @@ class EntityTransformer(nn.Module):
         tokens, active = self._tokens(observation)
         mask = self._mask(observation, active)
         joints, thrusters = self._messages(observation, tokens.shape[-2])
-        transformer = Transformer(num_heads=self.num_heads, name="Transformer_0", **self.layers)
+        transformer = Transformer(self.layers, name="Transformer_0")
         tokens = transformer(tokens, mask, joints, thrusters, train=train)
         if self.aggregate_mode == "dummy":
             embedding = tokens[..., 0, :]
@@ -197,7 +203,7 @@ class EntityTransformer(nn.Module):
             total = jnp.einsum("...e,...ef->...f", weight, tokens)
             # At least one: a scene without bodies gives zeros, not NaN.
             embedding = total / jnp.maximum(jnp.sum(weight, axis=-1, keepdims=True), 1.0)
-        shared = ActorCriticHead(head=self.head, name="GeneralActorCriticRNN_0", **self.shared)
+        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
         return shared(carry, (embedding,), dones)
 
     @property
@@ -233,7 +239,7 @@ class EntityTransformer(nn.Module):
         if self._has_dummy:
             front = [(0, 0)] * (planes.ndim - 2) + [(1, 0), (1, 0)]
             planes = jnp.pad(planes, front, constant_values=True)
-        return jnp.repeat(planes & both, self.num_heads // MASK_PLANES, axis=-3)
+        return jnp.repeat(planes & both, self.layers.num_heads // MASK_PLANES, axis=-3)
 
     def _messages(self, observation: Any, tokens: int) -> tuple[Messages, Messages]:
         """Embedded joint and thruster rows; body numbers are shifted by one for the dummy."""

@@ -1,0 +1,106 @@
+"""Results of an evaluation: per level, over all levels, by group. Free of JAX."""
+
+import dataclasses
+import math
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import Any, Final
+
+_WILSON_Z: Final = 1.959964
+"""Standard normal quantile of a 95 % interval."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LevelResult:
+    """How a player did on one level. Only the first episode of an attempt counts."""
+
+    level: str
+    attempts: int
+    solved: int
+    """Attempts that ended with green touching blue."""
+    mean_return: float
+    """Mean reward of an episode, the distance reward included."""
+    mean_length: float
+    """Mean number of environment steps."""
+
+    @property
+    def solve_rate(self) -> float:
+        """Share of solved attempts."""
+        return self.solved / self.attempts
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """95 % interval of the solve rate."""
+        return wilson(self.solved, self.attempts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The line that `kinetix eval --json` prints."""
+        low, high = self.bounds
+        return {
+            "level": self.level,
+            "solve_rate": self.solve_rate,
+            "low": low,
+            "high": high,
+            "attempts": self.attempts,
+            "mean_return": self.mean_return,
+            "mean_length": self.mean_length,
+        }
+
+
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """95 % interval of a probability.
+
+    Args:
+        successes: How often it happened.
+        trials: How often it was tried; at least 1.
+
+    Source: Wilson, "Probable Inference, the Law of Succession, and Statistical Inference" (1927).
+    """
+    share, z2 = successes / trials, _WILSON_Z**2
+    centre = (share + z2 / (2 * trials)) / (1 + z2 / trials)
+    variance = share * (1 - share) / trials + z2 / (4 * trials**2)
+    half = _WILSON_Z * math.sqrt(variance) / (1 + z2 / trials)
+    return max(centre - half, 0.0), min(centre + half, 1.0)
+
+
+def summarise(results: Sequence[LevelResult]) -> dict[str, Any]:
+    """Means over levels, every level counting the same.
+
+    Args:
+        results: At least one.
+
+    Returns:
+        `mean_solve_rate`, `best_of_k` (share of levels solved at least once), `groups` (mean solve
+        rate by group) and `levels` (how many).
+    """
+    groups: dict[str, list[float]] = defaultdict(list)
+    for result in results:
+        for group in groups_of(result.level):
+            groups[group].append(result.solve_rate)
+    return {
+        "mean_solve_rate": _mean([result.solve_rate for result in results]),
+        "best_of_k": _mean([float(result.solved > 0) for result in results]),
+        "groups": {name: _mean(rates) for name, rates in sorted(groups.items())},
+        "levels": len(results),
+    }
+
+
+def groups_of(name: str) -> tuple[str, ...]:
+    """The metric groups of a level: by folder, and by folder and first word of its name.
+
+    Args:
+        name: `folder/word_rest`; digits in the word do not count, `h` and `r` mean handmade and
+            random.
+    """
+    if "/" not in name:
+        return ()
+    folder, rest = name.rsplit("/", 1)
+    folder = folder.rsplit("/", 1)[-1]
+    word = re.sub(r"\d", "", rest.split("_", 1)[0])
+    word = {"h": "handmade", "r": "random"}.get(word, word)
+    return (f"{folder}_all", f"{folder}_{word}") if word else (f"{folder}_all",)
+
+
+def _mean(values: Sequence[float]) -> float:
+    return math.fsum(values) / len(values)

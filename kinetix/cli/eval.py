@@ -1,0 +1,92 @@
+"""Measure an agent on levels: solve rates with 95 % bounds, a line a level, then the means."""
+
+import dataclasses
+import json
+import sys
+from typing import Annotated, Any
+
+import tyro
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Eval:
+    """How often a player solves each of some levels."""
+
+    agent: Annotated[str, tyro.conf.arg(metavar="DIR|noop|random")]
+    """Directory of an agent or of a training run, or noop, or random."""
+    levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
+    """Folders of levels, level files, names of bundled levels, level sets."""
+    attempts: int = 20
+    """Independent episodes a level."""
+    seed: int = 0
+    """Equal seeds give equal results."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
+    json: bool = False
+    """Print JSON lines."""
+
+
+def run(command: Eval) -> int:
+    """Play everything, print a line a level and the summary; always 0."""
+    # Imported here, so that a wrong command line fails before JAX loads.
+    from kinetix.agents.agent import load_agent
+    from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+    from kinetix.agents.results import summarise
+    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.errors import KinetixError
+    from kinetix.level.sets import gather_levels
+
+    if command.attempts < 1:
+        raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
+    levels = [
+        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
+        for level in gather_levels(command.levels)
+    ]
+    name = command.agent
+    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    settings = Settings(
+        attempts=command.attempts,
+        seed=command.seed,
+        physics=command.physics,
+        deterministic=command.deterministic,
+    )
+    results = ()
+    for progress in evaluate(player, levels, settings):
+        _report(progress.done, progress.total)
+        results = progress.results
+    for result in results:
+        _print_level(result.as_dict(), as_json=command.json)
+    summary = summarise(results) | {"physics": command.physics, "agent": player.card.name}
+    _print_summary(summary, as_json=command.json)
+    return 0
+
+
+def _report(done: int, total: int) -> None:
+    if sys.stderr.isatty():
+        end = "\n" if done == total else ""
+        print(f"\r{done} of {total} episodes", end=end, file=sys.stderr, flush=True)
+
+
+def _print_level(row: dict[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(row))
+        return
+    print(
+        f"{row['level']:32} {row['solve_rate']:5.2f}  [{row['low']:.2f}, {row['high']:.2f}]  "
+        f"return {row['mean_return']:6.3f}  length {row['mean_length']:5.1f}"
+    )
+
+
+def _print_summary(summary: dict[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(summary))
+        return
+    for group, rate in summary["groups"].items():
+        print(f"  {group:30} {rate:5.2f}")
+    print(
+        f"{summary['agent']} under {summary['physics']}: mean solve rate "
+        f"{summary['mean_solve_rate']:.3f} over {summary['levels']} levels, "
+        f"{summary['best_of_k']:.2f} of them solved at least once"
+    )

@@ -1,0 +1,157 @@
+"""Evaluation: protocol, equal seeds, refusals, and the published agent's published numbers."""
+
+import json
+
+import jax
+import pytest
+
+from kinetix.agents.agent import Agent, load_agent
+from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
+from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+from kinetix.agents.networks.config import NetworkConfig
+from kinetix.agents.results import summarise
+from kinetix.agents.scripted import ScriptedPlayer
+from kinetix.agents.shapes import init_parameters
+from kinetix.cli import main
+from kinetix.errors import CheckpointError
+from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
+
+_FAST = Settings(attempts=3, physics="jax2d")
+
+
+def _falling(height: float, goal: str = "blue") -> Level:
+    """A green ball above a plate: it falls onto it by itself."""
+    plate = Polygon(vertices=((-0.5, -0.1), (0.5, -0.1), (0.5, 0.1), (-0.5, 0.1)))
+    return Level(
+        name=f"falling {height} {goal}",
+        max_timesteps=40,
+        next_id=3,
+        bodies=(
+            Body(id=1, shape=Circle(radius=0.2), position=(2.5, height), role="green"),
+            Body(id=2, shape=plate, position=(2.5, 0.5), fixed=True, role=goal),
+        ),
+    )
+
+
+LEVELS = [
+    NamedLevel(name="a/near", source=_falling(1.5)),
+    NamedLevel(name="a/deadly", source=_falling(1.6, "red")),
+    NamedLevel(name="a/nothing", source=_falling(1.7, "none")),
+]
+
+
+def _last(progress):
+    *_, last = progress
+    return last
+
+
+def test_outcomes_of_episodes():
+    results = _last(evaluate(ScriptedPlayer("noop"), LEVELS, _FAST)).results
+    assert [result.solve_rate for result in results] == [1.0, 0.0, 0.0]
+    near, deadly, nothing = results
+    assert nothing.mean_length == 40
+    assert near.mean_length < deadly.mean_length < 40
+    assert near.mean_return > 0.9
+    assert deadly.mean_return < -0.9
+
+
+def test_progress_grows_and_can_be_stopped():
+    generator = evaluate(ScriptedPlayer("noop"), LEVELS, _FAST)
+    first = next(generator)
+    assert (first.done, first.total, first.results) == (0, 9, ())
+    generator.close()
+    assert list(generator) == []
+
+
+_CRANE = Level(
+    name="crane",
+    max_timesteps=60,
+    next_id=5,
+    bodies=(
+        Body(id=1, shape=Circle(radius=0.3), position=(2.0, 1.5), fixed=True),
+        Body(id=2, shape=Circle(radius=0.2), position=(2.5, 1.5), role="green"),
+        Body(id=3, shape=Circle(radius=0.2), position=(2.0, 2.2), fixed=True, role="blue"),
+    ),
+    joints=(
+        Joint(
+            id=4,
+            kind="revolute",
+            a=1,
+            b=2,
+            anchor_a=(0.0, 0.0),
+            anchor_b=(-0.5, 0.0),
+            motor=Motor(binding=0),
+        ),
+    ),
+)
+
+
+def test_equal_seeds_give_equal_results_whatever_else_is_played():
+    player = ScriptedPlayer("random")
+    crane = NamedLevel(name="crane", source=_CRANE)
+    settings = Settings(attempts=30, physics="jax2d", seed=4)
+    alone = _last(evaluate(player, [crane], settings)).results[0]
+    among = _last(evaluate(player, [*LEVELS, crane], settings)).results[3]
+    other = Settings(attempts=30, physics="jax2d", seed=5)
+    assert alone == among
+    assert _last(evaluate(player, [crane], other)).results[0] != alone
+
+
+def _flat_agent():
+    card = AgentCard(
+        name="flat",
+        observation=ObservationCard(type="symbolic_flat"),
+        network=NetworkConfig(kind="flat_mlp", actor_depth=1, critic_depth=1, actor_width=8),
+        capacity=CapacityCard(polygons=5, circles=2, joints=1, thrusters=1),
+    )
+    return Agent(card, init_parameters(card, jax.random.key(0)))
+
+
+def test_an_agent_of_one_capacity_says_which_level_is_too_large():
+    with pytest.raises(CheckpointError, match=r"sees exactly 5 polygons, 2 circles.*crane with 6"):
+        list(evaluate(_flat_agent(), [NamedLevel(name="crane", source=_CRANE)], _FAST))
+
+
+def test_a_flat_agent_plays_with_its_own_sizes():
+    result = _last(evaluate(_flat_agent(), LEVELS[:1], _FAST)).results[0]
+    assert result.solve_rate == 1.0
+
+
+def test_the_command_prints_a_line_a_level_and_the_summary(tmp_path, capsys):
+    from kinetix.level.codec import save_level
+
+    (tmp_path / "a").mkdir()
+    for level in LEVELS[:2]:
+        save_level(level.source, tmp_path / "a" / f"{level.name[2:]}.json")
+    arguments = ["eval", "--agent", "noop", "--levels", str(tmp_path), "--attempts", "2", "--json"]
+    assert main([*arguments, "--physics", "jax2d"]) == 0
+    *lines, summary = map(json.loads, capsys.readouterr().out.splitlines())
+    assert [line["level"] for line in lines] == ["a/deadly", "a/near"]
+    assert [line["solve_rate"] for line in lines] == [0.0, 1.0]
+    assert set(lines[0]) == {
+        "level",
+        "solve_rate",
+        "low",
+        "high",
+        "attempts",
+        "mean_return",
+        "mean_length",
+    }
+    assert summary["mean_solve_rate"] == 0.5
+    assert (summary["physics"], summary["agent"], summary["levels"]) == ("jax2d", "noop", 2)
+
+
+@pytest.mark.peer
+@pytest.mark.slow
+@pytest.mark.parametrize("size", ["s", "m", "l"])
+def test_the_published_agent_solves_as_often_as_published(peer, size):
+    agent = load_agent(peer / "agents" / "paper-general")
+    with (peer / "agents" / "paper-general" / "solve_rates.json").open() as file:
+        published = json.load(file)["mean"][size]
+    levels = [
+        NamedLevel(name=f"{size}/{path.stem}", source=str(path))
+        for path in sorted((peer / "levels" / size).glob("*.json"))
+    ]
+    results = _last(evaluate(agent, levels, Settings(physics="jax2d"))).results
+    assert len(results) == len(levels)
+    assert summarise(results)["mean_solve_rate"] == pytest.approx(published, abs=0.05)
