@@ -1,0 +1,241 @@
+"""Draw a level as a picture (PNG), or as a film of an episode (GIF, MP4)."""
+
+import dataclasses
+import itertools
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import tyro
+from tyro.conf import Positional
+
+from kinetix.errors import KinetixError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from PIL import Image
+
+    from kinetix.agents.player import Player
+    from kinetix.environment.env import KinetixEnv
+    from kinetix.environment.state import EnvState
+
+FILMS: Final = (".gif", ".mp4")
+SMALLEST, LARGEST = 16, 4096
+"""Sides of a picture [px]."""
+TAIL: Final = 15
+"""How often a film repeats its last frame, so that the end can be seen."""
+FRAME_RATE: Final = 30
+"""Environment steps in a second, and pictures of a film."""
+KEYS: Final = (("left", "right"), ("up", "down"), ("W", "S"), ("A", "D"), ("1", ""), ("2", ""))
+"""The editor's keys for the entries of a unified action: positive, negative."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Render:
+    """Draw a level, still or played."""
+
+    level: Annotated[str, Positional, tyro.conf.arg(metavar="LEVEL")]
+    """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
+    out: Annotated[Path, Positional, tyro.conf.arg(metavar="OUT")]
+    """Picture (.png) or film (.gif, .mp4) to write."""
+    agent: str = "noop"
+    """Who plays: directory of an agent, noop, random, or solution (what the level records)."""
+    steps: int | None = None
+    """Environment steps to play: for a picture 0, for a film until the episode ends."""
+    pixels: int = 500
+    """Width and height."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    seed: int = 0
+    """Seed of the agent's draws."""
+    overlay: bool = False
+    """Write step, controls and outcome on the picture."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Moment:
+    """An episode after some steps."""
+
+    state: "EnvState"
+    step: int
+    action: tuple[float, ...]
+    """The unified action that led here: four motors, two thrusters."""
+    outcome: str
+    """won, lost, timeout, or nothing while the episode goes on."""
+
+
+def run(command: Render) -> int:
+    """Play, draw, write.
+
+    Raises:
+        KinetixError: The file's ending is unknown, an option is out of range, an extra is missing.
+        LevelError: The level is bad.
+        CheckpointError: The agent is bad.
+    """
+    kind = command.out.suffix.lower()
+    if kind not in (".png", *FILMS):
+        raise KinetixError(f"{command.out}: expected a file that ends in .png, .gif or .mp4")
+    if not SMALLEST <= command.pixels <= LARGEST:
+        raise KinetixError(
+            f"--pixels {command.pixels}: expected a number from {SMALLEST} to {LARGEST}"
+        )
+    if command.steps is not None and command.steps < 0:
+        raise KinetixError(f"--steps {command.steps}: expected a number from 0")
+    if kind == ".mp4":
+        _ffmpeg()  # fail before playing, not after
+    moments = _moments(command)
+    command.out.parent.mkdir(parents=True, exist_ok=True)
+    if kind in FILMS:
+        frames = [_picture(moment, command) for moment in moments]
+        frames += frames[-1:] * TAIL
+        (_save_gif if kind == ".gif" else _save_mp4)(command.out, frames)
+    else:
+        *_, last = moments
+        _picture(last, command).save(command.out)
+    print(command.out)
+    return 0
+
+
+def _moments(command: Render) -> Iterator[Moment]:
+    """The episode as far as it is asked for, its start included."""
+    from kinetix.agents.agent import load_agent
+    from kinetix.agents.evaluate import environment_for
+    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.environment.reset import level_state
+    from kinetix.level.codec import load_document
+    from kinetix.level.sizes import capacity_of
+
+    document = load_document(command.level)
+    source, solution = document.source, document.level.solution
+    recorded: Iterator[Any] = iter(())
+    player: Player
+    if command.agent == "solution":
+        if solution is None:
+            raise KinetixError(f"{command.level}: this level records no solution")
+        recorded, player = solution.unrolled(), ScriptedPlayer("noop")
+    elif command.agent in SCRIPTED:
+        player = ScriptedPlayer(command.agent)
+    else:
+        player = load_agent(command.agent)
+    capacity = capacity_of(document.level) if source is None else source.capacity
+    env = environment_for(player, capacity, physics=command.physics)
+    steps = command.steps
+    if steps is None:
+        steps = document.level.max_timesteps if command.out.suffix.lower() in FILMS else 0
+    start = level_state(command.level, env.static_env_params)
+    moments = _episode(env, start, player, seed=command.seed, recorded=recorded)
+    return itertools.islice(moments, steps + 1)
+
+
+def _episode(
+    env: "KinetixEnv", start: "EnvState", player: "Player", *, seed: int, recorded: Iterator[Any]
+) -> Iterator[Moment]:
+    """Play until the episode ends; recorded actions go before the player's own."""
+    import jax
+    import jax.numpy as jnp
+
+    key = jax.random.key(seed)
+    observation, state = env.reset(key, None, start)
+    carry = player.policy.init_carry(1)
+    decide = jax.jit(player.policy.decide)
+    begins = jnp.ones(1, bool)
+    yield Moment(state=state, step=0, action=(0.0,) * len(KEYS), outcome="")
+    for step in itertools.count(1):
+        keys = jax.random.split(jax.random.fold_in(key, step), 1)
+        seen = jax.tree.map(lambda x: x[None], observation)
+        actions, carry, _ = decide(player.params, carry, seen, keys, begins)
+        begins = jnp.zeros(1, bool)
+        chosen = jax.tree.map(lambda x: x[0], actions)
+        action = jnp.asarray(next(recorded, chosen))
+        observation, state, _, done, info = env.step(key, state, action)
+        unified = tuple(float(value) for value in env.actions.unified(action))
+        outcome = ""
+        if done:
+            outcome = "won" if info["GoalR"] else "lost" if info["terminated"] else "timeout"
+        yield Moment(state=state, step=step, action=unified, outcome=outcome)
+        if done:
+            return
+
+
+def _picture(moment: Moment, command: Render) -> "Image.Image":
+    """One frame."""
+    from PIL import Image
+
+    picture = Image.fromarray(_drawn(moment.state, command.pixels))
+    if command.overlay:
+        _write_overlay(picture, moment)
+    return picture
+
+
+def _drawn(state: "EnvState", pixels: int) -> "np.ndarray":
+    import jax
+    import numpy as np
+
+    from kinetix.render.camera import fit_arena
+    from kinetix.render.scene import draw
+
+    drawing = jax.jit(draw, static_argnames=("width", "height"))
+    labels = state.labels
+    return np.asarray(
+        drawing(
+            state.world,
+            state.physics,
+            labels.role,
+            labels.motor_binding,
+            labels.thruster_binding,
+            fit_arena(pixels, pixels),
+            width=pixels,
+            height=pixels,
+        )
+    )
+
+
+def _write_overlay(picture: "Image.Image", moment: Moment) -> None:
+    from PIL import ImageDraw
+
+    draw = ImageDraw.Draw(picture, "RGBA")
+    size = max(picture.width // 36, 9)
+    held = [keys[value < 0] for keys, value in zip(KEYS, moment.action, strict=False) if value]
+    words = [f"step {moment.step}", *held, moment.outcome]
+    text = "  ".join(word for word in words if word)
+    box = draw.textbbox((size, size // 2), text, font_size=size)
+    margin = size // 3
+    draw.rectangle(
+        (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin), (0, 0, 0, 150)
+    )
+    draw.text((size, size // 2), text, fill=(255, 255, 255, 255), font_size=size)
+
+
+def _save_gif(path: Path, frames: list["Image.Image"]) -> None:
+    first, *rest = (frame.quantize(128) for frame in frames)
+    # GIFs count hundredths of a second; three frames last a tenth, as three steps do.
+    durations = [duration for duration, _ in zip(itertools.cycle((30, 40, 30)), frames)]
+    first.save(path, save_all=True, append_images=rest, duration=durations, loop=0, optimize=True)
+
+
+def _ffmpeg() -> str:
+    """The program that writes films."""
+    try:
+        import imageio_ffmpeg
+    except ImportError:
+        raise KinetixError(
+            "MP4 files need the extra video: pip install 'kinetix-editor[video]'"
+        ) from None
+    return imageio_ffmpeg.get_ffmpeg_exe()
+
+
+def _save_mp4(path: Path, frames: list["Image.Image"]) -> None:
+    width, height = frames[0].size
+    source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {FRAME_RATE} -i -".split()
+    # The usual colour layout needs even sides.
+    target = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", str(path)]
+    # Not through imageio's own writer: it forks by hand, which JAX's threads do not survive safely.
+    done = subprocess.run(
+        [_ffmpeg(), "-y", "-loglevel", "error", *source, *target],
+        input=b"".join(frame.tobytes() for frame in frames),
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode:
+        raise KinetixError(f"{path}: ffmpeg failed: {done.stderr.decode(errors='replace').strip()}")

@@ -1,0 +1,61 @@
+import re
+
+import pytest
+from PIL import Image
+
+from kinetix.cli import main
+
+
+def test_a_still_shows_the_start_without_playing(tmp_path, capsys):
+    out = tmp_path / "pictures" / "level.png"
+    assert main(["render", "s/first_flight", str(out), "--pixels", "100"]) == 0
+    assert capsys.readouterr().out == f"{out}\n"
+    with Image.open(out) as picture:
+        assert picture.size == (100, 100)
+        assert picture.convert("RGB").getpixel((50, 10)) == (255, 255, 255)
+        # The green box stands on the floor at the left.
+        red, green, blue = picture.convert("RGB").getpixel((17, 86))
+        assert green > red + 50
+        assert green > blue + 50
+
+
+@pytest.mark.slow
+def test_a_film_has_a_frame_a_step_and_a_tail(tmp_path):
+    out = tmp_path / "level.gif"
+    arguments = ["--agent", "random", "--steps", "5", "--pixels", "50", "--overlay"]
+    assert main(["render", "s/goalkeeper", str(out), *arguments, "--physics", "jax2d"]) == 0
+    with Image.open(out) as film:
+        durations = []
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            durations.append(film.info["duration"])
+    # Equal frames are merged by the writer, so time is what counts: 6 moments and a tail of 15.
+    assert sum(durations) == pytest.approx(21 * 1000 / 30, abs=25)
+
+
+@pytest.mark.slow
+def test_a_video_of_odd_size_can_be_written(tmp_path):
+    pytest.importorskip("imageio_ffmpeg")
+    out = tmp_path / "level.mp4"
+    arguments = ["--steps", "2", "--pixels", "51", "--physics", "jax2d"]
+    assert main(["render", "s/goalkeeper", str(out), *arguments]) == 0
+    assert out.stat().st_size > 500
+    assert out.read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["s/first_flight", "level.jpg"], "level.jpg: expected a file that ends in .png, .gif or"),
+        (["s/first_flight", "level.png", "--pixels", "5"], "--pixels 5: expected a number from 16"),
+        (["s/first_flight", "level.png", "--steps", "-1"], "--steps -1: expected a number from 0"),
+        (["s/first_flight", "level.png", "--physics", "magic"], "unknown physics 'magic'"),
+        (["s/no_such_level", "level.png"], "no_such_level"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_in_one_sentence(arguments, sentence, capsys):
+    assert main(["render", *arguments]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert re.search(re.escape(sentence), captured.err)
+    assert captured.err.count("\n") == 1
