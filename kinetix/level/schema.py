@@ -114,12 +114,10 @@ def _check_union(value: Any, kind: Any, path: str, faults: FaultCollector) -> No
         if tagged:
             _check_tagged(value, tagged, path, faults)
             return
+    fitting = {str: (inspect.LiteralType, inspect.StrType), int: (inspect.IntType,)}
     for part in parts:
-        if isinstance(part, inspect.LiteralType) and isinstance(value, str):
-            _check_literal(value, part, path, faults)
-            return
-        if isinstance(part, inspect.IntType) and type(value) is int:
-            _check_integer(value, part, path, faults)
+        if isinstance(part, fitting.get(type(value), ())):
+            _check(value, part, path, faults)
             return
     faults.expect("E006", path, " or ".join(dict.fromkeys(map(_name, parts))), value)
 

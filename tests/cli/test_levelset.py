@@ -1,0 +1,109 @@
+"""`kinetix levelset`; the playing of `verify` stands in for itself here."""
+
+import json
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+from kinetix.cli import main
+from kinetix.level.codec import load_level, save_level
+from kinetix.level.sets import load_set
+
+CART = Path(__file__).parents[1] / "level" / "fixtures" / "v1" / "cart_and_bell.json"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    cart = load_level(CART)
+    for k in range(5):
+        save_level(cart.replace(max_timesteps=100 + k), tmp_path / f"c{k}.json")
+    return tmp_path
+
+
+def test_build_and_split(folder, capsys):
+    out = folder / "set.json"
+    save_level(load_level(folder / "c0.json").replace(name="double"), folder / "d.json")
+    assert main(["levelset", "build", str(out), "--levels", str(folder), "--seed", "4"]) == 0
+    assert (
+        "5 levels, 4 train, 1 eval, 1 left out because they equal others" in capsys.readouterr().out
+    )
+    before = [each.split for each in load_set(out).levels]
+    assert main(["levelset", "split", str(out), "--seed", "1", "--split", "0.4"]) == 0
+    after = [each.split for each in load_set(out).levels]
+    assert after.count("train") == 2
+    assert before.count("train") == 4
+    assert load_set(out).manifest.seed == 1
+
+
+def test_an_inline_set_stands_alone(folder, tmp_path_factory, capsys):
+    out = tmp_path_factory.mktemp("elsewhere") / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0
+    for path in folder.glob("*.json"):
+        path.unlink()
+    assert len(load_set(out).levels) == 5
+    assert main(["levelset", "split", str(out), "--seed", "7"]) == 0
+    assert len(load_set(out).levels) == 5
+
+
+@pytest.fixture
+def outcomes(monkeypatch):
+    """Replaces the simulator: outcome by the level's time limit, for its solution and the no-op."""
+    table = {}
+
+    def replay_solution(level):
+        acting = any(any(channels) for channels in level.solution.unrolled())
+        return table.get((level.max_timesteps, acting), "won" if acting else "timeout")
+
+    module = types.ModuleType("kinetix.environment.replay")
+    module.replay_solution = replay_solution
+    monkeypatch.setitem(sys.modules, "kinetix.environment.replay", module)
+    return table
+
+
+def verdicts(capsys):
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_verify_passes_what_its_solution_wins(folder, outcomes, capsys):
+    assert main(["levelset", "verify", str(folder), "--json"]) == 0
+    found = verdicts(capsys)
+    assert [verdict["level"] for verdict in found] == [f"c{k}" for k in range(5)]
+    assert all(verdict["ok"] and verdict["solution"] == "won" for verdict in found)
+
+
+def test_verify_tells_why_a_level_fails(folder, outcomes, capsys):
+    outcomes[(100, False)] = "won"
+    outcomes[(101, True)] = "lost"
+    level = load_level(folder / "c2.json")
+    save_level(level.replace(solution=None), folder / "c2.json")
+    save_level(
+        load_level(folder / "c3.json").replace(solution=None, tags=("unsolved",)),
+        folder / "c3.json",
+    )
+    none_green = tuple(body.replace(role="none") for body in level.bodies)
+    save_level(level.replace(bodies=none_green, solution=None), folder / "c4.json")
+    assert main(["levelset", "verify", str(folder), "--json"]) == 1
+    found = verdicts(capsys)
+    assert [verdict["ok"] for verdict in found] == [False, False, False, True, False]
+    assert found[0]["problems"] == ["doing nothing wins it"]
+    assert found[1]["problems"] == ["its recorded solution ends with lost"]
+    assert found[2]["problems"] == ["it has no recorded solution"]
+    assert found[3]["problems"] == ["it has no recorded solution"]
+    assert found[4]["problems"][0].startswith("E101")
+    assert found[4]["noop"] is None
+
+
+def test_verify_in_words(folder, outcomes, capsys):
+    outcomes[(104, True)] = "timeout"
+    assert main(["levelset", "verify", str(folder)]) == 1
+    text = capsys.readouterr().out
+    assert "c0: ok" in text
+    assert "c4: FAILED: its recorded solution ends with timeout" in text
+
+
+def test_wrong_usage(capsys):
+    assert main(["levelset"]) == 2
+    assert main(["levelset", "split", "set.json"]) == 2
+    capsys.readouterr()

@@ -1,0 +1,67 @@
+"""`kinetix validate`."""
+
+import json
+from pathlib import Path
+
+from kinetix.cli import main
+
+FIXTURES = Path(__file__).parents[1] / "level" / "fixtures"
+CART = FIXTURES / "v1" / "cart_and_bell.json"
+EMPTY = FIXTURES / "v1" / "smallest.json"
+
+
+def lines(capsys):
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_a_good_level_of_either_format(capsys):
+    peer = FIXTURES / "kinetix_env" / "cart_and_bell.json"
+    assert main(["validate", str(CART), str(peer), "--json"]) == 0
+    reports = lines(capsys)
+    assert [report["format"] for report in reports] == ["kinetix-level", "kinetix-env"]
+    assert reports[0] == {"file": str(CART), "ok": True, "format": "kinetix-level", "issues": []}
+
+
+def test_errors_make_the_exit_status_one(capsys):
+    assert main(["validate", str(CART), str(EMPTY), "--json"]) == 1
+    report = lines(capsys)[1]
+    assert not report["ok"]
+    assert [issue["code"] for issue in report["issues"]] == ["E101", "E102", "W201"]
+    assert report["issues"][0] == {
+        "code": "E101",
+        "severity": "error",
+        "path": "$",
+        "message": "No green shape: the level cannot be won.",
+    }
+
+
+def test_warnings_do_not(capsys):
+    assert main(["validate", str(FIXTURES / "v1" / "everything.json")]) == 0
+    assert "warning W209 $.joints[0]: Joint 4: anchor mismatch" in capsys.readouterr().out
+
+
+def test_a_bad_file_is_reported_with_its_paths(tmp_path, capsys):
+    bad = tmp_path / "bad.json"
+    bad.write_text(CART.read_text().replace('"density": 0.5', '"density": -1').replace("256", "0"))
+    assert main(["validate", str(bad), "--json"]) == 1
+    report = lines(capsys)[0]
+    assert report["format"] is None
+    assert [(issue["code"], issue["path"]) for issue in report["issues"]] == [
+        ("E007", "$.max_timesteps"),
+        ("E007", "$.bodies[0].density"),
+    ]
+    assert report["issues"][1]["message"] == "expected 0.001 ≤ x ≤ 1000, got -1"
+
+
+def test_a_missing_file_and_no_file(tmp_path, capsys):
+    assert main(["validate", str(tmp_path / "none.json")]) == 1
+    assert "there is no such file" in capsys.readouterr().out
+    assert main(["validate"]) == 2
+
+
+def test_folders_and_sets(tmp_path, capsys):
+    out = tmp_path / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(CART)]) == 0
+    capsys.readouterr()
+    assert main(["validate", str(tmp_path), "--json"]) == 0
+    assert lines(capsys)[0]["format"] == "kinetix-levelset"

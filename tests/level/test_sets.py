@@ -1,0 +1,186 @@
+"""Level sets: building, loading, splitting, refusing."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from kinetix.errors import LevelError
+from kinetix.level.codec import level_hash, load_level, loads, save_level
+from kinetix.level.model import Body, Circle, Level, Thruster
+from kinetix.level.sets import (
+    build_set,
+    common_capacity,
+    draw_split,
+    dumps_set,
+    gather_levels,
+    is_set_file,
+    level_files,
+    load_set,
+    save_set,
+    split_set,
+)
+from kinetix.level.sizes import SIZES
+
+FIXTURES = Path(__file__).parent / "fixtures"
+
+
+def game(k):
+    return Level(
+        name=f"game {k}",
+        tags=("difficulty-1",),
+        bodies=(
+            Body(id=1, shape=Circle(radius=0.2), position=(1 + 0.1 * k, 2), role="green"),
+            Body(id=2, shape=Circle(radius=0.2), position=(4, 2), role="blue"),
+        ),
+        thrusters=(Thruster(id=3, body=1, position=(0, 0)),),
+    )
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "levels" / "s").mkdir(parents=True)
+    for k in range(6):
+        save_level(game(k), tmp_path / "levels" / "s" / f"g{k}.json")
+    save_level(game(6), tmp_path / "levels" / "peer.json", format="kinetix-env")
+    return tmp_path / "levels"
+
+
+@pytest.fixture
+def made(folder):
+    return build_set(gather_levels([folder]), name="games", folder=folder)
+
+
+def test_a_folder_is_every_level_below_it_but_no_set(folder, made):
+    save_set(made, folder / "set.json")
+    assert [path.name for path in level_files(folder)] == [
+        "peer.json",
+        *(f"g{k}.json" for k in range(6)),
+    ]
+    assert is_set_file(folder / "set.json")
+    assert not is_set_file(folder / "peer.json")
+    found = gather_levels([folder])
+    assert [each.name for each in found] == ["peer", *(f"s/g{k}" for k in range(6))]
+    assert found[1].tags == ("difficulty-1",)
+    assert [each.sha256 for each in gather_levels([folder / "set.json"])] == [
+        each.sha256 for each in found
+    ]
+    (folder / "empty").mkdir()
+    with pytest.raises(LevelError, match="found none"):
+        gather_levels([folder / "empty"])
+
+
+@pytest.mark.parametrize("inline", [False, True])
+def test_a_set_loads_the_levels_that_went_in(folder, made, inline):
+    path = folder / "sets.json"
+    save_set(made, path, inline=inline)
+    loaded = load_set(path)
+    assert [each.level for each in loaded.levels] == [each.level for each in made.levels]
+    assert [each.split for each in loaded.levels] == [each.split for each in made.levels]
+    assert loaded.capacity == SIZES["s"]
+    assert loaded.manifest.engine_version
+    tree = json.loads(path.read_text())
+    assert ("path" in tree["levels"][0]) != inline
+    assert ("level" in tree["levels"][0]) == inline
+    assert dumps_set(loaded, inline=inline) == path.read_text()
+
+
+def test_equal_levels_go_in_once(folder):
+    renamed = game(2).replace(name="another name")
+    save_level(renamed, folder / "z.json")
+    made = build_set(gather_levels([folder]), name="games", folder=folder)
+    assert len(made.levels) == 7
+    assert [each.name for each in made.levels if each.sha256 == level_hash(renamed)] == ["s/g2"]
+
+
+def test_levels_with_an_error_are_refused(folder):
+    save_level(Level(name="empty"), folder / "bad.json")
+    with pytest.raises(LevelError, match=r"bad\.json: \$: E101 No green"):
+        build_set(gather_levels([folder]), name="games", folder=folder)
+
+
+def test_the_common_size_must_fit(folder):
+    levels = gather_levels([folder, FIXTURES / "v1" / "cart_and_bell.json"])
+    assert common_capacity(each.level for each in levels) == SIZES["m"]
+    with pytest.raises(LevelError, match=r"cart_and_bell\.json: does not fit"):
+        build_set(levels, name="x", folder=folder, size="s")
+    assert build_set(levels, name="x", folder=folder, size="l").capacity == SIZES["l"]
+    with pytest.raises(LevelError, match="at least one level"):
+        common_capacity([])
+
+
+def test_the_split_depends_on_hashes_and_seed_alone():
+    hashes = [f"{k:064x}" for k in range(40)]
+    split = draw_split(hashes, share=0.8, seed=3)
+    assert Counter(split.values()) == {"train": 32, "eval": 8}
+    assert draw_split(hashes[::-1], share=0.8, seed=3) == split
+    assert draw_split(hashes, share=0.8, seed=4) != split
+    assert set(draw_split(hashes[:2], share=0.99, seed=0).values()) == {"train", "eval"}
+    assert set(draw_split(hashes, share=1.0, seed=0).values()) == {"train"}
+    assert set(draw_split(hashes, share=0.0, seed=0).values()) == {"eval"}
+    with pytest.raises(LevelError, match="0 ≤ x ≤ 1"):
+        draw_split(hashes, share=1.5, seed=0)
+
+
+def test_a_set_can_be_split_anew(folder, made):
+    again = split_set(made, split=0.5, seed=9, folder=folder)
+    assert again.manifest.seed == 9
+    assert Counter(each.split for each in again.levels) == {"train": 4, "eval": 3}
+    assert [e.sha256 for e in again.manifest.levels] == [e.sha256 for e in made.manifest.levels]
+
+
+def test_a_changed_level_is_noticed(folder, made):
+    save_set(made, folder / "set.json")
+    level = load_level(folder / "s" / "g3.json")
+    save_level(level.replace(name="renamed"), folder / "s" / "g3.json")
+    load_set(folder / "set.json")
+    save_level(level.replace(max_timesteps=9), folder / "s" / "g3.json")
+    with pytest.raises(LevelError, match=r"set\.json: \$\.levels\[4\]\.sha256: expected the level"):
+        load_set(folder / "set.json")
+
+
+def entry(**changes):
+    return {"path": "s/g0.json", "sha256": level_hash(game(0))} | changes
+
+
+BAD = {
+    "format": ({"format": "kinetix-level"}, r"\$: expected an object with \"format\""),
+    "version": ({"version": 2}, r"\$\.version: .*newer"),
+    "no version": ({"version": None}, r"\$\.version: expected a whole number"),
+    "unknown": ({"sizes": 1}, r"\$\.sizes: unknown key"),
+    "list": ({"levels": {}}, r"\$\.levels: expected an array"),
+    "many": ({"levels": [0] * 10_001}, r"\$\.levels: expected .* got an array of 10001"),
+    "entry": ({"levels": [3]}, r"\$\.levels\[0\]: expected an object"),
+    "both": ({"levels": [entry(level={})]}, r'\$\.levels\[0\]: expected either "path" or "level"'),
+    "neither": ({"levels": [{"sha256": "0" * 64}]}, 'expected either "path" or "level"'),
+    "inline": ({"levels": [{"level": 3, "sha256": "0" * 64}]}, r"\[0\]\.level: expected an object"),
+    "level": (
+        {"levels": [{"level": {"format": "kinetix-level", "version": 1}, "sha256": "0" * 64}]},
+        r"\$\.levels\[0\]\.level: the key \"name\"",
+    ),
+    "hash": ({"levels": [entry(sha256="0")]}, r"\[0\]\.sha256: expected 64 to 64 characters"),
+    "other hash": ({"levels": [entry(sha256="0" * 64)]}, r"\[0\]\.sha256: expected the level"),
+    "twice": ({"levels": [entry(), entry()]}, r"levels\[1\]\.sha256: .* levels\[0\] has it"),
+    "weight": ({"levels": [entry(weight=0)]}, r"\[0\]\.weight: expected 1e-06 ≤ x"),
+    "split": ({"levels": [entry(split="test")]}, r'\[0\]\.split: expected "eval" or "train"'),
+    "missing": ({"levels": [entry(path="none.json")]}, r"none\.json: there is no such file"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_sets_get_one_sentence(folder, name):
+    change, sentence = BAD[name]
+    tree = {"format": "kinetix-levelset", "version": 1, "name": "x", "levels": [entry()]}
+    path = folder / "set.json"
+    path.write_text(json.dumps(tree))
+    assert load_set(path).levels[0].level == game(0)
+    path.write_text(json.dumps(tree | change))
+    with pytest.raises(LevelError, match=sentence) as caught:
+        load_set(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_set_where_a_level_is_expected_has_its_own_sentence(folder, made):
+    with pytest.raises(LevelError, match="this is a level set, expected a single level"):
+        loads(dumps_set(made))
