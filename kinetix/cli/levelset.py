@@ -9,7 +9,6 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.cli.validate import issue_tree
-from kinetix.level.model import Level, Solution
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
     LoadedSet,
@@ -22,7 +21,6 @@ from kinetix.level.sets import (
 )
 from kinetix.level.validate import Issue, validate
 
-_NOOP_FRAME_SKIP = 2
 _UNSOLVED = "unsolved"
 
 
@@ -159,13 +157,14 @@ def _levels(source: str) -> list[SetLevel]:
 
 def verdict_on(each: SetLevel) -> Verdict:
     """Check one level: first by itself, then by playing it."""
-    from kinetix.environment.replay import replay_solution  # here: only playing needs JAX
+    from kinetix.environment.replay import noop_outcome, replay_solution  # only playing needs JAX
 
     level, issues = each.level, validate(each.level)
     playable = not any(issue.severity == "error" for issue in issues)
     noop = solution = None
     if playable:
-        noop = replay_solution(_doing_nothing(level))
+        physics = level.solution.physics if level.solution else "balanced"
+        noop = noop_outcome(level, physics)
         solution = replay_solution(level) if level.solution else None
     return Verdict(
         level=each.name,
@@ -174,17 +173,6 @@ def verdict_on(each: SetLevel) -> Verdict:
         solution=solution,
         unsolved=_UNSOLVED in level.tags,
     )
-
-
-def _doing_nothing(level: Level) -> Level:
-    """The level with the solution never to act, under the same physics as its own solution."""
-    own = level.solution
-    nothing = Solution(
-        physics=own.physics if own else "balanced",
-        frame_skip=own.frame_skip if own else _NOOP_FRAME_SKIP,
-        actions=((level.max_timesteps, (0, 0, 0, 0, 0, 0)),),
-    )
-    return level.replace(solution=nothing)
 
 
 def _json_line(verdict: Verdict) -> str:
