@@ -233,7 +233,8 @@ class Playback:
         self._clock += elapsed
         self._take()
         if self.mode is Mode.PLAYING and not self._starting:
-            self._accumulator = min(self._accumulator + elapsed, BACKLOG_SECONDS + elapsed)
+            backlog = max(BACKLOG_SECONDS, self.step_seconds) + elapsed
+            self._accumulator = min(self._accumulator + elapsed, backlog)
             due = math.floor(self._accumulator / self.step_seconds + 1e-6)
             room = max(math.ceil(OUTSTANDING_SECONDS / self.step_seconds), 1, due)
             steps = min(due, room - self.simulator.outstanding)

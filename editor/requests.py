@@ -11,8 +11,6 @@ from jaxtyping import UInt8
 from editor.recording import Snapshot, Trace
 from kinetix.level.model import Level
 
-PHYSICS_PRESETS: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
-"""The physics presets, known before the engine's registry can be asked."""
 MUTATIONS: Final = (
     ("add_shape", "Add a shape"),
     ("add_connected_shape", "Add a connected shape"),

@@ -18,11 +18,11 @@ from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
 from editor.document import Document, Outcome
 from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
-from editor.jobs import Job, JobState, Worker, WorkerSimulator
+from editor.jobs import Worker, WorkerSimulator
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
-from editor.requests import PHYSICS_PRESETS, Pull, WarmUp
+from editor.requests import Pull
 from editor.settings import Settings
 from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
@@ -170,10 +170,6 @@ class Session:
         """Whether rectangles grow from their centre (Alt as a switch)."""
         self.last_click: PointerEvent | None = None
         """The last click that selected, to notice a second one at the same place."""
-        self.physics_names: tuple[str, ...] = PHYSICS_PRESETS
-        """Presets and solvers to choose from; complete once the worker has looked."""
-        self.warm_up: Job | None = None
-        """The job that imports JAX and compiles the sizes, for its progress."""
         self._queue: list[Queued] = []
         self._targets: tuple[Level, frozenset[EntityId], Targets] | None = None
         self._posed: tuple[Any, Level] | None = None
@@ -280,23 +276,6 @@ class Session:
             if len(value) == 2
         }
         return rebound or dict(controls.DEFAULT_KEYS)
-
-    def start_background(self, sizes: tuple[str, ...] = ("s", "m", "l")) -> None:
-        """Let the worker import JAX and compile, once the first frame is on the screen."""
-        if self.warm_up is not None:
-            return
-
-        def done(job: Job) -> None:
-            if job.state is JobState.DONE:
-                self.physics_names = job.result
-            elif job.state is JobState.FAILED:
-                self.toast(f"Play is not ready: {job.error}", "error")
-
-        self.warm_up = self.worker.submit(
-            WarmUp(sizes=sizes, physics=self.playback.physics),
-            title="Preparing the simulation",
-            done=done,
-        )
 
     def choose_physics(self, name: str) -> None:
         """Take another physics preset; an episode under way starts anew with it."""

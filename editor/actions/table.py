@@ -11,7 +11,8 @@ EDIT, PLAY = Context.EDIT, Context.PLAY
 
 
 def _can_undo(session: Session) -> bool:
-    return session.editing and session.document.history.undo_label is not None
+    under_way = session.driver.active or session.document.history.undo_label is not None
+    return session.editing and under_way
 
 
 def _can_redo(session: Session) -> bool:

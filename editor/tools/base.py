@@ -130,8 +130,11 @@ class Driver:
         return True
 
     def cancel(self) -> bool:
-        """Drop the gesture and its preview; False when none was under way."""
-        if self._gesture is None:
+        """Drop the gesture and its preview; False when none was under way.
+
+        A gesture that itself asks the user something, as its last act, is left to end by itself.
+        """
+        if self._gesture is None or self._gesture.gi_running:
             return False
         self._gesture.close()
         self._end()

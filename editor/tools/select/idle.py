@@ -1,11 +1,12 @@
 """Selects and moves: decides at the press which gesture begins."""
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING, Final
 
 from editor.commands.base import EntityId, Selection
 from editor.commands.rigid import component
-from editor.events import Pointer, PointerEvent
+from editor.events import Point, Pointer, PointerEvent
 from editor.overlay import Cursor, Handle, HandleKind
 from editor.picking import HANDLE_PIXELS, PICK_PIXELS, handles, pick_handle, stack
 from editor.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool
@@ -46,16 +47,36 @@ class SelectTool(Tool):
     def press(self, session: "Session", event: PointerEvent) -> Gesture:
         """Begin the gesture that fits what lies under the pointer."""
         handle = _handle_at(session, event)
-        if handle is not None:
-            if handle.kind is HandleKind.ROTATE:
-                return rotate_bodies(session, event)
-            if handle.kind is HandleKind.AIM:
-                return aim(session)
-            return resize(session, handle)
         under = under_pointer(session, event)
+        if handle is not None:
+            return self._click_or_handle(session, event, handle, under)
         if not under:
             return rubber_band(session, event)
         return self._click_or_drag(session, event, under)
+
+    def _click_or_handle(
+        self, session: "Session", press: PointerEvent, handle: Handle, under: Selection
+    ) -> Gesture:
+        """Drag a handle; a click on one selects what lies under it, as anywhere else."""
+        before = session.selection
+        feedback = Feedback(cursor=_CURSORS.get(handle.kind, Cursor.RESIZE))
+        while True:
+            event = yield feedback
+            if event.kind is Pointer.RELEASE:
+                if under:
+                    self._clicked(session, press, under, before)
+                return None
+            if math.dist(event.screen, press.screen) >= DRAG_PIXELS:
+                break
+        # The handle keeps its distance to the pointer: taking it beside its middle moves nothing.
+        offset = (handle.at[0] - press.world[0], handle.at[1] - press.world[1])
+        if handle.kind is HandleKind.ROTATE:
+            gesture = rotate_bodies(session, dataclasses.replace(press, world=handle.at))
+        elif handle.kind is HandleKind.AIM:
+            gesture = aim(session)
+        else:
+            gesture = resize(session, handle)
+        return (yield from _forwarded(gesture, event, offset))
 
     def _click_or_drag(self, session: "Session", event: PointerEvent, under: Selection) -> Gesture:
         press = event
@@ -77,14 +98,7 @@ class SelectTool(Tool):
         if dragging is None:
             session.complain("Floor, walls and ceiling do not move.")
             return None
-        next(dragging)
-        try:
-            while True:
-                event = yield dragging.send(event)
-        except StopIteration as finished:
-            return finished.value
-        finally:
-            dragging.close()
+        return (yield from _forwarded(dragging, event, (0.0, 0.0)))
 
     def _clicked(
         self, session: "Session", press: PointerEvent, under: Selection, before: Selection
@@ -105,6 +119,19 @@ class SelectTool(Tool):
             session.selection = (under[deeper],)
         else:
             session.selection = (under[0],)
+
+
+def _forwarded(gesture: Gesture, event: PointerEvent, offset: Point) -> Gesture:
+    """Hand the events of a drag that has begun on to its gesture, shifted in the world."""
+    next(gesture)
+    try:
+        while True:
+            world = (event.world[0] + offset[0], event.world[1] + offset[1])
+            event = yield gesture.send(dataclasses.replace(event, world=world))
+    except StopIteration as finished:
+        return finished.value
+    finally:
+        gesture.close()
 
 
 def begin_drag(session: "Session", press: PointerEvent, taken: EntityId) -> Gesture | None:

@@ -1,0 +1,21 @@
+"""Every test of the core has a folder of its own for the user's files."""
+
+import pytest
+
+from tests.editor.core.helpers import Hand, a_session
+
+
+@pytest.fixture(autouse=True)
+def own_folders(tmp_path, monkeypatch):
+    monkeypatch.setattr("editor.files.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("editor.settings.config_dir", lambda: tmp_path / "config")
+
+
+@pytest.fixture
+def session():
+    return a_session()
+
+
+@pytest.fixture
+def hand(session):
+    return Hand(session)
