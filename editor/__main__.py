@@ -1,6 +1,7 @@
 """The app's command line: `kinetix-editor`, also `python -m editor`."""
 
 import dataclasses
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -79,6 +80,7 @@ def _run(options: Options) -> None:
         elif options.offscreen:
             raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
         else:
+            host.ui.warm_up = True
             host.run()
             host.ui.save_layout()
             session.settings.save()
@@ -109,6 +111,8 @@ def main() -> int:
     Returns:
         0, or 1 when what was asked for cannot be done (the reason is on stderr).
     """
+    # XLA warns on stderr about every compiled function that it finds in its cache.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     options = tyro.cli(Options, prog="kinetix-editor")
     try:
         _run(options)

@@ -9,7 +9,8 @@ from imgui_bundle import imgui
 from editor import actions, events, keys, theme, widgets
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
-from editor.look import COLOURS, Icons
+from editor.jobs import Job, JobState
+from editor.look import COLOURS
 from editor.panels.base import Panel
 from editor.panels.controls import ControlsPanel
 from editor.panels.debug import DebugPanel
@@ -27,8 +28,10 @@ from editor.panels.status import StatusBar
 from editor.panels.tabs import DocumentTabs
 from editor.panels.toasts import Toasts
 from editor.panels.toolbar import Toolbar
+from editor.requests import WarmUp
 from editor.textures import TextureStore
 from editor.widgets import px
+from kinetix.level.sizes import capacity_of, size_name
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -48,8 +51,11 @@ _CANVAS_FLAGS: Final = (
     | imgui.WindowFlags_.no_bring_to_front_on_focus.value
     | imgui.WindowFlags_.no_background.value
     | imgui.WindowFlags_.no_scroll_with_mouse.value
+    | imgui.WindowFlags_.no_nav_inputs.value
 )
 _CANVAS: Final = "Canvas"
+_WARM_UP_FRAME: Final = 3
+"""JAX is imported only after the window can be used."""
 
 
 class Ui:
@@ -83,7 +89,11 @@ class Ui:
         self._laid_out = False
         self._in_front = ""
         self._first_frame = 0
+        self._panel_focused = False
+        self._to_canvas = True
         self._fps = 60.0
+        self.warm_up = False
+        """Whether to import JAX and compile in the background once the window stands."""
 
     @property
     def window_title(self) -> str:
@@ -136,8 +146,8 @@ class Ui:
             self._lay_out(space)
         self._canvas(space, bars)
         if bars:
-            for panel in self.panels:
-                self._panel(panel)
+            focused = [self._panel(panel) for panel in self.panels]
+            self._panel_focused = any(focused)
         with session.guard():
             self._dialogs.draw(session)
             self._palette.draw(session)
@@ -146,6 +156,24 @@ class Ui:
             actions.update(session, dt)
         self._paint_canvas()
         self._toasts.draw(session, self.canvas.area)
+        if self.warm_up and imgui.get_frame_count() > _WARM_UP_FRAME:
+            self.warm_up = False
+            self._compile_ahead()
+
+    def _compile_ahead(self) -> None:
+        """Prepare Play on the worker: the size of the level in front first, then the others."""
+        session = self.session
+        own = size_name(capacity_of(session.document.level))
+        for size in sorted(("s", "m", "l"), key=lambda size: size != own):
+            session.worker.submit(
+                WarmUp(sizes=(size,), physics=session.playback.physics),
+                title=f"Preparing Play (size {size})",
+                done=self._compiled,
+            )
+
+    def _compiled(self, job: Job) -> None:
+        if job.state is JobState.DONE:
+            self._toolbar.physics = job.result
 
     def _rescale(self) -> None:
         wanted = self.session.settings.ui_scale or self._host_scale
@@ -158,10 +186,11 @@ class Ui:
         """Hand keys and text on unless a text field or a pop-up owns them."""
         session, io = self.session, imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
-        taken = io.want_text_input or bool(session.prompts) or imgui.is_popup_open(
+        popup = bool(session.prompts) or imgui.is_popup_open(
             "", imgui.PopupFlags_.any_popup.value
         )
-        navigating = io.nav_visible and io.nav_active
+        taken = io.want_text_input or popup
+        navigating = self._navigation(popup)
         for name, key in keys.IMGUI.items():
             if imgui.is_key_released(key):
                 actions.handle(
@@ -174,14 +203,28 @@ class Ui:
                 )
                 if name == "escape" and session.view.help:
                     session.view.help = False
-                elif not taken and not (
-                    navigating and not modifiers.ctrl and name in _NAVIGATION
-                ):
+                elif not taken and not (not modifiers.ctrl and name in navigating):
                     actions.handle(session, event)
         if not taken and session.driver.active:
             typed = "".join(chr(code) for code in io.input_queue_characters)
             if typed:
                 actions.handle(session, events.TextEvent(text=typed))
+
+    def _navigation(self, popup: bool) -> frozenset[str]:
+        """Keys that move between the fields of a panel now, so that they are not the app's.
+
+        The arrows nudge and drive, so they must not start Dear ImGui's navigation: it is only on
+        while a pop-up is open or the keyboard is in a panel already (Tab there, Esc back).
+        """
+        io = imgui.get_io()
+        flag = imgui.ConfigFlags_.nav_enable_keyboard.value
+        inside = io.nav_visible and self.session.editing and self._panel_focused
+        if popup or inside or io.want_text_input:
+            io.config_flags |= flag
+        else:
+            io.config_flags &= ~flag
+        keys_taken = _NAVIGATION if inside else frozenset()
+        return keys_taken | {"tab"} if self._panel_focused and self.session.editing else keys_taken
 
     def _bars(self) -> None:
         session = self.session
@@ -259,6 +302,9 @@ class Ui:
         imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(0, 0))
         imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
         imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0, 0))
+        if self._to_canvas and not self._in_front:
+            imgui.set_next_window_focus()
+            self._to_canvas = False
         if imgui.begin(_CANVAS, None, _CANVAS_FLAGS)[0]:
             with self.session.guard():
                 if bars:
@@ -274,17 +320,21 @@ class Ui:
                 self.canvas.paint(self.session)
         imgui.end()
 
-    def _panel(self, panel: Panel) -> None:
+    def _panel(self, panel: Panel) -> bool:
+        """Draw a panel's window; returns whether the keyboard is there."""
         imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
         if panel.id == self._in_front and imgui.get_frame_count() > self._first_frame + 1:
             # Of panels that share a place, the one docked last is in front unless told otherwise.
             imgui.set_next_window_focus()
             self._in_front = ""
+            self._to_canvas = True
         opened = imgui.begin(panel.window_name)[0]
         if opened:
             with self.session.guard():
                 panel.draw(self.session)
+        focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()
+        return focused
 
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""

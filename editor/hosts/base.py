@@ -45,7 +45,6 @@ class Host(abc.ABC):
         io.set_log_filename("")
         io.display_size = imgui.ImVec2(*size)
         io.config_flags |= imgui.ConfigFlags_.docking_enable.value
-        io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard.value
         io.config_windows_move_from_title_bar_only = True
         # A failing panel must not end the app: Dear ImGui closes what it left open.
         io.config_error_recovery = True

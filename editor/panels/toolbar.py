@@ -63,6 +63,8 @@ class Toolbar:
 
     def __init__(self) -> None:
         self._wanted = 0.0
+        self.physics: tuple[str, ...] = PHYSICS
+        """Names of the presets and solvers; the engine's own once it is loaded."""
 
     def draw(self, session: "Session") -> None:
         """Draw the bar into the current window; labels go when it is too narrow for them."""
@@ -145,7 +147,7 @@ class Toolbar:
         action_button(session, "view.grid", Icons.grid)
         imgui.same_line(0, px(8))
         imgui.set_next_item_width(px(150))
-        options = [(name, f"{Icons.chip}  {name}") for name in PHYSICS]
+        options = [(name, f"{Icons.chip}  {name}") for name in self.physics]
         picked = widgets.choice(session, "physics", session.playback.physics, options)
         if picked is not None:
             session.queue(lambda: choose_physics(session, picked))

@@ -1,0 +1,348 @@
+"""The window as a whole: tools on the canvas, keys, panels, dialogs, undo, files."""
+
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from editor.actions import ACTIONS
+from editor.keys import label
+from editor.panels.help import rows_of
+from editor.panels.menu import MENUS
+from editor.playback import Mode
+from kinetix.level.codec import load_level
+from kinetix.level.model import Body, Circle, Level, Polygon
+from kinetix.paths import levels_dir
+
+BALL = Level(
+    name="Ball",
+    bodies=(
+        Body(id=1, shape=Circle(radius=0.4), position=(2.5, 2.5)),
+        Body(
+            id=2,
+            shape=Polygon(vertices=((-0.3, -0.2), (0.3, -0.2), (0.3, 0.2), (-0.3, 0.2))),
+            position=(1.0, 3.0),
+        ),
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("key", "shape", "sides"), [("c", Circle, 0), ("r", Polygon, 4)], ids=["circle", "rectangle"]
+)
+def test_draws_a_shape_by_dragging(gui, key, shape, sides):
+    gui.key(key)
+    gui.drag((2.0, 2.0), (2.5, 2.5))
+    (body,) = gui.level.bodies
+    assert isinstance(body.shape, shape)
+    assert sides == 0 or len(body.shape.vertices) == sides
+    assert gui.session.selection == (body.id,)
+    assert gui.session.tool.id == "select"
+
+
+def test_draws_a_triangle_by_clicking(gui):
+    gui.key("t")
+    for point in ((1.0, 1.0), (2.0, 1.0), (1.5, 2.0)):
+        gui.click_world(*point)
+    (body,) = gui.level.bodies
+    assert len(body.shape.vertices) == 3
+
+
+def test_typed_digits_set_the_size(gui):
+    gui.key("c")
+    x, y = gui.screen(2.0, 2.0)
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    gui.move(x + 40, y)
+    gui.text("0.35")
+    gui.button(x + 40, y, pressed=False)
+    gui.frames(2)
+    assert gui.level.bodies[0].shape.radius == pytest.approx(0.35)
+
+
+def test_one_drag_is_one_entry_and_undo_takes_it_back(make_gui):
+    gui = make_gui(level=BALL)
+    before = gui.level
+    gui.drag((2.5, 2.7), (3.25, 3.45))
+    assert gui.level.body(1).position != before.body(1).position
+    assert len(gui.session.document.history.entries) == 2
+    gui.key("ctrl+z")
+    assert gui.level == before
+    gui.key("ctrl+shift+z")
+    assert gui.level != before
+
+
+def test_escape_during_a_drag_leaves_everything_as_it_was(make_gui):
+    gui = make_gui(level=BALL)
+    before = gui.level
+    x, y = gui.screen(2.5, 2.7)
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    gui.move(x + 60, y - 30)
+    assert gui.session.document.previewing
+    gui.key("escape")
+    gui.button(x + 60, y - 30, pressed=False)
+    assert gui.level is before or gui.level == before
+    assert not gui.session.document.dirty
+
+
+def test_losing_the_focus_ends_a_gesture_and_releases_keys(make_gui):
+    gui = make_gui(level=BALL)
+    before = gui.level
+    x, y = gui.screen(2.5, 2.7)
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    gui.move(x + 60, y - 30)
+    gui.hold("9")
+    gui.lose_focus()
+    gui.frames(2)
+    assert gui.level == before
+    assert not gui.session.held
+
+
+def test_the_wheel_zooms_at_the_pointer(make_gui):
+    gui = make_gui(level=BALL)
+    # Dear ImGui's pointer stands on whole pixels.
+    x, y = (float(round(value)) for value in gui.screen(1.2, 3.4))
+    under = gui.session.camera.to_world((x, y))
+    gui.wheel(x, y, 3)
+    assert gui.session.camera.to_world((x, y)) == pytest.approx(under, abs=1e-4)
+    assert gui.session.camera.zoom > 1.2
+
+
+def test_a_right_drag_pans_and_a_right_click_lists(make_gui):
+    gui = make_gui(level=BALL)
+    centre = gui.session.camera.centre
+    gui.drag((4.0, 4.0), (4.5, 4.0), button=3)
+    assert gui.session.camera.centre[0] == pytest.approx(centre[0] - 0.5, abs=0.02)
+    gui.click_world(2.5, 2.7, button=3)
+    assert gui.session.prompts
+    gui.click("list.0")
+    assert gui.session.selection == (1,)
+
+
+def test_the_inspector_drags_preview_and_commit_once(make_gui):
+    gui = make_gui(level=BALL)
+    gui.click("outliner.1")
+    x, y = gui.probe("inspector.density").centre
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    for k in range(1, 8):
+        gui.move(x + 6 * k, y)
+    assert gui.session.document.previewing
+    gui.button(x + 42, y, pressed=False)
+    gui.frames(3)
+    assert gui.level.body(1).density > 1.0
+    assert len(gui.session.document.history.entries) == 2
+
+
+def test_the_inspector_edits_many_at_once_and_shows_mixed_values(make_gui):
+    gui = make_gui(level=BALL)
+    gui.key("ctrl+a")
+    gui.click("inspector.role.red")
+    assert {body.role for body in gui.level.bodies} == {"red"}
+    gui.click("inspector.fixed")
+    assert all(body.fixed for body in gui.level.bodies)
+
+
+def test_a_typed_value_commits_on_enter(make_gui):
+    gui = make_gui(level=BALL)
+    gui.click("outliner.1")
+    x, y = gui.probe("inspector.shape.radius").centre
+    # A double click turns a drag field into a text field.
+    gui.move(x, y)
+    for pressed in (True, False, True, False):
+        gui.button(x, y, pressed=pressed)
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("0.25")
+    gui.key("return")
+    gui.frames(2)
+    assert gui.level.body(1).shape.radius == pytest.approx(0.25)
+
+
+def test_selecting_never_changes_the_level(make_gui):
+    gui = make_gui(level=BALL)
+    for path in sorted(levels_dir().glob("*/*.json")):
+        gui.open(path)
+        before = gui.level
+        ids = [entity.id for entity in before.entities()] + ["floor"]
+        for entity in ids:
+            gui.session.selection = (entity,)
+            gui.frames(3)
+        assert gui.level == before
+        assert not gui.session.document.dirty
+
+
+@pytest.mark.peer
+def test_selecting_never_changes_a_published_level(make_gui, peer):
+    gui = make_gui(level=BALL)
+    for path in sorted((peer / "levels").glob("*/*.json"))[::4]:
+        gui.open(path)
+        before = gui.level
+        for entity in before.entities():
+            gui.session.selection = (entity.id,)
+            gui.frames(1)
+        assert gui.level == before
+
+
+def test_arrows_and_letters_do_not_start_play(gui):
+    for key in ("left", "right", "up", "down", "w", "a", "s", "d"):
+        gui.key(key)
+        assert gui.session.mode is Mode.EDIT
+
+
+def test_help_names_exactly_the_keys_that_work(gui):
+    shown = {keys for menu in MENUS for keys, _ in rows_of(gui.session, menu)}
+    for action in ACTIONS:
+        if action.keys:
+            assert any(label(action.keys[0]) in keys.split("  ") for keys in shown), action.id
+
+
+def test_every_action_stands_in_a_menu(gui):
+    del gui
+    for action in ACTIONS:
+        assert action.menu in MENUS, action.id
+
+
+def test_the_palette_runs_what_is_typed(make_gui):
+    gui = make_gui(level=BALL)
+    gui.key("ctrl+shift+p")
+    gui.frames(3)
+    gui.text("select all")
+    gui.key("return")
+    gui.frames(2)
+    assert set(gui.session.selection) == {1, 2}
+    assert not gui.session.view.palette
+
+
+def test_f1_opens_help_and_escape_closes_it(gui):
+    gui.key("f1")
+    assert gui.session.view.help
+    assert gui.shows("help.close")
+    gui.key("escape")
+    assert not gui.session.view.help
+
+
+def test_closing_with_changes_asks_and_escape_keeps(gui):
+    gui.key("c")
+    gui.drag((2.0, 2.0), (2.5, 2.5))
+    gui.key("ctrl+w")
+    gui.frames(3)
+    assert gui.shows("question.save") and gui.shows("question.discard")
+    gui.key("escape")
+    assert not gui.session.prompts
+    assert len(gui.level.bodies) == 1
+    gui.key("ctrl+w")
+    gui.frames(3)
+    gui.click("question.discard")
+    gui.frames(2)
+    assert not gui.level.bodies
+
+
+def test_save_as_through_the_browser_and_open_again(gui, tmp_path: Path):
+    gui.key("c")
+    gui.drag((2.0, 2.0), (2.5, 2.5))
+    gui.key("ctrl+s")
+    gui.frames(4)
+    gui.click("browser.name")
+    gui.key("ctrl+a")
+    gui.text(str(tmp_path / "mine.json"))
+    gui.key("return")
+    gui.frames(4)
+    assert load_level(tmp_path / "mine.json").bodies == gui.level.bodies
+    assert not gui.session.document.dirty
+    gui.session.queue("file.open")
+    gui.frames(4)
+    gui.click("browser.mine.json")
+    assert gui.session.prompts
+    gui.click("browser.cancel")
+    assert not gui.session.prompts
+
+
+def test_problems_select_what_they_mean_and_mend_it(make_gui):
+    gui = make_gui(level=BALL)
+    assert gui.shows("problems.E101")
+    gui.click("outliner.1")
+    gui.click("problems.E101.fix")
+    gui.frames(2)
+    assert gui.level.body(1).role == "green"
+    gui.key("ctrl+z")
+    assert gui.shows("problems.E101")
+
+
+def test_history_jumps(make_gui):
+    gui = make_gui(level=BALL)
+    before = gui.level
+    gui.click("outliner.1")
+    gui.click("inspector.role.blue")
+    gui.click("inspector.role.green")
+    gui.session.document.jump(0)
+    gui.frames(2)
+    assert gui.level == before
+
+
+def test_tabs_switch_documents(make_gui):
+    gui = make_gui(level=BALL)
+    gui.key("ctrl+n")
+    assert gui.session.tab_index == 1
+    gui.click("tabs.0")
+    gui.frames(2)
+    assert gui.level.bodies == BALL.bodies
+
+
+def test_a_failing_panel_does_not_end_the_app(make_gui, monkeypatch):
+    gui = make_gui(level=BALL)
+    inspector = next(panel for panel in gui.host.ui.panels if panel.id == "inspector")
+
+    def explode(session: object) -> None:
+        raise ZeroDivisionError("on purpose")
+
+    monkeypatch.setattr(inspector, "draw", explode)
+    before = gui.level
+    gui.frames(3)
+    assert any("on purpose" in toast.text for toast in gui.session.toasts)
+    assert gui.level == before
+
+
+def test_tab_hides_the_interface(gui):
+    gui.key("tab")
+    assert not gui.session.view.interface
+    gui.frames(2)
+    assert not gui.shows("menu.file")
+    gui.key("tab")
+    gui.frames(2)
+    assert gui.shows("menu.file")
+
+
+@pytest.mark.parametrize("scale", [0.75, 1.0, 1.5, 2.0])
+def test_picking_works_at_any_scale(make_gui, scale):
+    gui = make_gui(level=BALL, scale=scale, size=(round(1280 * scale), round(800 * scale)))
+    gui.click_world(2.5, 2.7)
+    assert gui.session.selection == (1,)
+    gui.click_world(1.0, 3.0)
+    assert gui.session.selection == (2,)
+
+
+def test_edits_and_saves_without_jax(tmp_path: Path):
+    script = f"""
+        import sys
+        sys.modules["jax"] = None
+        from editor.hosts.headless import HeadlessHost
+        from editor.hosts.replay import Replayer
+        from editor.session import Session
+        from pathlib import Path
+        events = Path({str(tmp_path / "events.jsonl")!r})
+        events.write_text('''
+            {{"do":"tool","id":"circle"}}
+            {{"do":"drag","from":[2,2],"to":[2.4,2]}}
+            {{"do":"save","file":{str(tmp_path / "out.json")!r}}}
+        '''.replace("{str(tmp_path / "out.json")!r}", '"{tmp_path / "out.json"}"'))
+        host = HeadlessHost(Session())
+        Replayer(host, events).run()
+        host.close()
+    """
+    subprocess.run([sys.executable, "-c", textwrap.dedent(script)], check=True, timeout=60)
+    assert len(load_level(tmp_path / "out.json").bodies) == 1

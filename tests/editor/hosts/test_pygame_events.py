@@ -1,0 +1,95 @@
+"""Every event of pygame that matters becomes ours, and nothing else does."""
+
+import pygame
+import pytest
+from imgui_bundle import imgui
+
+from editor.events import (
+    DropEvent,
+    FocusEvent,
+    KeyEvent,
+    Modifiers,
+    Pointer,
+    PointerEvent,
+    QuitEvent,
+    TextEvent,
+    WheelEvent,
+)
+from editor.hosts.inputs import FAR, InputFeeder
+from editor.hosts.pygame_events import translate
+from editor.keys import IMGUI, label
+
+
+@pytest.fixture(autouse=True)
+def key_names(monkeypatch):
+    # pygame knows the names of keys only while its display module is up.
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pygame.display.init()
+    yield
+    pygame.display.quit()
+
+
+def event(kind: int, **values: object) -> pygame.event.Event:
+    return pygame.event.Event(kind, **values)
+
+
+@pytest.mark.parametrize(
+    ("code", "name"),
+    [
+        (pygame.K_s, "s"),
+        (pygame.K_7, "7"),
+        (pygame.K_F5, "f5"),
+        (pygame.K_SPACE, "space"),
+        (pygame.K_LEFTBRACKET, "["),
+        (pygame.K_KP_ENTER, "enter"),
+        (pygame.K_LCTRL, "left ctrl"),
+        (pygame.K_PAGEDOWN, "page down"),
+    ],
+)
+def test_keys_carry_their_names(code, name):
+    ours = translate(event(pygame.KEYDOWN, key=code, mod=pygame.KMOD_LCTRL))
+    assert ours == KeyEvent(key=name, pressed=True, modifiers=Modifiers(ctrl=True))
+    assert name in IMGUI
+
+
+def test_every_key_of_a_keyboard_is_known_to_imgui():
+    codes = [pygame.K_a + k for k in range(26)] + [pygame.K_0 + k for k in range(10)]
+    codes += [pygame.K_F1 + k for k in range(12)]
+    assert all(pygame.key.name(code) in IMGUI for code in codes)
+
+
+@pytest.mark.parametrize(("code", "expected"), [(1, 0), (2, 2), (3, 1), (6, 3), (7, 4), (4, None)])
+def test_buttons_reach_imgui_and_wheel_twins_do_not(code, expected):
+    context = imgui.create_context()
+    io = imgui.get_io()
+    io.display_size, io.delta_time = imgui.ImVec2(100, 100), 1 / 60
+    io.backend_flags |= imgui.BackendFlags_.renderer_has_textures.value
+    ours = translate(event(pygame.MOUSEBUTTONDOWN, button=code, pos=(5, 6)))
+    assert isinstance(ours, PointerEvent) and ours.kind is Pointer.PRESS
+    InputFeeder().feed([ours])
+    imgui.new_frame()
+    down = [button for button in range(5) if imgui.is_mouse_down(button)]
+    imgui.end_frame()
+    imgui.destroy_context(context)
+    assert down == ([] if expected is None else [expected])
+
+
+def test_the_rest():
+    assert translate(event(pygame.MOUSEWHEEL, x=0, y=1, precise_x=0.0, precise_y=1.5)) == WheelEvent(
+        dy=1.5, dx=-0.0
+    )
+    assert translate(event(pygame.TEXTINPUT, text="é")) == TextEvent(text="é")
+    assert translate(event(pygame.WINDOWFOCUSLOST)) == FocusEvent(focused=False)
+    assert translate(event(pygame.DROPFILE, file="a.json")) == DropEvent(path="a.json")
+    assert translate(event(pygame.QUIT)) == QuitEvent()
+    left = translate(event(pygame.WINDOWLEAVE))
+    assert isinstance(left, PointerEvent) and left.screen == FAR
+    assert translate(event(pygame.AUDIODEVICEADDED, which=0, iscapture=0)) is None
+
+
+@pytest.mark.parametrize(
+    ("chord", "words"),
+    [("ctrl+shift+z", "Ctrl+Shift+Z"), ("space", "Space"), ("page up", "PgUp"), ("[", "[")],
+)
+def test_chords_for_people(chord, words):
+    assert label(chord) == words

@@ -1,0 +1,141 @@
+"""Scripted runs: what they do, and how they say that something cannot be done."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from editor.hosts.headless import HeadlessHost
+from editor.hosts.replay import Replayer, ReplayError
+from editor.jobs import Worker
+from editor.session import Session
+from kinetix.level.codec import load_level, loads
+from kinetix.paths import levels_dir
+
+
+@pytest.fixture
+def play(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    hosts = []
+
+    def run(*lines: str) -> Session:
+        path = tmp_path / "events.jsonl"
+        path.write_text("\n".join(lines), encoding="utf-8")
+        host = HeadlessHost(Session(worker=Worker()))
+        hosts.append(host)
+        Replayer(host, path).run()
+        return host.session
+
+    yield run
+    for host in hosts:
+        host.session.worker.stop()
+        host.close()
+
+
+LEVEL = str(levels_dir() / "l" / "rover_ridge.json")
+OPEN = json.dumps({"do": "open", "file": LEVEL})
+
+
+def test_draws_sets_and_saves(play, tmp_path):
+    out = tmp_path / "deep" / "out.json"
+    session = play(
+        '{"do":"tool","id":"circle"}',
+        '{"do":"drag","from":[2,2],"to":[2.4,2]}',
+        '{"do":"set","field":"density","value":2.0}',
+        '{"do":"set","field":"shape.radius","value":0.3}',
+        json.dumps({"do": "save", "file": str(out)}),
+    )
+    (body,) = load_level(out).bodies
+    assert (body.density, body.shape.radius) == pytest.approx((2.0, 0.3))
+    assert not session.document.dirty
+
+
+def test_mouse_keys_wheel_and_state(play, tmp_path):
+    record = tmp_path / "state.json"
+    play(
+        OPEN,
+        '{"do":"move","world":[2.5,2.5]}',
+        '{"do":"wheel","dy":1}',
+        '{"do":"down","world":[4.75,1.2]}',
+        '{"do":"up"}',
+        '{"do":"key","key":"a","mods":["ctrl"]}',
+        json.dumps({"do": "state", "file": str(record)}),
+    )
+    state = json.loads(record.read_text())
+    assert set(state) == {
+        *("mode", "selection", "dirty", "undo", "redo", "level_hash", "step", "outcome", "fps"),
+        "problems",
+    }
+    assert state["mode"] == "edit" and not state["dirty"]
+    assert len(state["selection"]) > 3
+
+
+def test_text_goes_to_the_field_that_has_the_keyboard(play):
+    session = play(
+        '{"do":"down","widget":"level.name"}',
+        '{"do":"up"}',
+        '{"do":"wait","frames":2}',
+        '{"do":"key","key":"a","mods":["ctrl"]}',
+        '{"do":"text","text":"Typed"}',
+        '{"do":"key","key":"return"}',
+    )
+    assert session.document.level.name == "Typed"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("nonsense", "not JSON"),
+        ('{"do":"dance"}', "unknown event 'dance'"),
+        ('{"do":"open","file":"/nowhere/level.json"}', "/nowhere/level.json"),
+        ('{"do":"action","id":"edit.explode"}', "edit.explode"),
+        ('{"do":"action","id":"edit.delete"}', "disabled"),
+        ('{"do":"tool","id":"chisel"}', "unknown tool 'chisel'"),
+        ('{"do":"key","key":"hyper"}', "unknown key 'hyper'"),
+        ('{"do":"set","field":"density","value":2}', "nothing is selected"),
+        ('{"do":"drag","from":[1,1]}', "'to' is missing"),
+        ('{"do":"wait_until","what":"playing","seconds":0.1}', "not playing"),
+        ('{"do":"screenshot","file":"a.png"}', "draws no pixels"),
+        ('{"do":"agent","dir":"a","slot":"a"}', "agents"),
+    ],
+)
+def test_what_cannot_be_applied_ends_the_run_with_its_line(play, line, said):
+    with pytest.raises(ReplayError, match=r"events\.jsonl:2: ") as caught:
+        play('{"do":"wait","frames":1}', line)
+    assert said in str(caught.value)
+
+
+def test_a_wrong_field_value_is_named(play):
+    with pytest.raises(ReplayError, match="density"):
+        play(
+            OPEN,
+            '{"do":"action","id":"edit.select_all"}',
+            '{"do":"set","field":"density","value":-1}',
+        )
+
+
+@pytest.mark.slow
+def test_draws_undoes_redoes_plays_stops_and_saves(play, script, tmp_path):
+    peer = Path(__file__).resolve().parents[4] / "shared" / "peer" / "levels" / "l"
+    file = peer / "h1_car_left.json"
+    level_file = file if file.is_file() else Path(LEVEL)
+    lines = script("first_circle.jsonl").read_text().splitlines()
+    play(json.dumps({"do": "open", "file": str(level_file)}), *lines)
+    states = {
+        name: json.loads((tmp_path / f"{name}.json").read_text())
+        for name in ("drawn", "undone", "redone", "played", "stopped")
+    }
+    opened = load_level(level_file)
+    assert states["undone"]["redo"] is not None and not states["undone"]["dirty"]
+    assert states["drawn"]["level_hash"] == states["redone"]["level_hash"]
+    assert states["played"]["step"] >= 55 or states["played"]["outcome"] is not None
+    assert states["stopped"]["mode"] == "edit"
+    assert states["stopped"]["level_hash"] == states["drawn"]["level_hash"]
+    saved = loads((tmp_path / "saved.json").read_text(), "saved.json")
+    assert saved.bodies[: len(opened.bodies)] == opened.bodies
+    assert len(saved.bodies) == len(opened.bodies) + 1
+    assert saved.bodies[-1].shape.radius == pytest.approx(0.3, abs=0.01)
+    # The peer's format has no ids: reading numbers bodies, then joints, anew.
+    unnumbered = [[joint.replace(id=1) for joint in level.joints] for level in (saved, opened)]
+    assert unnumbered[0] == unnumbered[1]
+    assert (saved.gravity, saved.arena) == (opened.gravity, opened.arena)
