@@ -1,6 +1,8 @@
 """Canonical text of documents: equal levels are equal bytes."""
 
 import json
+import math
+from collections.abc import Iterator
 from typing import Any, Final
 
 import msgspec
@@ -44,6 +46,21 @@ def record_tree(record: Record) -> dict[str, Any]:
 def level_tree(level: Level) -> dict[str, Any]:
     """A level as it stands in a file, format and version included."""
     return {"format": FORMAT, "version": VERSION} | record_tree(level)
+
+
+def unsayable_paths(tree: Any, path: str = "$") -> Iterator[str]:
+    """Where a tree holds what JSON text cannot: numbers that are not finite, broken Unicode."""
+    if isinstance(tree, dict):
+        for name, value in tree.items():
+            yield from unsayable_paths(value, f"{path}.{name}")
+    elif isinstance(tree, list):
+        for k, value in enumerate(tree):
+            yield from unsayable_paths(value, f"{path}[{k}]")
+    elif isinstance(tree, float):
+        if not math.isfinite(tree):
+            yield path
+    elif isinstance(tree, str) and any("\ud800" <= character <= "\udfff" for character in tree):
+        yield path
 
 
 def _value_tree(value: Any) -> Any:

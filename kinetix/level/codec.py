@@ -11,7 +11,7 @@ import msgspec
 
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_atomically
-from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text
+from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text, unsayable_paths
 from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
 from kinetix.level.integrity import level_faults
 from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
@@ -197,10 +197,14 @@ def dumps(
             peer's text comes out byte for byte, unused slots and all.
 
     Raises:
-        LevelError: The peer's format cannot hold the level.
+        LevelError: The peer's format cannot hold the level, or JSON cannot (a number is not finite,
+            a text is no Unicode); whatever else is wrong with a level can be saved.
     """
+    tree = level_tree(level)
+    for path in unsayable_paths(tree):
+        raise LevelError(f"level {level.name!r} cannot be written: {path} is no JSON value")
     if format == FORMAT:
-        return tree_text(level_tree(level))
+        return tree_text(tree)
     if format != "kinetix-env":
         raise LevelError(f"format {format!r}: expected 'kinetix-level' or 'kinetix-env'")
     if source is not None and _unchanged(level, source):
@@ -232,7 +236,7 @@ def save_level(
         The names of the fields that the format cannot say; empty for our own format.
 
     Raises:
-        LevelError: The file cannot be written, or the peer's format cannot hold the level.
+        LevelError: The file cannot be written, or the format cannot hold the level.
     """
     path = Path(path)
     write_atomically(path, dumps(level, format=format, source=source).encode())

@@ -381,7 +381,8 @@ def compile_kinetix_env(
 
     Args:
         document: The file.
-        solver: Provides the empty warm-start cache; stored impulses are not carried over.
+        solver: Provides the empty warm-start cache; stored impulses are not carried over. Which
+            contacts are active is, unless the capacity is larger than the file's own.
         spec: Capacity to compile to; by default the file's own.
         gravity: `fixed`: (0, −9.81) whatever the file says, as the peer's reader does.
         time_limit: `fixed`: 256 steps whatever the file says, as the peer's reader does.
@@ -404,6 +405,8 @@ def compile_kinetix_env(
         _put_kinetix_joints(scene, document.joints, slots)
     if document.thrusters:
         _put_kinetix_thrusters(scene, document.thrusters, slots)
+    if spec.capacity == own:
+        scene.state.touching[:] = _stored_touching(document)
     scene.world.gravity[:] = document.gravity if gravity == "file" else STANDARD_GRAVITY
     scene.labels.max_timesteps[...] = (
         document.parameters["max_timesteps"]
@@ -411,6 +414,14 @@ def compile_kinetix_env(
         else ENV_PARAMS["max_timesteps"]
     )
     return finished(scene)
+
+
+def _stored_touching(document: KinetixEnvDocument) -> list[bool]:
+    """Which candidate pairs the file says are in contact: snapshots may be taken in mid-episode."""
+    slots = [contact.active for contact in document.polygon_contacts]
+    pairs = [first or second for first, second in zip(slots[::2], slots[1::2], strict=True)]
+    others = document.circle_polygon_contacts + document.circle_contacts
+    return pairs + [contact.active for contact in others]
 
 
 def _columns(rows: Sequence[Any], *names: str) -> Iterator[Any]:

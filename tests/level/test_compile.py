@@ -273,6 +273,19 @@ def test_gravity_and_time_limit_of_a_file_can_be_overridden():
     assert fixed.labels.max_timesteps == 256
 
 
+def test_contacts_of_a_snapshot_are_kept():
+    tree = json.loads((FIXTURES / "kinetix_env" / "cart_and_bell.json").read_text())
+    pairs = candidate_pairs(SIZES["m"]).tolist()
+    tree["env_state"]["acc_rr_manifolds"][2 * pairs.index([0, 5]) + 1]["active"] = True
+    circles = pairs.index([6, 0])
+    tree["env_state"]["acc_cr_manifolds"][0]["active"] = True
+    document = parse_kinetix_env(json.dumps(tree))
+    touching = compile_kinetix_env(document, solver=SOLVER).state.touching
+    assert np.flatnonzero(touching).tolist() == [pairs.index([0, 5]), circles]
+    large = SceneSpec(capacity=SIZES["l"])
+    assert not compile_kinetix_env(document, solver=SOLVER, spec=large).state.touching.any()
+
+
 @pytest.mark.peer
 def test_published_files_compile_to_what_they_store(peer):
     for path in sorted((peer / "levels").rglob("*.json")):

@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -298,6 +300,36 @@ def test_saving_and_loading_both_formats(tmp_path):
     assert loaded.path == tmp_path / "b.json"
     with pytest.raises(LevelError, match="'kinetix-level' or 'kinetix-env'"):
         dumps(level, format="tiled")
+
+
+@pytest.mark.parametrize("form", ["kinetix-level", "kinetix-env"])
+def test_what_json_cannot_say_is_not_written(form, tmp_path):
+    level = loads(EVERYTHING)
+    bad = level.replace(bodies=(level.bodies[0].replace(angle=math.nan), *level.bodies[1:]))
+    with pytest.raises(LevelError, match=r"cannot be written: \$\.bodies\[0\]\.angle"):
+        save_level(bad, tmp_path / "x.json", format=form)
+    with pytest.raises(LevelError, match=r"cannot be written: \$\.name"):
+        save_level(level.replace(name="\ud800"), tmp_path / "x.json", format=form)
+    assert not list(tmp_path.iterdir())
+    assert level_hash(bad) != level_hash(level)
+
+
+def test_reading_checking_and_saving_need_no_jax(tmp_path):
+    script = """
+import sys
+from kinetix.level.codec import load_document, save_level
+from kinetix.level.sets import build_set, gather_levels, save_set
+from kinetix.level.validate import validate
+for path in sys.argv[2:]:
+    validate(load_document(path).level)
+    save_level(load_document(path).level, sys.argv[1] + "/x.json", format="kinetix-env")
+save_set(build_set(gather_levels(sys.argv[3:]), name="x", folder=__import__("pathlib").Path("/")),
+         sys.argv[1] + "/set.json")
+assert not {"jax", "flax"} & set(sys.modules), "jax was loaded"
+"""
+    cart = str(FIXTURES / "v1" / "cart_and_bell.json")
+    peer = str(FIXTURES / "kinetix_env" / "gaps.json")
+    subprocess.run([sys.executable, "-c", script, str(tmp_path), cart, peer], check=True)
 
 
 def test_an_off_centre_polygon_is_told_what_it_should_be():
