@@ -36,13 +36,12 @@ def run(command: Sample) -> int:
         KinetixError: The size or the count makes no sense.
     """
     from kinetix.environment.generators.documents import random_levels
-    from kinetix.environment.params import capacity_named
     from kinetix.level.codec import save_level
-    from kinetix.level.sizes import SIZES
+    from kinetix.level.sizes import SIZES, parse_capacity
 
     if command.count < 1:
         raise KinetixError(f"count {command.count!r}: expected at least 1")
-    size = command.size if command.size in SIZES else capacity_named(command.size)
+    size = command.size if command.size in SIZES else parse_capacity(command.size)
     label = command.size.replace(",", "_")
     command.target.mkdir(parents=True, exist_ok=True)
     width = max(4, len(str(command.count - 1)))

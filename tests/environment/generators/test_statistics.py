@@ -1,0 +1,78 @@
+"""Our random levels against the peer's measured sample."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.environment.generators.generator_statistics import statistics
+
+POPULATION = {
+    "fixed_joint_share": "joined",
+    "motor_on_share": "revolutes",
+    "limits_share": "revolutes",
+    "roles_share": "bodies",
+    "fixated_share_polygons": "polygon_bodies",
+    "fixated_share_circles": "circle_bodies",
+}
+SHARES = (
+    "polygons",
+    "circles",
+    "joints",
+    "thrusters",
+    "floor_role",
+    "triangles_share",
+    "pushing_overlaps_at_start",
+    *POPULATION,
+)
+
+
+def standard_errors(ours: float, theirs: float, n_ours: float, n_theirs: float) -> float:
+    """How many standard errors of their difference two shares are apart."""
+    pooled = (ours * n_ours + theirs * n_theirs) / (n_ours + n_theirs)
+    error = math.sqrt(max(pooled * (1 - pooled), 1e-9) * (1 / n_ours + 1 / n_theirs))
+    return (ours - theirs) / error
+
+
+@pytest.fixture(scope="module")
+def measured(drafts: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    return {size: statistics(draft) for size, draft in drafts.items()}
+
+
+def recorded(peer: Path, size: str) -> dict[str, Any]:
+    lines = (peer / "random_level_statistics.jsonl").read_text().splitlines()
+    return next(line for line in map(json.loads, lines) if line["size"] == size)
+
+
+@pytest.mark.peer
+@pytest.mark.parametrize("size", ["s", "m", "l"])
+def test_every_share_is_within_three_standard_errors(
+    size: str, peer: Path, measured: dict[str, dict[str, Any]]
+) -> None:
+    theirs, ours = recorded(peer, size), measured[size]
+    far = {}
+    for name in SHARES:
+        n_ours = ours[POPULATION.get(name, "n")]
+        n_theirs = n_ours * theirs["n"] / ours["n"]
+        a, b = ours[name], theirs[name]
+        kinds = sorted(set(a) | set(b)) if isinstance(a, dict) else [None]
+        for kind in kinds:
+            pair = (a, b) if kind is None else (a.get(kind, 0.0), b.get(kind, 0.0))
+            apart = standard_errors(*pair, n_ours, n_theirs)
+            if abs(apart) > 3:
+                far[name, kind] = (*pair, apart)
+    assert not far
+
+
+@pytest.mark.peer
+@pytest.mark.parametrize("size", ["s", "m", "l"])
+def test_quantiles_agree(size: str, peer: Path, measured: dict[str, dict[str, Any]]) -> None:
+    theirs, ours = recorded(peer, size), measured[size]
+    for name, values in theirs.items():
+        if "quantiles" in name:
+            # The ends of a sample wander; the peer's has an eighth of our levels.
+            inner, mine = np.array(values)[1:-1], np.array(ours[name])[1:-1]
+            assert np.allclose(mine, inner, rtol=0.12, atol=0.03), name
