@@ -120,7 +120,7 @@ def change(text, old, new):
 # Whole texts: (text, code, what the sentence says).
 TEXTS = {
     "not json": (EVERYTHING[:300], "E001", r"\$: not JSON, line 15 column 3: Untermin"),
-    "deep": ("[" * 10_000 + "]" * 10_000, "E001", "nested too deeply"),
+    "deep": ("[" * 100_000 + "]" * 100_000, "E001", "nested too deeply"),
     "digits": (change(EVERYTHING, "300", "3" * 5000), "E001", "thousands of digits"),
     "mark": ("\ufeff" + EVERYTHING, "E001", "byte-order mark"),
     "other": ('{"format": "tiled"}', "E002", r'\$\.format: expected "kinetix-level", got "tiled"'),
