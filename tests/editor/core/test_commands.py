@@ -1,0 +1,302 @@
+"""Commands that the tools' tests do not reach: fields, mirror, order, clipboard, removal."""
+
+import json
+import math
+
+import pytest
+
+from editor.commands import clip
+from editor.commands.fields import (
+    PasteProperties,
+    SetField,
+    SetLevelField,
+    read_field,
+    shared_value,
+)
+from editor.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
+from editor.commands.joints import Reanchor, ReassignJoint
+from editor.commands.level import Permute, ReplaceLevel
+from kinetix.errors import CommandError
+from kinetix.level.geometry import polygon_fault, referenced_body, to_world, world_vertices
+from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster
+from tests.editor.core.helpers import a_level
+
+KITE = Polygon(vertices=((0.5, 0.0), (0.0, 0.2), (-0.5, 0.0), (0.0, -0.2)))
+
+
+def gap(level, joint):
+    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
+    return math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
+
+
+@pytest.mark.parametrize(
+    ("ids", "field", "value"),
+    [
+        ((3,), "density", 2.0),
+        ((3, 4), "shape.radius", 0.5),
+        ((3,), "position.x", 1.5),
+        ((3,), "position", (1.5, 2.5)),
+        ((3,), "velocity.y", -3.0),
+        ((3,), "role", "red"),
+        ((5,), "motor.speed", 2.5),
+        ((5,), "motor.on", False),
+        ((5,), "limits.min", -0.5),
+        ((5,), "kind", "fixed"),
+        ((6,), "power", 3.0),
+        ((6,), "binding", 1),
+        (("floor",), "role", "red"),
+        (("left_wall",), "friction", 0.25),
+    ],
+)
+def test_fields_are_set_by_their_dotted_names(ids, field, value):
+    level = SetField(ids=ids, field=field, value=value).apply(a_level())
+    for entity_id in ids:
+        owner = (
+            getattr(level.arena, entity_id)
+            if isinstance(entity_id, str)
+            else level.entity(entity_id)
+        )
+        expected = value if isinstance(value, str) else pytest.approx(value)
+        assert read_field(owner, field) == expected
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "says"),
+    [
+        ("density", -1.0, "density"),
+        ("density", float("nan"), "density"),
+        ("role", "purple", "role"),
+        ("shape.radius", 99.0, "radius"),
+        ("densty", 1.0, "There is no field"),
+        ("position.z", 1.0, "no item"),
+        ("id", 7, "There is no field"),
+    ],
+)
+def test_what_the_format_forbids_is_refused_with_a_sentence(field, value, says):
+    with pytest.raises(CommandError, match=says):
+        SetField(ids=(3,), field=field, value=value).apply(a_level())
+
+
+def test_entities_without_the_field_are_passed_over():
+    level = SetField(ids=(3, 5, 6), field="density", value=2.0).apply(a_level())
+    assert level.body(3).density == 2.0
+    assert level.joints == a_level().joints
+
+
+def test_an_absent_part_appears_and_stays_absent_when_nothing_changes():
+    assert a_level().joints[0].limits is None
+    changed = SetField(ids=(5,), field="limits.max", value=0.5).apply(a_level())
+    assert changed.joints[0].limits == Limits(on=False, min=0.0, max=0.5)
+    unchanged = SetField(ids=(5,), field="limits.max", value=0.0).apply(a_level())
+    assert unchanged == a_level()
+
+
+def test_setting_an_angle_lets_joints_follow():
+    level = SetField(ids=(1,), field="angle", value=1.0).apply(a_level())
+    assert gap(level, level.joints[0]) < 1e-6
+
+
+def test_mixed_values_are_told():
+    level = a_level()
+    assert shared_value(level, (3, 4), "shape.radius") == (pytest.approx(0.2), True)
+    assert shared_value(level, (2, 3), "shape.radius")[1] is False
+    with pytest.raises(CommandError):
+        shared_value(level, (5,), "density")
+    with pytest.raises(CommandError, match="Nothing is selected"):
+        shared_value(level, (), "density")
+
+
+def test_labels_say_what_was_done():
+    assert SetField(ids=(5,), field="motor.power", value=2.5).label == "Motor power → 2.5"
+    assert SetField(ids=(5,), field="motor.on", value=False).label == "Motor on → off"
+    assert SetField(ids=(3,), field="position", value=(1, 2)).label == "Position → (1, 2)"
+
+
+def test_level_fields():
+    level = SetLevelField(field="gravity.y", value=-3.0).apply(a_level())
+    assert level.gravity == (0.0, -3.0)
+    assert SetLevelField(field="name", value="Other").apply(level).name == "Other"
+    assert SetLevelField(field="size", value="l").apply(level).size == "l"
+    with pytest.raises(CommandError):
+        SetLevelField(field="name", value="").apply(level)
+    with pytest.raises(CommandError):
+        SetLevelField(field="bodies", value=()).apply(level)
+
+
+def test_mirroring_twice_changes_nothing():
+    level = a_level()
+    for axis in "xy":
+        once = Mirror(ids=(1, 2, 3), axis=axis).apply(level)
+        assert once != level
+        twice = Mirror(ids=(1, 2, 3), axis=axis).apply(once)
+        for before, after in zip(level.entities(), twice.entities(), strict=True):
+            for name in ("position", "anchor_a", "anchor_b"):
+                if hasattr(before, name):
+                    assert getattr(after, name) == pytest.approx(getattr(before, name), abs=1e-5)
+            if isinstance(before, Body | Thruster):
+                turn = math.remainder(after.angle - before.angle, math.tau)
+                assert turn == pytest.approx(0, abs=1e-5)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_mirrored_outline_is_the_outline_mirrored(axis):
+    body = Body(id=1, shape=KITE, position=(1.0, 2.0), angle=0.4, velocity=(1.0, 2.0))
+    level = Mirror(ids=(1,), axis=axis).apply(Level(name="x", bodies=(body,)))
+    after = level.bodies[0]
+    k = "xy".index(axis)
+    low, high = (f(v[k] for v in world_vertices(body)) for f in (min, max))
+    expected = []
+    for vertex in world_vertices(body):
+        flipped = list(vertex)
+        flipped[k] = low + high - flipped[k]
+        expected.append(tuple(flipped))
+    found = world_vertices(after)
+    for vertex in expected:
+        assert min(math.dist(vertex, other) for other in found) < 1e-5
+    assert polygon_fault(after.shape.vertices) is None
+    assert after.velocity[k] == -body.velocity[k]
+
+
+def test_a_mirrored_motor_turns_the_other_way():
+    joint = a_level().joints[0].replace(limits=Limits(min=-0.2, max=1.0), reference_angle=0.3)
+    level = Mirror(ids=(1, 2), axis="x").apply(a_level().replace(joints=(joint,)))
+    after = level.joints[0]
+    assert (after.limits.min, after.limits.max) == pytest.approx((-1.0, 0.2))
+    assert after.motor.speed == -joint.motor.speed
+    assert after.reference_angle == pytest.approx(-0.3)
+    assert gap(level, after) < 1e-6
+
+
+def test_order_stays_within_a_kind():
+    level = a_level()
+    forward = Reorder(ids=(2,), step=1).apply(level)
+    assert [b.id for b in forward.bodies] == [1, 3, 2, 4]
+    assert Reorder(ids=(1,), step=1).apply(level) == level
+    assert Reorder(ids=(4,), step=1).apply(level) == level
+    back = Reorder(ids=(3, 4), step=-1).apply(level)
+    assert [b.id for b in back.bodies] == [1, 3, 4, 2]
+
+
+def test_removing_a_body_takes_what_hangs_on_it():
+    level = Remove(ids=(1,)).apply(a_level())
+    assert [e.id for e in level.entities()] == [2, 3, 4]
+    assert Remove(ids=(6,)).apply(a_level()).thrusters == ()
+    assert Remove(ids=("floor",)).apply(a_level()) == a_level()
+
+
+def test_a_duplicate_equals_its_original_but_for_the_place():
+    level = a_level()
+    level = SetField(ids=(1, 2), field="role", value="red").apply(level)
+    copy = clip.copied(level, (1, 2))
+    pasted = clip.Paste(clip=copy, shift=(0.5, 0.25)).apply(level)
+    for old, new in zip(level.bodies[:2], pasted.bodies[-2:], strict=True):
+        assert new.position == pytest.approx((old.position[0] + 0.5, old.position[1] + 0.25))
+        assert new.replace(id=old.id, position=old.position) == old
+    joint, thruster = pasted.joints[-1], pasted.thrusters[-1]
+    assert joint.replace(id=5, a=1, b=2) == level.joints[0]
+    assert thruster.replace(id=6, body=1) == level.thrusters[0]
+    assert {joint.a, joint.b} == {b.id for b in pasted.bodies[-2:]}
+    assert len({e.id for e in pasted.entities()}) == 10
+
+
+def test_a_clip_is_json_that_says_what_it_is():
+    text = clip.dumps(clip.copied(a_level(), (1,)))
+    tree = json.loads(text)
+    assert (tree["format"], tree["version"]) == ("kinetix-clip", 1)
+    assert clip.loads(text) == clip.copied(a_level(), (1,))
+    assert clip.loads(text).joints == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "hello",
+        "[1, 2]",
+        '{"format": "kinetix-clip", "version": 2}',
+        '{"format": "kinetix-clip", "version": 1, "bodies": 3}',
+        '{"format": "kinetix-level", "version": 1}',
+    ],
+)
+def test_other_text_on_the_clipboard_is_refused(text):
+    with pytest.raises(CommandError, match="clipboard"):
+        clip.loads(text)
+
+
+def test_a_clip_whose_joints_lead_nowhere_is_refused():
+    whole = clip.copied(a_level(), (1, 2))
+    with pytest.raises(CommandError, match="do not fit"):
+        clip.loads(clip.dumps(whole.replace(bodies=whole.bodies[:1])))
+
+
+def test_a_joint_to_the_arena_is_anchored_where_the_copy_is():
+    joint = Joint(id=9, kind="revolute", a="floor", b=3, anchor_a=(1.5, 7.8), anchor_b=(0.0, 0.0))
+    level = a_level().replace(joints=(joint,), next_id=10)
+    pasted = clip.Paste(clip=clip.copied(level, (3,)), shift=(-1.0, 0.5)).apply(level)
+    new = pasted.joints[-1]
+    assert new.a == "floor"
+    assert gap(pasted, new) < 1e-6
+
+
+def test_pasting_properties_leaves_place_and_shape():
+    level = a_level()
+    source = level.bodies[2].replace(density=3.0, collision="ghost")
+    after = PasteProperties(ids=(1, 4), source=source).apply(level)
+    for body_id in (1, 4):
+        old, new = level.body(body_id), after.body(body_id)
+        assert (new.position, new.shape, new.angle) == (old.position, old.shape, old.angle)
+        assert (new.density, new.collision, new.role) == (3.0, "ghost", "green")
+    with pytest.raises(CommandError):
+        PasteProperties(ids=(5,), source=source).apply(level)
+    motor = Motor(speed=3.0, binding=2)
+    source = level.joints[0].replace(motor=motor)
+    assert PasteProperties(ids=(5,), source=source).apply(level).joints[0].motor == motor
+
+
+def test_a_joint_can_hold_another_body():
+    level = ReassignJoint(joint=5, end="b", body=3).apply(a_level())
+    joint = level.joints[0]
+    assert (joint.a, joint.b) == (1, 3)
+    assert gap(level, joint) < 1e-6
+    with pytest.raises(CommandError):
+        ReassignJoint(joint=5, end="b", body=1).apply(a_level())
+
+
+def test_reanchoring_closes_the_gap():
+    joint = a_level().joints[0].replace(anchor_b=(0.05, 0.0))
+    level = a_level().replace(joints=(joint,))
+    assert gap(level, joint) > 0.04
+    assert gap(level, Reanchor(joints=(5,)).apply(level).joints[0]) < 1e-6
+
+
+def test_permuting_changes_the_order_and_nothing_else():
+    level = a_level()
+    orders = set()
+    for seed in range(10):
+        permuted = Permute(seed=seed).apply(level)
+        orders.add(tuple(b.id for b in permuted.bodies))
+        assert {e.id: e for e in permuted.entities()} == {e.id: e for e in level.entities()}
+    assert len(orders) > 1
+
+
+def test_a_level_from_elsewhere_gets_new_ids():
+    before = a_level()
+    after = ReplaceLevel(level=a_level(), label="Random", fresh=True).apply(before)
+    assert not {e.id for e in before.entities()} & {e.id for e in after.entities()}
+    assert gap(after, after.joints[0]) < 1e-6
+    assert after.next_id > max(e.id for e in after.entities())
+
+
+def test_group_edits_need_a_body():
+    for command in (Rotate(ids=(5,), angle=1.0), Mirror(ids=(), axis="x")):
+        with pytest.raises(CommandError, match="Select a shape"):
+            command.apply(a_level())
+    with pytest.raises(CommandError, match="positive"):
+        Scale(ids=(1,), factor=-1.0, pivot=(0, 0)).apply(a_level())
+
+
+def test_a_polygon_body_has_its_origin_at_the_centre_of_mass():
+    corners = ((0.0, 0.0), (0.0, 1.0), (2.0, 0.0))
+    body = polygon_body(corners, Level(name="x"))
+    assert body.position == pytest.approx((2 / 3, 1 / 3), abs=1e-6)
+    assert polygon_fault(body.shape.vertices) is None
