@@ -19,7 +19,7 @@ from kinetix.level.sets import (
     save_set,
     split_set,
 )
-from kinetix.level.validate import Issue, validate
+from kinetix.level.validate import Issue, has_errors, validate
 
 _UNSOLVED = "unsolved"
 
@@ -160,7 +160,7 @@ def verdict_on(each: SetLevel) -> Verdict:
     from kinetix.environment.replay import noop_outcome, replay_solution  # only playing needs JAX
 
     level, issues = each.level, validate(each.level)
-    playable = not any(issue.severity == "error" for issue in issues)
+    playable = not has_errors(issues)
     noop = solution = None
     if playable:
         physics = level.solution.physics if level.solution else "balanced"

@@ -13,7 +13,7 @@ from tyro.conf import Positional
 from kinetix.errors import LevelError
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
 from kinetix.level.sets import is_set_file, load_set
-from kinetix.level.validate import Issue, validate
+from kinetix.level.validate import Issue, has_errors, validate
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ class Report:
     @property
     def ok(self) -> bool:
         """Whether there is no error."""
-        return not any(issue.severity == "error" for issue in self.issues)
+        return not has_errors(self.issues)
 
 
 def run(command: Validate) -> int:
