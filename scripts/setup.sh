@@ -73,7 +73,6 @@ find_python() {
       if is_supported "$candidate"; then printf '%s' "$candidate"; return; fi
     done
   done
-  say "Python 3.11, 3.12 or 3.13 is needed${PYTHON:+, and PYTHON=$PYTHON is none of them}"
   return 1
 }
 
@@ -84,10 +83,17 @@ ensure_venv() {
   if [[ -z "${PYTHON:-}" ]] && is_supported "$venv/bin/python"; then
     return
   fi
-  python="$(find_python)"
+  if ! python="$(find_python)"; then
+    # A machine without any Python: the system's own may be new enough.
+    [[ -z "${PYTHON:-}" ]] && ensure_packages python3 python3-venv && python="$(find_python)" || {
+      say "Python 3.11, 3.12 or 3.13 is needed${PYTHON:+, and PYTHON=$PYTHON is none of them}"
+      return 1
+    }
+  fi
   if [[ "$(version_of "$venv/bin/python")" == "$(version_of "$python")" ]]; then
     return
   fi
+  # Debian's Python comes without what makes virtual environments.
   "$python" -c 'import ensurepip' 2>/dev/null || ensure_packages python3-venv
   say "making $venv with Python $(version_of "$python")"
   rm -rf "$venv"

@@ -1,0 +1,54 @@
+"""What the README prints can be run."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from kinetix import cli
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text()
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("kinetix/**/*.md")])
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+def commands():
+    return [line for block in blocks("sh") for line in block.splitlines()]
+
+
+@pytest.mark.slow
+def test_the_snippets_run_in_order():
+    names = {}
+    for block in blocks("python"):
+        exec(compile(block, "README.md", "exec"), names)
+    assert names["picture"].shape == (125, 125, 3)
+    assert names["picture"].max() > names["picture"].min()
+    # The second snippet plays the bundled level: its box, its two balls and the arena.
+    assert int(names["level"].bodies.active.sum()) == 7
+
+
+@pytest.mark.parametrize("line", [line for line in commands() if line.startswith("kinetix ")])
+def test_the_commands_are_understood(line, monkeypatch):
+    words = shlex.split(line, comments=True)[1:]
+    seen = []
+    monkeypatch.setattr(f"kinetix.cli.{words[0]}.run", lambda command: seen.append(command) or 0)
+    assert cli.main(words) == 0
+    assert len(seen) == 1
+
+
+def test_the_targets_exist():
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    text = README + (ROOT / "CONTRIBUTING.md").read_text()
+    assert set(re.findall(r"^make ([a-z-]+)", text, re.MULTILINE)) <= targets
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_lead_somewhere(document):
+    links = re.findall(r"\]\(([^)#]+)[^)]*\)", document.read_text())
+    local = [link for link in links if "://" not in link]
+    assert [link for link in local if not (document.parent / link).exists()] == []
