@@ -15,6 +15,9 @@ from jax.custom_batching import custom_vmap
 
 Tree = Any
 
+TILE = 64
+"""Worlds that are advanced together: few enough for a core's cache, many enough to fill its lanes."""
+
 
 def worlds_last(kernel: Callable[..., Tree]) -> Callable[..., Tree]:
     """Give a kernel that works on arrays with a last axis of worlds the look of a one-world function.
@@ -28,7 +31,7 @@ def worlds_last(kernel: Callable[..., Tree]) -> Callable[..., Tree]:
 
     @custom_vmap
     def many(*arguments: Tree) -> Tree:
-        return kernel(*arguments)
+        return _by_tiles(kernel, arguments)
 
     @many.def_vmap
     def _(axis_size: int, batched: list, *arguments: Tree) -> tuple[Tree, Tree]:
@@ -59,6 +62,26 @@ def worlds_last(kernel: Callable[..., Tree]) -> Callable[..., Tree]:
         return out, jax.tree.map(lambda _: True, out)
 
     return one
+
+
+def _by_tiles(kernel: Callable[..., Tree], arguments: tuple[Tree, ...]) -> Tree:
+    """Run the kernel on `TILE` worlds at a time, one tile after the other."""
+    worlds = jax.tree.leaves(arguments)[0].shape[-1]
+    if worlds <= TILE:
+        return kernel(*arguments)
+    tiles = -(-worlds // TILE)
+    padding = tiles * TILE - worlds
+
+    def cut(x: jax.Array) -> jax.Array:
+        # Whole worlds are repeated, so that what fills the last tile is as sane as the rest.
+        x = jnp.pad(x, [(0, 0)] * (x.ndim - 1) + [(0, padding)], mode="edge") if padding else x
+        return jnp.moveaxis(x.reshape(*x.shape[:-1], tiles, TILE), -2, 0)
+
+    def join(x: jax.Array) -> jax.Array:
+        return jnp.moveaxis(x, 0, -2).reshape(*x.shape[1:-1], tiles * TILE)[..., :worlds]
+
+    done = jax.lax.map(lambda tile: kernel(*tile), jax.tree.map(cut, arguments))
+    return jax.tree.map(join, done)
 
 
 def _merge(x: jax.Array, has_axis: bool, *, axis_size: int, worlds: int) -> jax.Array:

@@ -1,10 +1,12 @@
 """The physics presets: names for a solver with settings, chosen by measurement (docs/physics.md)."""
 
-from kinetix.engine.solvers import SOLVERS, AbstractSolver, PgsBaumgarte
+from kinetix.engine.solvers import SOLVERS, AbstractSolver, Direct, PgsBaumgarte
+from kinetix.engine.solvers.blocks import Admm
 from kinetix.errors import KinetixError
 
 PRESETS: dict[str, AbstractSolver] = {
     "jax2d": PgsBaumgarte(),
+    "balanced": Direct(substeps=2, block=Admm(iterations=10)),
 }
 
 

@@ -1,0 +1,57 @@
+"""Contact block by the alternating direction method of multipliers.
+
+Source: Boyd et al. (2011), "Distributed Optimization and Statistical Learning via the Alternating
+Direction Method of Multipliers", with over-relaxation; on contact problems Carpentier et al. (2024).
+"""
+
+import dataclasses
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
+from kinetix.engine.solvers.rows import inverse, matvec
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Admm(AbstractBlock):
+    """One inverse a step, then matrix–vector products: few and wide operations."""
+
+    name: ClassVar[str] = "admm"
+    iterations: int = 10
+    penalty: float = 0.1
+    """ρ relative to the diagonal. Smaller suits large mass ratios, larger light redundant stacks."""
+    relaxation: float = 1.6
+
+    def prepare(self, matrix: Float[Array, "m m n"]) -> Any:
+        """(A + R)⁻¹ and R."""
+        size = matrix.shape[0]
+        index = np.arange(size)
+        penalty = self.penalty * matrix[index, index]
+        eye = np.eye(size, dtype=bool)[:, :, None]
+        return inverse(matrix + jnp.where(eye, penalty[:, None], 0)), penalty
+
+    def solve(
+        self,
+        prepared: Any,
+        matrix: Float[Array, "m m n"],
+        offset: Float[Array, "m n"],
+        start: Float[Array, "m n"],
+        cone: Cone,
+    ) -> Float[Array, "m n"]:
+        """See the contract."""
+        solve, penalty = prepared
+        allowed = project(cone, start)
+        dual = -(matvec(matrix, allowed) + offset) / penalty
+
+        def iterate(_: Any, carry: tuple) -> tuple:
+            allowed, dual = carry
+            free = matvec(solve, penalty * (allowed - dual) - offset)
+            mixed = self.relaxation * free + (1 - self.relaxation) * allowed + dual
+            allowed = project(cone, mixed)
+            return allowed, mixed - allowed
+
+        return jax.lax.fori_loop(0, self.iterations, iterate, (allowed, dual))[0]

@@ -1,0 +1,57 @@
+"""The contract of the contact blocks."""
+
+import abc
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from kinetix.pytree import pytree
+
+
+@pytree
+class Cone:
+    """What impulses are allowed: `c` normal rows, then their `c` tangent rows, then `l` limit rows.
+
+    Normal and limit rows push only; a tangent row is bounded by friction times its normal row.
+    """
+
+    friction: Float[Array, "c n"]
+    closed: Bool[Array, "c n"]
+    """Only these contacts act; the others have no impulse at all."""
+    limited: Bool[Array, "l n"]
+    """The same for the limit rows."""
+
+
+def project(cone: Cone, impulse: Float[Array, "m n"]) -> Float[Array, "m n"]:
+    """The nearest allowed impulses, friction bounded by the normal impulse just found."""
+    count = cone.friction.shape[0]
+    normal = jnp.where(cone.closed, jnp.maximum(impulse[:count], 0), 0)
+    bound = cone.friction * normal
+    tangent = jnp.clip(impulse[count : 2 * count], -bound, bound)
+    limit = jnp.where(cone.limited, jnp.maximum(impulse[2 * count :], 0), 0)
+    return jnp.concatenate([normal, tangent, limit], axis=0)
+
+
+class AbstractBlock(abc.ABC):
+    """Solves  w = A λ + b,  λ in the cone,  λ ⟂ w  for many worlds at once.
+
+    Subclasses are frozen dataclasses of Python numbers.
+    """
+
+    name: ClassVar[str]
+
+    @abc.abstractmethod
+    def prepare(self, matrix: Float[Array, "m m n"]) -> Any:
+        """What can be computed once for a matrix that serves several solves."""
+
+    @abc.abstractmethod
+    def solve(
+        self,
+        prepared: Any,
+        matrix: Float[Array, "m m n"],
+        offset: Float[Array, "m n"],
+        start: Float[Array, "m n"],
+        cone: Cone,
+    ) -> Float[Array, "m n"]:
+        """Impulses in the cone that solve the problem as far as the iterations reach."""

@@ -1,0 +1,440 @@
+"""Our own method, the direct soft step: joints exactly, contacts by a block on what joints leave free.
+
+A step has `substeps`; each is kick – solve – drift – kick – solve. The first solve (*bias*) also
+corrects positions; what it adds for that moves the bodies but is taken out of the velocities by the
+second (*relax*), so corrections cost no energy. Free flight is exact, jointed motion second order.
+
+Worlds are on the last axis.
+Source: Andersen (1983), RATTLE, for the split kick with a projection at both ends; Andrews, Teichmann
+& Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody Dynamics", for the stiffness of
+taut joints as inertia; Catto (2024), Solver2D, for biased and relaxed solves.
+"""
+
+import dataclasses
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine import actuators, constants
+from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
+from kinetix.engine.pairs import pair_counts
+from kinetix.engine.shapes import take
+from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.solvers.blocks import AbstractBlock, Admm, Cone
+from kinetix.engine.solvers.joint_system import JointSystem, joint_system, project
+from kinetix.engine.solvers.rows import (
+    Masses,
+    Rows,
+    Velocity,
+    apply,
+    coupling,
+    make_rows,
+    match,
+    matmul,
+    matvec,
+    point_rows,
+    speeds,
+    stack,
+)
+from kinetix.engine.spec import ARENA_BODIES, SceneSpec
+from kinetix.engine.store import Store
+from kinetix.engine.types import Control, Parameters, State, World
+from kinetix.pytree import pytree
+
+
+@pytree
+class DirectCache:
+    """Kept for the next step: impulses by contact key, and the joints' last forces."""
+
+    key: Int[Array, "c n"]
+    bias_normal: Float[Array, "c n"]
+    bias_tangent: Float[Array, "c n"]
+    relax_normal: Float[Array, "c n"]
+    relax_tangent: Float[Array, "c n"]
+    bias_limit: Float[Array, "j n"]
+    relax_limit: Float[Array, "j n"]
+    joint_force_x: Float[Array, "j n"]
+    joint_force_y: Float[Array, "j n"]
+
+
+@pytree
+class ContactSystem:
+    """The rows of a step that push one way: contacts and joint limits. Fixed for the whole step."""
+
+    rows: Rows
+    live: Bool[Array, "m n"]
+    matrix: Float[Array, "m m n"]
+    """Their coupling with the joints eliminated."""
+    prepared: Any
+    friction: Float[Array, "c n"]
+    restitution: Float[Array, "c n"]
+
+
+@pytree
+class Phase:
+    """What a substep hands to the next."""
+
+    position: Vec
+    rotation: Float[Array, "b n"]
+    velocity: Velocity
+    gap: Float[Array, "m n"]
+    """Of the normal rows and the limit rows; the tangent rows in between are not used."""
+    bias_impulse: Float[Array, "m n"]
+    relax_impulse: Float[Array, "m n"]
+    joints: JointSystem
+    joint_impulse: Float[Array, "k n"]
+    """Of the last substep, both solves together."""
+    hit: Bool[Array, "c n"]
+    """Which contacts have pushed in any substep."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Direct(AbstractSolver):
+    """Joints by a direct solve, contacts by a block (`direct+pgs`, `direct+admm`)."""
+
+    name: ClassVar[str] = "direct"
+    substeps: int = 2
+    block: AbstractBlock = Admm()
+    joint_bias: float = 0.5
+    """Share of a joint's position error that one substep takes away."""
+    contact_bias: float = 0.2
+    """The same for overlaps."""
+    slots: Slots | None = None
+    """Room for contacts; None: by the capacity."""
+
+    def slots_for(self, spec: SceneSpec) -> Slots:
+        """Room for contacts in scenes of this capacity (measured: docs/physics.md)."""
+        if self.slots is not None:
+            return self.slots
+        polygons = spec.capacity.polygons - ARENA_BODIES
+        circles = spec.capacity.circles
+        counts = pair_counts(spec.capacity)
+        near = Slots(
+            polygon_polygon=min(counts[0], polygons + 3),
+            circle_polygon=min(counts[1], circles + 3),
+            circle_circle=min(counts[2], max(1, circles - 1)),
+            points=0,
+        )
+        most = 2 * near.polygon_polygon + near.circle_polygon + near.circle_circle
+        return dataclasses.replace(near, points=min(most, polygons + circles + 5))
+
+    def empty_cache(self, spec: SceneSpec) -> Any:
+        """No impulses."""
+        points, joints = self.slots_for(spec).points, spec.capacity.joints
+
+        def zeros(count: int) -> Any:
+            return np.zeros(count, np.float32)
+
+        return DirectCache(
+            key=np.full(points, -1, np.int32),
+            bias_normal=zeros(points),
+            bias_tangent=zeros(points),
+            relax_normal=zeros(points),
+            relax_tangent=zeros(points),
+            bias_limit=zeros(joints),
+            relax_limit=zeros(joints),
+            joint_force_x=zeros(joints),
+            joint_force_y=zeros(joints),
+        )
+
+    def step(
+        self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
+    ) -> State:
+        """See the contract."""
+        control = jax.tree.map(jnp.nan_to_num, control)
+        h = parameters.dt / self.substeps
+        store = Store(always=h[0] > 0)
+        found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
+        masses = store(_effective_masses(world, state, h))
+        velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
+        position = vec(state.position)
+        joints = joint_system(
+            world, position, state.rotation, velocity, control, parameters, masses, h / 2, store
+        )
+        system, gap = self._contact_system(world, state, found, joints, masses, parameters, store)
+        bias_impulse, relax_impulse = store(_warm_start(state.cache, found))
+        start = Phase(
+            position=position,
+            rotation=state.rotation,
+            velocity=velocity,
+            gap=gap,
+            bias_impulse=bias_impulse,
+            relax_impulse=relax_impulse,
+            joints=joints,
+            joint_impulse=jnp.zeros_like(joints.error),
+            hit=jnp.zeros(system.friction.shape, bool),
+        )
+
+        def substep(phase: Phase, _: None) -> tuple[Phase, None]:
+            return self._substep(world, phase, system, masses, control, parameters, spec, store), None
+
+        end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
+        return _finish(state, end, found, h, parameters)
+
+    def _contact_system(
+        self,
+        world: World,
+        state: State,
+        found: Found,
+        joints: JointSystem,
+        masses: Masses,
+        parameters: Parameters,
+        store: Store,
+    ) -> tuple[ContactSystem, Float[Array, "m n"]]:
+        points, bodies = found.points, world.bodies
+        normal = points.normal
+        tangent = Vec(x=normal.y, y=-normal.x)
+        a, b = points.body_a, points.body_b
+        limits, limit_live, limit_gap = _limit_rows(world, state, masses)
+        rows = store(
+            stack(
+                point_rows(masses, a, b, normal, points.arm_a, points.arm_b),
+                point_rows(masses, a, b, tangent, points.arm_a, points.arm_b),
+                limits,
+            )
+        )
+        used = points.key >= 0
+        live = jnp.concatenate([used, used, limit_live], axis=0)
+        matrix = coupling(rows, rows)
+        if joints.live.shape[0] > 0:
+            across = store(jnp.where(joints.live[:, None], coupling(joints.rows, rows), 0))
+            matrix -= matmul(jnp.swapaxes(across, 0, 1), matmul(joints.solve, across))
+        eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
+        matrix = store(jnp.where(live[:, None] & live[None], matrix, jnp.where(eye, 1, 0)))
+        friction = jnp.sqrt(take(bodies.friction, a) ** 2 + take(bodies.friction, b) ** 2)
+        system = ContactSystem(
+            rows=rows,
+            live=live,
+            matrix=matrix,
+            prepared=self.block.prepare(matrix),
+            friction=store(parameters.base_friction * friction),
+            restitution=store(jnp.minimum(take(bodies.restitution, a), take(bodies.restitution, b))),
+        )
+        gap = jnp.concatenate([points.separation, jnp.zeros_like(points.separation), limit_gap], axis=0)
+        return system, gap
+
+    def _substep(
+        self,
+        world: World,
+        phase: Phase,
+        system: ContactSystem,
+        masses: Masses,
+        control: Control,
+        parameters: Parameters,
+        spec: SceneSpec,
+        store: Store,
+    ) -> Phase:
+        h = parameters.dt / self.substeps
+        count = system.friction.shape[0]
+        live, limit_live = system.live[:count], system.live[2 * count :]
+
+        # Bias: half a kick, then velocities that also bring positions where they belong.
+        push = store(_acceleration(world, phase.rotation, control, parameters))
+        before = store(speeds(system.rows, phase.velocity))
+        velocity = store(_kick(phase.velocity, push, h / 2))
+        bias = phase.joints.error * (self.joint_bias / h)
+        nothing = jnp.zeros_like(phase.joint_impulse)
+        velocity, joint_impulse = project(phase.joints, velocity, masses, nothing, bias, store)
+        offset = store(speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count))
+        cone = Cone(friction=system.friction, closed=live, limited=limit_live)
+        bias_impulse = self.block.solve(
+            system.prepared, system.matrix, offset, phase.bias_impulse, cone
+        )
+        velocity = store(apply(system.rows, bias_impulse, velocity, masses))
+        velocity, joint_impulse = project(
+            phase.joints, velocity, masses, joint_impulse, bias, store
+        )
+
+        # Drift.
+        position, rotation, gap = store(
+            (
+                phase.position + velocity.linear * h,
+                phase.rotation + velocity.angular * h,
+                phase.gap + h * speeds(system.rows, velocity),
+            )
+        )
+
+        # Relax: the other half, then velocities that satisfy everything as it stands.
+        velocity = store(_kick(velocity, _acceleration(world, rotation, control, parameters), h / 2))
+        joints = joint_system(
+            world, position, rotation, velocity, control, parameters, masses, h / 2, store
+        )
+        velocity, relaxed = project(joints, velocity, masses, nothing, nothing, store)
+        closed = (bias_impulse > 0) | (gap <= constants.CLOSED_DISTANCE)
+        cone = store(
+            cone.replace(closed=live & closed[:count], limited=limit_live & closed[2 * count :])
+        )
+        offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
+        offset -= self._bounce(system, before, phase.gap, push, bias_impulse, h, count, spec)
+        total = self.block.solve(
+            system.prepared,
+            system.matrix,
+            store(offset),
+            store(bias_impulse + phase.relax_impulse),
+            cone,
+        )
+        velocity = store(apply(system.rows, store(total - bias_impulse), velocity, masses))
+        velocity, relaxed = project(joints, velocity, masses, relaxed, nothing, store)
+        return Phase(
+            position=position,
+            rotation=rotation,
+            velocity=velocity,
+            gap=gap,
+            bias_impulse=bias_impulse,
+            relax_impulse=total - bias_impulse,
+            joints=joints,
+            joint_impulse=joint_impulse + relaxed,
+            hit=phase.hit | (bias_impulse[:count] > 0),
+        )
+
+    def _gap_bias(
+        self, gap: Float[Array, "m n"], h: Float[Array, " n"], count: int
+    ) -> Float[Array, "m n"]:
+        """Closing speeds that are allowed (open gaps) or wanted away (overlaps)."""
+        overlap = jnp.minimum(gap + constants.SLOP, 0) * (self.contact_bias / h)
+        bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -constants.PUSH_SPEED))
+        is_tangent = (np.arange(gap.shape[0]) // max(count, 1) == 1)[:, None] & (
+            np.arange(gap.shape[0]) < 2 * count
+        )[:, None]
+        return jnp.where(is_tangent, 0, bias)
+
+    def _bounce(
+        self,
+        system: ContactSystem,
+        before: Float[Array, "m n"],
+        gap: Float[Array, "m n"],
+        push: tuple[Vec, Float[Array, "b n"]],
+        impulse: Float[Array, "m n"],
+        h: Float[Array, " n"],
+        count: int,
+        spec: SceneSpec,
+    ) -> Float[Array, "m n"]:
+        """Speed with which contacts that closed in this substep leave.
+
+        The approach speed is that of the moment of touching, wherever in the substep it lies, so that
+        the energy after the bounce does not depend on it.
+        """
+        if not spec.features.restitution:
+            return jnp.zeros_like(before)
+        linear, angular = push
+        closing = -speeds(system.rows, Velocity(linear=linear, angular=angular))[:count]
+        free_fall = jnp.maximum(closing, 0)
+        speed = jnp.sqrt(
+            jnp.maximum(0, before[:count] ** 2 + 2 * free_fall * jnp.maximum(gap[:count], 0))
+        )
+        threshold = 2 * h * jnp.sqrt(dot(linear, linear)).max(axis=0)
+        bounces = (impulse[:count] > 0) & (speed > threshold) & (before[:count] < 0)
+        leaving = jnp.where(bounces, system.restitution * speed, 0)
+        return jnp.concatenate([leaving, jnp.zeros_like(before[count:])], axis=0)
+
+
+def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Masses:
+    """Inverse masses with the stiffness of taut joints added to the inertia.
+
+    A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do not
+    see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
+    """
+    joints, bodies, cache = world.joints, world.bodies, state.cache
+    inverse_inertia = bodies.inverse_inertia
+    if joints.body_a.shape[0] == 0:
+        return Masses(linear=bodies.inverse_mass, angular=inverse_inertia)
+    count = inverse_inertia.shape[0]
+    force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
+    stiffness = jnp.zeros_like(inverse_inertia)
+    for body, anchor, sign in ((joints.body_a, joints.anchor_a, -1), (joints.body_b, joints.anchor_b, 1)):
+        angle = take(state.rotation, body)
+        arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
+        stiffness += sign * actuators.onto_bodies(dot(arm, force), body, count)
+    stiff = h**2 * jnp.maximum(stiffness, 0)
+    return Masses(
+        linear=bodies.inverse_mass,
+        angular=inverse_inertia / jnp.maximum(1, stiff * inverse_inertia),
+    )
+
+
+def _limit_rows(
+    world: World, state: State, masses: Masses
+) -> tuple[Rows, Bool[Array, "j n"], Float[Array, "j n"]]:
+    """One row a joint with limits: the nearer of its two; its gap is the angle left [rad]."""
+    joints = world.joints
+    a, b = joints.body_a, joints.body_b
+    angle = take(state.rotation, b) - take(state.rotation, a) - joints.reference_angle
+    least = jnp.minimum(joints.limit_min, joints.limit_max)
+    most = jnp.maximum(joints.limit_min, joints.limit_max)
+    from_least, from_most = angle - least, most - angle
+    sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
+    zero = jnp.zeros_like(angle)
+    rows = make_rows(masses, a, b, Vec(x=zero, y=zero), sign, sign)
+    acts = joints.active & joints.limited & ~joints.fixed & (a != b)
+    acts &= take(world.bodies.active, a) & take(world.bodies.active, b)
+    acts &= rows.inertia_a + rows.inertia_b > 0
+    return rows, acts, jnp.minimum(from_least, from_most)
+
+
+def _acceleration(
+    world: World, rotation: Float[Array, "b n"], control: Control, parameters: Parameters
+) -> tuple[Vec, Float[Array, "b n"]]:
+    """Gravity and thrust at a pose."""
+    linear, angular = actuators.thrust(world, rotation, control, parameters)
+    moves = (world.bodies.inverse_mass > 0).astype(rotation.dtype)
+    return Vec(x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves), angular
+
+
+def _kick(
+    velocity: Velocity, push: tuple[Vec, Float[Array, "b n"]], duration: Float[Array, " n"]
+) -> Velocity:
+    linear, angular = push
+    return Velocity(
+        linear=velocity.linear + linear * duration, angular=velocity.angular + angular * duration
+    )
+
+
+def _warm_start(cache: DirectCache, found: Found) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
+    """Last step's impulses of the contacts that are still there, for both solves."""
+    normal, tangent, relax_normal, relax_tangent = match(
+        found.points.key,
+        cache.key,
+        cache.bias_normal,
+        cache.bias_tangent,
+        cache.relax_normal,
+        cache.relax_tangent,
+    )
+    return (
+        jnp.concatenate([normal, tangent, cache.bias_limit], axis=0),
+        jnp.concatenate([relax_normal, relax_tangent, cache.relax_limit], axis=0),
+    )
+
+
+def _finish(
+    state: State, end: Phase, found: Found, h: Float[Array, " n"], parameters: Parameters
+) -> State:
+    """The new state: clipped, with the impulses kept by their keys."""
+    bound = parameters.clip_position
+    speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
+    count = found.points.key.shape[0]
+    joints = end.joint_impulse.shape[0] // 3
+    pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
+    index = np.arange(found.touching.shape[0])[:, None, None]
+    return state.replace(
+        position=jnp.clip(unvec(end.position), -bound, bound),
+        rotation=end.rotation,
+        velocity=jnp.clip(unvec(end.velocity.linear), -speed, speed),
+        angular_velocity=jnp.clip(end.velocity.angular, -spin, spin),
+        touching=found.touching | jnp.any(index == pair[None], axis=1),
+        overflow=found.overflow,
+        cache=DirectCache(
+            key=found.points.key,
+            bias_normal=end.bias_impulse[:count],
+            bias_tangent=end.bias_impulse[count : 2 * count],
+            relax_normal=end.relax_impulse[:count],
+            relax_tangent=end.relax_impulse[count : 2 * count],
+            bias_limit=end.bias_impulse[2 * count :],
+            relax_limit=end.relax_impulse[2 * count :],
+            joint_force_x=end.joint_impulse[:joints] / h,
+            joint_force_y=end.joint_impulse[joints : 2 * joints] / h,
+        ),
+    )

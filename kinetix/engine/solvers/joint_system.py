@@ -1,0 +1,181 @@
+"""All joints of a world as one linear system, motors included. Worlds on the last axis.
+
+Each joint has three rows: the two coordinates of its anchors' gap, and the relative angle. The third
+row holds the angle of a weld; for a running motor it is a soft row whose compliance makes the torque
+follow the motor's law *after* all impulses of the phase; otherwise it is switched off.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from kinetix.engine import actuators, constants
+from kinetix.engine.maths import Vec, nonzero, rotate, vec
+from kinetix.engine.shapes import take, take_vec
+from kinetix.engine.solvers.rows import (
+    Masses,
+    Rows,
+    Velocity,
+    apply,
+    coupling,
+    diagonal,
+    inverse,
+    make_rows,
+    matvec,
+    point_rows,
+    speeds,
+    stack,
+)
+from kinetix.engine.store import Store
+from kinetix.engine.types import Control, Parameters, World
+from kinetix.pytree import pytree
+
+
+@pytree
+class JointSystem:
+    """The joints at one pose, `k` = 3 rows a joint: all x rows, all y rows, all angle rows."""
+
+    rows: Rows
+    solve: Float[Array, "k k n"]
+    """Inverse of the coupling of the rows among themselves."""
+    live: Bool[Array, "k n"]
+    error: Float[Array, "k n"]
+    """What the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
+    wanted: Float[Array, "k n"]
+    """Speed that a motor wants [rad/s]; 0 for the rest."""
+    compliance: Float[Array, "k n"]
+    """Of motor rows: relative speed error left per unit of impulse; 0 for the rest."""
+    arm_a: Vec
+    arm_b: Vec
+
+
+def joint_system(
+    world: World,
+    position: Vec,
+    rotation: Float[Array, "b n"],
+    velocity: Velocity,
+    control: Control,
+    parameters: Parameters,
+    masses: Masses,
+    duration: Float[Array, " n"],
+    store: Store,
+) -> JointSystem:
+    """The joints at a pose.
+
+    Args:
+        world: What the level fixes.
+        position: Of all bodies [m].
+        rotation: Of all bodies [rad].
+        velocity: Of all bodies; tells how far the motors are from their target.
+        control: What drives the motors.
+        parameters: The motor law's constants.
+        masses: Inverse masses that the solver uses.
+        duration: For how long the motors act in one solve [s].
+        store: Keeps intermediate results.
+
+    Returns:
+        The system, ready to be solved.
+    """
+    joints = world.joints
+    a, b = joints.body_a, joints.body_b
+    angle_a, angle_b = take(rotation, a), take(rotation, b)
+    arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
+    arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
+    gap = take_vec(position, b) - take_vec(position, a) + arm_b - arm_a
+    angle = angle_b - angle_a - joints.reference_angle
+
+    zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
+    arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
+    rows = store(
+        stack(
+            point_rows(masses, a, b, Vec(x=one, y=zero), arm_a, arm_b),
+            point_rows(masses, a, b, Vec(x=zero, y=one), arm_a, arm_b),
+            make_rows(masses, a, b, Vec(x=zero, y=zero), one, one),
+        )
+    )
+    movable = take(masses.linear, a) + take(masses.linear, b) > 0
+    acts = joints.active & movable & take(world.bodies.active, a) & take(world.bodies.active, b) & (a != b)
+    wanted, compliance = store(_motors(world, velocity, angle, control, parameters, duration))
+    turns = acts & (joints.fixed | (compliance > 0))
+    live = jnp.concatenate([acts, acts, turns], axis=0)
+    live, compliance = store((live, jnp.concatenate([zero, zero, compliance], axis=0)))
+
+    matrix = jnp.where(live[:, None] & live[None], coupling(rows, rows), 0)
+    own = diagonal(rows) * constants.JOINT_REGULARISATION + compliance
+    eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
+    return JointSystem(
+        rows=rows,
+        solve=inverse(matrix + jnp.where(eye, jnp.where(live, own, 1)[:, None], 0)),
+        live=live,
+        error=store(
+            jnp.where(
+                live, jnp.concatenate([gap.x, gap.y, jnp.where(joints.fixed, angle, 0)], axis=0), 0
+            )
+        ),
+        wanted=store(jnp.concatenate([zero, zero, wanted], axis=0)),
+        compliance=compliance,
+        arm_a=arm_a,
+        arm_b=arm_b,
+    )
+
+
+def _motors(
+    world: World,
+    velocity: Velocity,
+    angle: Float[Array, "j n"],
+    control: Control,
+    parameters: Parameters,
+    duration: Float[Array, " n"],
+) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
+    """Target speed and compliance of each motor; compliance 0 where none runs.
+
+    The law is torque = −(strength/inertia)·tanh(k·error). Over the phase it is replaced by its secant
+    through the present error, taken at the error that *remains*: exact at rest, at stall and at full
+    speed, first order in between, stable at any strength.
+    """
+    joints, bodies = world.joints, world.bodies
+    action = control.motor
+    target = parameters.base_motor_speed * joints.motor_speed * action
+    error = take(velocity.angular, joints.body_b) - take(velocity.angular, joints.body_a) - target
+    inertia = take(bodies.inverse_inertia, joints.body_a) + take(bodies.inverse_inertia, joints.body_b)
+    strength = (
+        parameters.base_motor_power
+        * joints.motor_power
+        * actuators.motor_fade(world, angle, action, parameters)
+        / nonzero(inertia)
+    )
+    k = parameters.motor_decay_coefficient
+    x = jnp.maximum(k * jnp.abs(error), 1e-4)
+    secant = k * jnp.tanh(x) / x
+    slope = duration * strength * secant
+    runs = actuators.motor_runs(world, action) & (slope > 0)
+    return jnp.where(runs, target, 0), jnp.where(runs, 1 / nonzero(slope), 0)
+
+
+def project(
+    system: JointSystem,
+    velocity: Velocity,
+    masses: Masses,
+    impulse: Float[Array, "k n"],
+    bias: Float[Array, "k n"],
+    store: Store,
+) -> tuple[Velocity, Float[Array, "k n"]]:
+    """The nearest velocities that satisfy all joints exactly.
+
+    Args:
+        system: The joints.
+        velocity: Before.
+        masses: Inverse masses.
+        impulse: What the rows have given in this phase so far (a soft row needs its total).
+        bias: Speeds to add to what the rows see, to correct positions.
+        store: Keeps intermediate results.
+
+    Returns:
+        Velocities after, and the rows' total impulses.
+    """
+    if system.live.shape[0] == 0:
+        return velocity, impulse
+    residual = speeds(system.rows, velocity) - system.wanted + bias + system.compliance * impulse
+    residual = store(jnp.where(system.live, residual, 0))
+    gained = store(jnp.where(system.live, -matvec(system.solve, residual), 0))
+    return store((apply(system.rows, gained, velocity, masses), impulse + gained))

@@ -1,0 +1,194 @@
+"""Constraint rows and what all solvers do with them. Worlds on the last axis.
+
+A row acts on two bodies along one direction: with an impulse λ body b gains +direction·λ (and the
+turn `turn_b`·λ), body a the opposite. Contacts, joints, motors and limits are all such rows, so one
+function couples any two of them.
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine.maths import Vec, cross, dot
+from kinetix.engine.shapes import take
+from kinetix.pytree import pytree
+
+
+@pytree
+class Velocity:
+    """Velocities of all bodies."""
+
+    linear: Vec
+    angular: Float[Array, "b n"]
+
+
+@pytree
+class Masses:
+    """Inverse masses as the solver uses them."""
+
+    linear: Float[Array, "b n"]
+    angular: Float[Array, "b n"]
+
+
+@pytree
+class Rows:
+    """`m` rows. The mass columns repeat the bodies' values, so that coupling needs no look-up."""
+
+    body_a: Int[Array, "m n"]
+    body_b: Int[Array, "m n"]
+    direction: Vec
+    turn_a: Float[Array, "m n"]
+    """arm_a × direction [m]; 1 for a row that acts on angles alone."""
+    turn_b: Float[Array, "m n"]
+    mass_a: Float[Array, "m n"]
+    mass_b: Float[Array, "m n"]
+    inertia_a: Float[Array, "m n"]
+    inertia_b: Float[Array, "m n"]
+
+
+def make_rows(
+    masses: Masses,
+    body_a: Int[Array, "m n"],
+    body_b: Int[Array, "m n"],
+    direction: Vec,
+    turn_a: Float[Array, "m n"],
+    turn_b: Float[Array, "m n"],
+) -> Rows:
+    """Rows with their bodies' masses looked up."""
+    return Rows(
+        body_a=body_a,
+        body_b=body_b,
+        direction=direction,
+        turn_a=turn_a,
+        turn_b=turn_b,
+        mass_a=take(masses.linear, body_a),
+        mass_b=take(masses.linear, body_b),
+        inertia_a=take(masses.angular, body_a),
+        inertia_b=take(masses.angular, body_b),
+    )
+
+
+def point_rows(
+    masses: Masses,
+    body_a: Int[Array, "c n"],
+    body_b: Int[Array, "c n"],
+    direction: Vec,
+    arm_a: Vec,
+    arm_b: Vec,
+) -> Rows:
+    """Rows that act at a point of each body along a direction."""
+    return make_rows(masses, body_a, body_b, direction, cross(arm_a, direction), cross(arm_b, direction))
+
+
+def stack(*rows: Rows) -> Rows:
+    """One after the other."""
+    return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *rows)
+
+
+def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
+    """J_left M⁻¹ J_rightᵀ: the change of the left rows' speeds per unit of the right rows' impulses."""
+    i, j = (slice(None), None), (None, slice(None))
+    straight = dot(left.direction[i], right.direction[j])
+
+    def share(
+        body_left: Array, body_right: Array, mass: Array, inertia: Array, turn_left: Array, turn_right: Array
+    ) -> Array:
+        same = body_left[i] == body_right[j]
+        return jnp.where(same, mass[i] * straight + inertia[i] * turn_left[i] * turn_right[j], 0)
+
+    return (
+        share(left.body_a, right.body_a, left.mass_a, left.inertia_a, left.turn_a, right.turn_a)
+        + share(left.body_b, right.body_b, left.mass_b, left.inertia_b, left.turn_b, right.turn_b)
+        - share(left.body_a, right.body_b, left.mass_a, left.inertia_a, left.turn_a, right.turn_b)
+        - share(left.body_b, right.body_a, left.mass_b, left.inertia_b, left.turn_b, right.turn_a)
+    )
+
+
+def diagonal(rows: Rows) -> Float[Array, "m n"]:
+    """The diagonal of `coupling(rows, rows)`."""
+    straight = dot(rows.direction, rows.direction)
+    apart = (rows.mass_a + rows.mass_b) * straight + (
+        rows.inertia_a * rows.turn_a**2 + rows.inertia_b * rows.turn_b**2
+    )
+    return jnp.where(rows.body_a == rows.body_b, 0, apart)
+
+
+def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
+    """Speed of b relative to a along each row."""
+    x, y, omega = velocity.linear.x, velocity.linear.y, velocity.angular
+    return (
+        rows.direction.x * (take(x, rows.body_b) - take(x, rows.body_a))
+        + rows.direction.y * (take(y, rows.body_b) - take(y, rows.body_a))
+        + rows.turn_b * take(omega, rows.body_b)
+        - rows.turn_a * take(omega, rows.body_a)
+    )
+
+
+def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
+    """The velocities after impulses on all rows."""
+    bodies = np.arange(velocity.angular.shape[0])[:, None, None]
+    on_a, on_b = bodies == rows.body_a[None], bodies == rows.body_b[None]
+
+    def total(to_a: Float[Array, "m n"], to_b: Float[Array, "m n"]) -> Float[Array, "b n"]:
+        return jnp.sum(jnp.where(on_b, to_b[None], 0) - jnp.where(on_a, to_a[None], 0), axis=1)
+
+    x, y = rows.direction.x * impulse, rows.direction.y * impulse
+    return Velocity(
+        linear=Vec(
+            x=velocity.linear.x + total(x, x) * masses.linear,
+            y=velocity.linear.y + total(y, y) * masses.linear,
+        ),
+        angular=velocity.angular + total(rows.turn_a * impulse, rows.turn_b * impulse) * masses.angular,
+    )
+
+
+def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[Array, "m n"]:
+    """Matrix times vector in every world."""
+    return jnp.sum(matrix * vector[None], axis=1)
+
+
+def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[Array, "m l n"]:
+    """Matrix times matrix in every world."""
+    size = left.shape[1]
+
+    def add(k: Int[Array, ""], total: Array) -> Array:
+        return total + jax.lax.dynamic_index_in_dim(left, k, 1) * jax.lax.dynamic_index_in_dim(right, k, 0)
+
+    return jax.lax.fori_loop(0, size, add, jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype))
+
+
+def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
+    """Inverse of symmetric positive definite matrices by Gauss–Jordan elimination, no pivoting."""
+    size = matrix.shape[0]
+    if size == 0:
+        return matrix
+
+    def eliminate(k: Int[Array, ""], m: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
+        row = jax.lax.dynamic_index_in_dim(m, k, 0)
+        column = jax.lax.dynamic_index_in_dim(m, k, 1)
+        pivot = jax.lax.dynamic_index_in_dim(row, k, 1)
+        index = np.arange(size)
+        on_row, on_column = (index == k)[:, None, None], (index == k)[None, :, None]
+        scaled = row / pivot
+        rest = m - column * scaled
+        return jnp.where(
+            on_row,
+            jnp.where(on_column, 1 / pivot, scaled),
+            jnp.where(on_column, -column / pivot, rest),
+        )
+
+    return jax.lax.fori_loop(0, size, eliminate, matrix)
+
+
+def match(
+    key: Int[Array, "c n"], old_key: Int[Array, "c n"], *values: Float[Array, "c n"]
+) -> tuple[Float[Array, "c n"], ...]:
+    """The old values of the entries whose key is still there, 0 for new ones and for key −1."""
+    same = (key[:, None] == old_key[None]) & (key[:, None] >= 0)
+    return tuple(jnp.sum(jnp.where(same, value[None], 0), axis=1) for value in values)
+
+
+def any_true(mask: Bool[Array, "m n"]) -> Bool[Array, " n"]:
+    """Whether any row's mask holds."""
+    return jnp.any(mask, axis=0)
