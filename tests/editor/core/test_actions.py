@@ -1,0 +1,432 @@
+"""The table of actions, its keys, and what the session does with them."""
+
+import collections
+import re
+
+import pytest
+
+from editor import actions
+from editor.actions import ACTIONS, BY_ID, Context
+from editor.actions.fixes import fix_of
+from editor.commands.fields import SetLevelField
+from editor.events import DropEvent, FocusEvent, QuitEvent
+from editor.playback import Mode
+from kinetix.errors import CommandError
+from kinetix.level.codec import dumps, save_level
+from kinetix.level.model import Body, Circle, Level, Limits
+from kinetix.paths import levels_dir
+from tests.editor.core.helpers import Hand, a_level, a_session, texts
+
+EXPECTED = """
+file.new file.open file.save file.save_as file.close_tab file.quit file.export file.screenshot
+file.record edit.undo edit.redo edit.cut edit.copy edit.paste edit.paste_properties edit.duplicate
+edit.select_all edit.delete edit.cancel edit.lock edit.hide edit.mirror_horizontal
+edit.mirror_vertical edit.align_left edit.align_centre_x edit.align_right edit.align_top
+edit.align_centre_y edit.align_bottom edit.distribute_x edit.distribute_y edit.forward edit.back
+tool.select tool.rectangle tool.circle tool.triangle tool.joint tool.weld tool.thruster
+transform.nudge_left transform.nudge_right transform.nudge_up transform.nudge_down
+transform.rotate_ccw transform.rotate_cw transform.rotate_ccw_45 transform.rotate_cw_45
+snap.smart snap.grid view.grid view.frame_selection view.fit view.actual_size view.toggle_ui
+view.fullscreen view.debug_draw view.plots run.play_human run.pause run.step run.step_back
+run.slower run.faster run.reset run.stop run.edit_from_here level.random level.mutate
+level.mutate_menu level.permute level.previous level.next app.palette app.help
+""".split()
+
+
+def test_every_specified_action_is_there():
+    assert set(EXPECTED) <= set(BY_ID)
+    assert len(BY_ID) == len(ACTIONS)
+
+
+def test_no_chord_means_two_things():
+    for context in (Context.EDIT, Context.PLAY):
+        used = collections.Counter(
+            chord
+            for action in ACTIONS
+            if action.context in (context, Context.GLOBAL)
+            for chord in (*action.keys, *action.variants)
+        )
+        assert [chord for chord, count in used.items() if count > 1] == []
+
+
+def test_play_leaves_its_own_keys_alone(session):
+    play = {k for a in ACTIONS if a.context is not Context.EDIT for k in a.keys}
+    assert not play & set(session.control_keys)
+
+
+def test_every_action_has_words():
+    for action in ACTIONS:
+        assert action.label and action.menu
+        assert re.fullmatch(r"[a-z]+\.[a-z_0-9]+", action.id)
+
+
+@pytest.mark.parametrize("playing", [False, True])
+@pytest.mark.parametrize("action_id", [a.id for a in ACTIONS])
+def test_every_action_runs_or_is_disabled(action_id, playing):
+    session = a_session()
+    session.worker.submit = lambda *args, **kwargs: None
+    session.selection = (1, 2, 3)
+    if playing:
+        actions.run(session, "run.play_human")
+        actions.update(session, 0.1)
+    actions.run(session, action_id)
+    actions.update(session, 0.01)
+    assert "Something went wrong" not in " ".join(texts(session))
+
+
+def test_an_unknown_action_names_the_known_ones(session):
+    with pytest.raises(CommandError, match="edit.undo"):
+        actions.run(session, "edit.undoo")
+
+
+def test_keys_reach_their_actions(session, hand):
+    hand.key("a", ctrl=True)
+    assert len(session.selection) == 6
+    hand.key("delete")
+    assert list(session.document.level.entities()) == []
+    assert "Deleted 4 shapes, 1 joint, 1 thruster" in texts(session)
+    assert session.toasts[-1].action == "edit.undo"
+    hand.key("z", ctrl=True)
+    assert session.document.level == a_level()
+    hand.key("y", ctrl=True)
+    hand.key("z", ctrl=True)
+    hand.key("z", ctrl=True, shift=True)
+    assert session.document.level.bodies == ()
+
+
+def test_rebound_keys_replace_the_default(session, hand):
+    session.settings.keys["tool.circle"] = ["o"]
+    hand.key("c")
+    assert session.tool.id == "select"
+    hand.key("o")
+    assert session.tool.id == "circle"
+
+
+def test_driving_keys_never_start_play(session, hand):
+    for key in ("left", "right", "up", "down", "w", "a", "s", "d", "1", "2"):
+        hand.key(key)
+        assert session.mode is Mode.EDIT
+
+
+def test_playing_changes_nothing_in_the_document(session, hand):
+    before = session.document.hash
+    hand.key("space")
+    hand.wait(0.1)
+    assert session.mode is Mode.PLAYING
+    hand.down("left")
+    for _ in range(60):
+        hand.wait()
+    hand.up("left")
+    assert session.playback.step_count > 20
+    assert session.scene.body(3).position != session.document.level.body(3).position
+    hand.key("delete")
+    hand.key("r")
+    hand.drag((2.0, 2.0), (3.0, 3.0))
+    hand.key("escape")
+    assert session.mode is Mode.EDIT
+    assert session.document.hash == before
+    assert len(session.document.history.entries) == 1
+    assert session.scene == session.document.level
+
+
+def test_undo_works_right_after_play(session, hand):
+    session.selection = (3,)
+    hand.key("delete")
+    hand.key("space")
+    hand.wait(0.5)
+    hand.key("escape")
+    hand.key("z", ctrl=True)
+    assert session.document.level == a_level()
+
+
+def test_held_keys_drive_until_the_window_loses_focus(session, hand):
+    hand.key("space")
+    hand.down("left")
+    hand.down("1")
+    assert session.action == (1, 0, 0, 0, 1, 0)
+    hand.up("1")
+    assert session.action == (1, 0, 0, 0, 0, 0)
+    actions.handle(session, FocusEvent(focused=False))
+    assert session.action == (0,) * 6
+
+
+def test_edit_from_here_is_a_new_document(session, hand):
+    before = session.document
+    hand.key("space")
+    for _ in range(30):
+        hand.wait()
+    moved = session.scene.body(3).position
+    actions.run(session, "run.edit_from_here")
+    assert session.mode is Mode.EDIT
+    assert session.document is not before
+    assert session.document.dirty
+    assert session.document.level.body(3).position == pytest.approx(moved)
+    hand.key("z", ctrl=True)
+    assert session.document.level.body(3).position == pytest.approx((4.0, 3.0))
+    assert before.level == a_level()
+
+
+def test_a_dragged_body_is_pulled_and_the_episode_marked(session, hand):
+    hand.key("space")
+    hand.wait(0.0)
+    hand.press((4.0, 3.0))
+    assert session.pull.body == 3
+    hand.hold((4.2, 3.0))
+    hand.wait(0.1)
+    assert session.playback.perturbed
+    hand.release((4.2, 3.0))
+    assert session.pull is None
+
+
+def test_alignment_and_distribution(session):
+    session.selection = (1, 2, 3)
+    actions.run(session, "edit.align_left")
+    level = session.document.level
+    lefts = [level.body(1).position[0] - 0.2, level.body(2).position[0] - 0.15]
+    assert lefts == pytest.approx([1.8, 1.8], abs=1e-5)
+    actions.run(session, "edit.undo")
+    actions.run(session, "edit.distribute_y")
+    assert session.document.history.undo_label in (None, "Distribute Up")
+    session.selection = (1,)
+    actions.run(session, "edit.align_top")
+    assert "Select at least 2 shapes." in texts(session)
+
+
+def test_distributed_gaps_are_equal():
+    bodies = tuple(
+        Body(id=k, shape=Circle(radius=r), position=(x, 2.0))
+        for k, x, r in ((1, 0.5, 0.1), (2, 1.9, 0.3), (3, 2.6, 0.2), (4, 4.0, 0.4))
+    )
+    session = a_session(Level(name="x", bodies=bodies))
+    session.selection = (1, 2, 3, 4)
+    actions.run(session, "edit.distribute_x")
+    placed = sorted(session.document.level.bodies, key=lambda b: b.position[0])
+    gaps = [
+        b.position[0] - b.shape.radius - a.position[0] - a.shape.radius
+        for a, b in zip(placed, placed[1:], strict=False)
+    ]
+    assert gaps == pytest.approx([gaps[0]] * 3, abs=1e-5)
+    assert placed[0].position[0] == 0.5 and placed[-1].position[0] == 4.0
+
+
+def test_cut_and_paste_at_the_pointer(session, hand):
+    session.selection = (3,)
+    hand.key("x", ctrl=True)
+    assert len(session.document.level.bodies) == 3
+    hand.move((1.5, 1.25))
+    hand.key("v", ctrl=True)
+    body = session.document.level.bodies[-1]
+    assert body.position == pytest.approx((1.5, 1.25), abs=1e-5)
+    assert body.role == "green"
+    assert session.selection == (body.id,)
+
+
+def test_hidden_things_come_back(session, hand):
+    session.selection = (3,)
+    hand.key("h", ctrl=True)
+    assert session.document.hidden == {3}
+    hand.click((4.0, 3.0))
+    assert session.selection == ()
+    hand.key("h", ctrl=True)
+    assert session.document.hidden == frozenset()
+
+
+def test_escape_goes_back_step_by_step(session, hand):
+    session.selection = (3,)
+    hand.key("c")
+    hand.press((2.0, 2.0))
+    hand.hold((2.5, 2.0))
+    hand.key("escape")
+    assert (session.driver.active, session.tool.id) == (False, "circle")
+    hand.key("escape")
+    assert session.tool.id == "select"
+    hand.key("escape")
+    assert session.selection == ()
+
+
+class Bad:
+    label = "Bad"
+    merge_key = None
+
+    def apply(self, level):
+        raise RuntimeError("boom")
+
+
+def test_an_exception_in_a_command_is_a_toast(session):
+    session.queue(Bad())
+    session.queue("edit.select_all")
+    actions.update(session, 0.1)
+    assert session.document.level == a_level()
+    assert any("boom" in text for text in texts(session))
+    assert len(session.selection) == 6
+
+
+def test_toasts_go_by_themselves(session):
+    session.toast("Hello")
+    actions.update(session, 1.0)
+    assert texts(session) == ["Hello"]
+    actions.update(session, 10.0)
+    assert texts(session) == []
+
+
+def test_closing_with_changes_asks(session, hand, tmp_path):
+    session.selection = (3,)
+    hand.key("delete")
+    actions.handle(session, QuitEvent())
+    (prompt,) = session.prompts
+    assert [c.label for c in prompt.choices] == ["Save", "Don't Save", "Cancel"]
+    assert (prompt.default, prompt.cancel) == ("save", "cancel")
+    session.answer(prompt, "cancel")
+    assert not session.quitting
+    actions.handle(session, QuitEvent())
+    session.answer(session.prompts[-1], "save")
+    (question,) = session.prompts
+    assert question.purpose == "save"
+    session.answer(question, tmp_path / "mine")
+    assert (tmp_path / "mine.json").is_file()
+    assert session.quitting
+
+
+def test_closing_without_changes_asks_nothing(session):
+    actions.handle(session, QuitEvent())
+    assert session.quitting
+
+
+def test_dont_save_quits(session, hand):
+    session.selection = (3,)
+    hand.key("delete")
+    actions.handle(session, QuitEvent())
+    session.answer(session.prompts[-1], "discard")
+    assert session.quitting
+
+
+def test_a_dropped_file_opens_in_a_tab(session, tmp_path):
+    path = tmp_path / "level.json"
+    save_level(a_level().replace(name="Dropped"), path)
+    actions.handle(session, DropEvent(path=str(path)))
+    assert [tab.document.title for tab in session.tabs] == ["Test", "level.json"]
+    actions.handle(session, DropEvent(path=str(path)))
+    assert len(session.tabs) == 2
+    actions.handle(session, DropEvent(path=str(tmp_path / "none.json")))
+    assert len(session.tabs) == 2
+    assert session.toasts[-1].kind == "error"
+
+
+def test_the_next_level_of_the_folder(session, tmp_path):
+    for name in ("a", "b", "c"):
+        save_level(a_level().replace(name=name), tmp_path / f"{name}.json")
+    actions.handle(session, DropEvent(path=str(tmp_path / "a.json")))
+    actions.run(session, "level.next")
+    assert session.document.title == "b.json"
+    actions.run(session, "level.previous")
+    actions.run(session, "level.previous")
+    assert session.document.title == "c.json"
+
+
+def test_saving_in_the_other_format_tells_what_is_lost(session, tmp_path):
+    path = tmp_path / "theirs.json"
+    save_level(a_level(), path, format="kinetix-env")
+    actions.handle(session, DropEvent(path=str(path)))
+    assert session.document.format == "kinetix-env"
+    session.execute(SetLevelField(field="gravity", value=(0.0, -3.0)))
+    actions.run(session, "file.save")
+    (prompt,) = session.prompts
+    assert "gravity" in prompt.message
+    session.answer(prompt, "cancel")
+    assert session.document.dirty
+    actions.run(session, "file.save")
+    session.answer(session.prompts[-1], "native")
+    assert session.document.format == "kinetix-level"
+    assert not session.document.dirty
+
+
+ISSUES = {
+    "E101": (a_level().replace(bodies=(a_level().bodies[3],), joints=(), thrusters=()), None),
+    "E103": (
+        a_level().replace(
+            bodies=(*a_level().bodies, a_level().bodies[2].replace(id=20, position=(3.0, 1.0))),
+            next_id=21,
+        ),
+        "Keep first",
+    ),
+    "E109": (a_level().replace(size="s"), "Switch to m"),
+    "W205": (
+        a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=1.0, max=0.0)),)),
+        "Swap",
+    ),
+    "W209": (
+        a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
+        "Re-anchor",
+    ),
+}
+
+
+@pytest.mark.parametrize("code", ISSUES)
+def test_one_click_mends_a_problem(code):
+    level, label = ISSUES[code]
+    session = a_session(level)
+    issue = next(i for i in session.document.problems if i.code == code)
+    fix = fix_of(session, issue)
+    if label is None:
+        assert fix is None
+        free = next(b.id for b in level.bodies)
+        session.selection = (free,)
+        fix = fix_of(session, issue)
+    assert fix is not None
+    assert label is None or fix.label == label
+    session.execute(fix.command)
+    assert code not in {i.code for i in session.document.problems}
+    actions.run(session, "edit.undo")
+    assert code in {i.code for i in session.document.problems}
+
+
+def test_the_record_of_the_state(session):
+    session.selection = (3,)
+    record = session.state_record()
+    assert record | {"fps": 0, "level_hash": ""} == {
+        "mode": "edit",
+        "selection": [3],
+        "dirty": False,
+        "undo": None,
+        "redo": None,
+        "level_hash": "",
+        "step": 0,
+        "outcome": None,
+        "fps": 0,
+        "problems": [issue.code for issue in session.document.problems],
+    }
+
+
+@pytest.mark.peer
+def test_selecting_everything_in_a_published_level_changes_nothing(peer, tmp_path):
+    paths = sorted((peer / "levels").rglob("*.json"))
+    assert len(paths) == 37
+    for path in paths:
+        session = a_session()
+        hand = Hand(session)
+        copy = tmp_path / path.name
+        copy.write_bytes(path.read_bytes())
+        actions.handle(session, DropEvent(path=str(copy)))
+        for entity in session.document.level.entities():
+            session.selection = (entity.id,)
+            hand.wait()
+        assert not session.document.dirty
+        actions.run(session, "file.save")
+        while session.prompts:
+            session.answer(session.prompts[-1], "anyway")
+        assert copy.read_bytes() == path.read_bytes()
+
+
+def test_selecting_everything_in_a_bundled_level_changes_nothing(tmp_path):
+    paths = [p for p in sorted(levels_dir().rglob("*.json")) if p.parent.name in ("s", "m", "l")]
+    assert paths
+    for path in paths:
+        session = a_session()
+        copy = tmp_path / path.name
+        copy.write_bytes(path.read_bytes())
+        actions.handle(session, DropEvent(path=str(copy)))
+        for entity in session.document.level.entities():
+            session.selection = (entity.id,)
+        assert dumps(session.document.level) == path.read_text(encoding="utf-8")
+        actions.run(session, "file.save")
+        assert copy.read_bytes() == path.read_bytes()
