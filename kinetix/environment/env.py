@@ -24,7 +24,7 @@ from kinetix.environment.params import (
     physics_engine,
     with_parity,
 )
-from kinetix.environment.renewal import fitted, renew
+from kinetix.environment.renewal import fitted, renewing
 from kinetix.environment.spaces import ActionType, ObservationType, Space
 from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.errors import KinetixError
@@ -48,6 +48,11 @@ class _Played:
     scored_position: Float[Array, "b 2"]
     """Positions after that step, or after the last one so far."""
     overflow: Bool[Array, ""]
+
+
+def _settled(state: EnvState) -> EnvState:
+    """The state with strong dtypes, so that steps can be scanned."""
+    return jax.tree.map(lambda x: jax.lax.convert_element_type(x, jnp.asarray(x).dtype), state)
 
 
 def has_nan(physics: State) -> Bool[Array, ""]:
@@ -175,8 +180,16 @@ class KinetixEnv:
         override = None if override_reset_state is None else self._fitted(override_reset_state)
         if self.auto_reset and override is None:
             self._require_reset_fn()
-        arguments = jax.lax.stop_gradient((key, state, action, params, override))
-        observation, state, reward, done, info = self._many_steps()(*arguments)
+        key, state, action, params, override = jax.lax.stop_gradient(
+            (key, state, action, params, override)
+        )
+        played, observation, reward, done, info = self._advance_many()(state, action, params)
+        state = _settled(dataclasses.replace(state, **played))
+        if self.keep_terminal_observation:
+            info["terminal_observation"] = observation
+        if self.auto_reset:
+            renew = renewing(self._first_step)
+            state, observation = renew((state, observation), done, (key, override))
         return observation, state, reward, done, info
 
     @functools.partial(jax.jit, static_argnums=0)
@@ -203,24 +216,27 @@ class KinetixEnv:
     def _start(self, key: Array, override: EnvState | None) -> EnvState:
         return self._fitted(self._require_reset_fn()(key) if override is None else override)
 
-    def _many_steps(self) -> Callable[..., StepResult]:
-        """The step as a function of one world that runs worlds-last when it is batched."""
+    def _first_step(self, seeds: tuple[Array, EnvState | None]) -> tuple[EnvState, Any]:
+        """State and observation at the start of an episode."""
+        state = self._start(*seeds)
+        return state, self._observe(state)
 
-        def kernel(key: Array, state: Any, action: Any, params: Any, override: Any) -> StepResult:
-            advance = jax.vmap(self._advance, in_axes=-1, out_axes=-1)
-            state, reward, done, info = advance(state, action, params)
-            observe = jax.vmap(self.observations, in_axes=-1, out_axes=-1)
-            if self.keep_terminal_observation:
-                info["terminal_observation"] = observe(state)
-            if self.auto_reset:
-                state = renew(state, done, key, override, self._start)
-            return observe(state), state, reward, done, info
+    def _advance_many(self) -> Callable[..., Any]:
+        """Step and observation as a function of one world that runs worlds-last when batched."""
 
-        return worlds_last(kernel)
+        def one(state: EnvState, action: Any, params: EnvParams) -> Any:
+            played, *rest = self._advance(state, action, params)
+            return played, self.observations(dataclasses.replace(state, **played)), *rest
+
+        return worlds_last(jax.vmap(one, in_axes=-1, out_axes=-1))
 
     def _advance(
         self, state: EnvState, action: Any, params: EnvParams
-    ) -> tuple[EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+    ) -> tuple[dict[str, Any], Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        """What a step changes of the state, reward, done and info.
+
+        The level itself is not returned, so that its arrays stay where they are.
+        """
         control = self.actions.process_action(action, state.labels)
         played = self._play(state, control, params)
         world, labels = state.world, state.labels
@@ -233,12 +249,11 @@ class KinetixEnv:
         reward = played.reward + dense_reward(
             distance, state.last_distance, params.dense_reward_scale
         )
-        advanced = dataclasses.replace(
-            state,
-            physics=played.physics,
-            timestep=timestep.astype(state.timestep.dtype),
-            last_distance=jnp.where(done, NO_DISTANCE, distance),
-        )
+        changed = {
+            "physics": played.physics,
+            "timestep": timestep,
+            "last_distance": jnp.where(done, NO_DISTANCE, distance),
+        }
         info = {
             "GoalR": played.reward > 0,
             "distance": distance,
@@ -247,7 +262,7 @@ class KinetixEnv:
             "nan": nan,
             "overflow": played.overflow,
         }
-        return advanced, reward, done, info
+        return changed, reward, done, info
 
     def _play(self, state: EnvState, control: Control, params: EnvParams) -> _Played:
         """All physics steps of one environment step; what counts is the first one with a touch."""

@@ -1,11 +1,13 @@
 """Where an episode ends, the next one begins: new states for the worlds that are done."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from typing import Any, Final
 
 import jax
 import jax.numpy as jnp
+from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool
 
 from kinetix.engine.spec import Capacity
@@ -19,49 +21,71 @@ CHUNK: Final = 32
 and one ending pays for levels that nobody needs."""
 
 
-def renew(
-    state: EnvState,
-    done: Bool[Array, " n"],
-    key: Array,
-    override: EnvState | None,
-    start: Callable[[Array, EnvState | None], EnvState],
-) -> EnvState:
-    """Replace the states of the worlds that are done; all arrays carry the worlds last.
+def renewing(start: Callable[..., Any]) -> Callable[..., Any]:
+    """A function that replaces what an episode has left behind where the episode is over.
 
-    Random levels are costly, so they are drawn only for the worlds that need one: the indices of
-    those are compacted and worked off `CHUNK` at a time. Every world's level comes from its own
-    key, the same one as if it were alone.
+    Random levels are costly, so under `vmap` they are drawn only for the worlds that need one: the
+    indices of those are compacted and worked off `CHUNK` at a time. Every world's level comes from
+    its own seed, the same one as if it were alone.
 
     Args:
-        state: States at the end of the step.
-        done: Which episodes are over.
-        key: One key a world.
-        override: The states to start in, or None to draw them.
-        start: Gives the state of one world from its key and its override.
+        start: From the seeds of one world (any pytree) to what the next episode begins with.
+
+    Returns:
+        A function of what there is, whether the episode is over, and the seeds.
     """
-    worlds = done.shape[-1]
+
+    @custom_vmap
+    def many(old: Any, done: Bool[Array, " n"], seeds: Any) -> Any:
+        return _renew(old, done, seeds, jax.vmap(start))
+
+    @many.def_vmap
+    def _(axis_size: int, batched: list[Any], *arguments: Any) -> tuple[Any, Any]:
+        worlds = arguments[1].shape[-1]
+        lifted = jax.tree.map(functools.partial(_lifted, axis_size), arguments, tuple(batched))
+        merged = jax.tree.map(lambda x: x.reshape(axis_size * worlds, *x.shape[2:]), lifted)
+        out = jax.tree.map(lambda x: x.reshape(axis_size, worlds, *x.shape[1:]), many(*merged))
+        return out, jax.tree.map(lambda _: True, out)
+
+    @custom_vmap
+    def one(old: Any, done: Bool[Array, ""], seeds: Any) -> Any:
+        return jax.lax.cond(done, lambda: _like(start(seeds), old), lambda: old)
+
+    @one.def_vmap
+    def _(axis_size: int, batched: list[Any], *arguments: Any) -> tuple[Any, Any]:
+        out = many(*jax.tree.map(functools.partial(_lifted, axis_size), arguments, tuple(batched)))
+        return out, jax.tree.map(lambda _: True, out)
+
+    return one
+
+
+def _lifted(axis_size: int, x: Any, has_axis: bool) -> Any:
+    return x if has_axis else jnp.broadcast_to(x, (axis_size, *jnp.shape(x)))
+
+
+def _like(new: Any, old: Any) -> Any:
+    return jax.tree.map(lambda a, b: a.astype(b.dtype), new, old)
+
+
+def _renew(old: Any, done: Bool[Array, " n"], seeds: Any, start: Callable[..., Any]) -> Any:
+    """Replace the rows of the worlds that are done."""
+    worlds = done.shape[0]
     chunk = min(CHUNK, worlds)
     (rows,) = jnp.nonzero(done, size=worlds, fill_value=worlds)
     rows = jnp.pad(rows, (0, chunk), constant_values=worlds)
     count = jnp.sum(done)
-    start_many = jax.vmap(start, in_axes=-1, out_axes=-1)
 
-    def unfinished(carry: tuple[Array, EnvState]) -> Bool[Array, ""]:
+    def unfinished(carry: tuple[Array, Any]) -> Bool[Array, ""]:
         return carry[0] < count
 
-    def renew_chunk(carry: tuple[Array, EnvState]) -> tuple[Array, EnvState]:
-        first, state = carry
+    def renew_chunk(carry: tuple[Array, Any]) -> tuple[Array, Any]:
+        first, old = carry
         chosen = jax.lax.dynamic_slice_in_dim(rows, first, chunk)
-        picked = jax.tree.map(lambda x: jnp.take(x, chosen, axis=-1, mode="clip"), (key, override))
-        fresh = start_many(*picked)
-        state = jax.tree.map(
-            lambda old, new: old.at[..., chosen].set(new.astype(old.dtype), mode="drop"),
-            state,
-            fresh,
-        )
-        return first + chunk, state
+        new = start(jax.tree.map(lambda x: jnp.take(x, chosen, axis=0, mode="clip"), seeds))
+        replaced = jax.tree.map(lambda a, b: a.at[chosen].set(b, mode="drop"), old, _like(new, old))
+        return first + chunk, replaced
 
-    return jax.lax.while_loop(unfinished, renew_chunk, (jnp.zeros((), count.dtype), state))[1]
+    return jax.lax.while_loop(unfinished, renew_chunk, (jnp.zeros((), count.dtype), old))[1]
 
 
 def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
@@ -98,4 +122,4 @@ def _difference(have: Capacity, need: Capacity) -> str:
         for kind in kinds
         if getattr(have, kind) != getattr(need, kind)
     ]
-    return "; ".join(parts) + " (kinetix.environment.reset.expand_state makes a level larger)"
+    return "; ".join(parts) + " (kinetix.environment.rearrange.expand_state makes a level larger)"
