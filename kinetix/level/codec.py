@@ -15,13 +15,9 @@ from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text, unsa
 from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
 from kinetix.level.integrity import level_faults
 from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
-from kinetix.level.kinetix_env import (
-    KinetixEnvDocument,
-    document_from_tree,
-    from_level,
-    lost_fields,
-    to_level,
-)
+from kinetix.level.kinetix_env import KinetixEnvDocument, document_from_tree, lost_fields
+from kinetix.level.kinetix_env_export import from_level
+from kinetix.level.kinetix_env_import import to_level
 from kinetix.level.migrations import migrate
 from kinetix.level.model import Level
 from kinetix.level.schema import check_tree

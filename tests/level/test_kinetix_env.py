@@ -12,14 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, load_document, loads, loads_document, save_level
-from kinetix.level.kinetix_env import (
-    STANDARD_GRAVITY,
-    dump_tree,
-    from_level,
-    lost_fields,
-    parse_kinetix_env,
-    to_level,
-)
+from kinetix.level.kinetix_env import STANDARD_GRAVITY, lost_fields, parse_kinetix_env
+from kinetix.level.kinetix_env_export import dump_tree, from_level
+from kinetix.level.kinetix_env_import import to_level
 from kinetix.level.model import Arena, ArenaBody, Level, Solution
 from tests.level.strategies import levels
 
