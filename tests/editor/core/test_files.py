@@ -1,0 +1,234 @@
+"""Saving, autosave, recovery and changes from outside."""
+
+import datetime
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from editor import actions, files
+from editor.commands.group import Move
+from editor.settings import RECENTS_MAX, Settings
+from kinetix.errors import LevelError
+from kinetix.level.codec import load_level, save_level
+from tests.editor.core.helpers import a_level, a_session, texts
+
+MOVE = Move(ids=(3,), shift=(0.25, 0.0))
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "levels" / "mine.json"
+    path.parent.mkdir()
+    save_level(a_level(), path)
+    return path
+
+
+def test_a_save_keeps_the_previous_content_beside_it(path):
+    before = path.read_bytes()
+    document = files.open_document(path)
+    document.commit(MOVE)
+    files.save_document(document, path, "kinetix-level")
+    assert not document.dirty
+    assert path.with_name("mine.json.bak").read_bytes() == before
+    assert load_level(path) == document.level
+
+
+def test_a_failed_save_leaves_the_old_file_and_the_changes(path, monkeypatch):
+    before = path.read_bytes()
+    document = files.open_document(path)
+    document.commit(MOVE)
+
+    def full(*args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(LevelError, match="No space left"):
+        files.save_document(document, path, "kinetix-level")
+    assert path.read_bytes() == before
+    assert document.dirty
+    assert sorted(p.name for p in path.parent.iterdir()) == ["mine.json"]
+
+
+def test_a_read_only_file_is_not_replaced(path, monkeypatch):
+    document = files.open_document(path)
+    document.commit(MOVE)
+    monkeypatch.setattr(os, "access", lambda *args: False)
+    with pytest.raises(LevelError, match="read-only"):
+        files.save_document(document, path, "kinetix-level")
+    assert document.dirty
+
+
+def test_a_failed_save_is_told(path):
+    session = a_session()
+    actions.handle(session, actions_drop(path))
+    session.execute(MOVE)
+    path.unlink()
+    path.parent.rmdir()
+    actions.run(session, "file.save")
+    assert session.document.dirty
+    assert any(str(path) in text for text in texts(session))
+
+
+def actions_drop(path):
+    from editor.events import DropEvent
+
+    return DropEvent(path=str(path))
+
+
+def test_autosave_writes_only_what_is_new(path):
+    document = files.open_document(path)
+    assert not files.autosave(document)
+    document.commit(MOVE)
+    assert files.autosave(document)
+    assert not files.autosave(document)
+    assert path.read_bytes() != b""
+    assert len(list(files.autosave_dir().iterdir())) == 1
+    files.save_document(document, path, "kinetix-level")
+    assert list(files.autosave_dir().iterdir()) == []
+
+
+def dead_process():
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    return process.pid
+
+
+def left_behind(document):
+    """What the autosave looks like after its process has been killed."""
+    files.autosave(document)
+    (file,) = files.autosave_dir().iterdir()
+    return file.rename(file.with_name(f"{dead_process()}-1.json"))
+
+
+def test_a_killed_run_can_be_restored(path):
+    document = files.open_document(path)
+    document.commit(MOVE)
+    left_behind(document)
+    (recovery,) = files.recoveries()
+    assert recovery.path == path
+    assert "4 shapes, 1 joint, 1 thruster" in recovery.summary()
+    assert datetime.datetime.now(datetime.UTC) - recovery.time < datetime.timedelta(minutes=5)
+    restored = files.recovered_document(recovery)
+    assert restored.hash == document.hash
+    assert restored.dirty
+    assert files.recoveries() == []
+
+
+def test_the_app_offers_what_was_left_behind(path):
+    from editor.actions.file import offer_recovery
+
+    document = files.open_document(path)
+    document.commit(MOVE)
+    file = left_behind(document)
+    session = a_session()
+    offer_recovery(session)
+    session.answer(session.prompts[-1], "later")
+    assert file.exists()
+    offer_recovery(session)
+    session.answer(session.prompts[-1], "restore")
+    assert session.document.hash == document.hash
+    assert not file.exists()
+
+
+def test_copies_of_a_run_that_still_goes_on_are_left_alone(path):
+    document = files.open_document(path)
+    document.commit(MOVE)
+    files.autosave(document)
+    assert files.recoveries() == []
+
+
+@pytest.mark.parametrize("content", ["", "{", "{}", '{"path": 3}', "[]"])
+def test_broken_copies_are_passed_over(content):
+    files.autosave_dir().mkdir(parents=True)
+    (files.autosave_dir() / f"{dead_process()}-1.json").write_text(content)
+    assert files.recoveries() == []
+
+
+def test_the_session_saves_copies_by_itself(path):
+    session = a_session()
+    session.execute(MOVE)
+    for _ in range(32):
+        actions.update(session, 1.0)
+    (file,) = files.autosave_dir().iterdir()
+    record = json.loads(file.read_text())
+    assert record["path"] is None
+    assert session.autosaved_at == pytest.approx(30.0)
+
+
+def change_outside(path, level):
+    stamp = path.stat().st_mtime_ns
+    save_level(level, path)
+    os.utime(path, ns=(stamp + 10**9, stamp + 10**9))
+
+
+def outside_session(path):
+    session = a_session()
+    actions.handle(session, actions_drop(path))
+    return session
+
+
+def test_a_change_from_outside_is_asked_about(path):
+    session = outside_session(path)
+    theirs = MOVE.apply(a_level())
+    change_outside(path, theirs)
+    actions.update(session, 2.1)
+    (prompt,) = session.prompts
+    assert "shapes: 0 new, 0 gone, 1 changed" in prompt.message
+    session.answer(prompt, "reload")
+    assert session.document.level.body(3) == theirs.body(3)
+    assert not session.document.dirty
+    actions.run(session, "edit.undo")
+    assert session.document.level.body(3) == a_level().body(3)
+
+
+def test_keeping_mine_makes_it_unsaved(path):
+    session = outside_session(path)
+    change_outside(path, MOVE.apply(a_level()))
+    actions.update(session, 2.1)
+    session.answer(session.prompts[-1], "keep")
+    assert session.document.dirty
+    actions.update(session, 2.1)
+    assert session.prompts == []
+
+
+def test_touching_a_file_is_no_change(path):
+    session = outside_session(path)
+    os.utime(path, ns=(10**18, 10**18))
+    actions.update(session, 2.1)
+    assert session.prompts == []
+
+
+def test_a_removed_file_makes_its_document_unsaved(path):
+    session = outside_session(path)
+    path.unlink()
+    actions.update(session, 2.1)
+    assert session.document.dirty
+    assert any("removed" in text for text in texts(session))
+
+
+def test_recent_files_are_few_and_newest_first(tmp_path):
+    settings = Settings()
+    for k in range(RECENTS_MAX + 5):
+        settings.remember(tmp_path / f"{k}.json")
+    settings.remember(tmp_path / "10.json")
+    assert len(settings.recents) == RECENTS_MAX
+    assert settings.recents[0] == str(tmp_path / "10.json")
+    assert len(set(settings.recents)) == RECENTS_MAX
+
+
+def test_settings_survive_a_run(tmp_path):
+    file = tmp_path / "settings.json"
+    Settings(grid_step=0.25, snap_grid=False, keys={"tool.circle": ["o"]}).save(file)
+    loaded = Settings.load(file)
+    assert (loaded.grid_step, loaded.snap_grid) == (0.25, False)
+    assert loaded.keys == {"tool.circle": ["o"]}
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", '{"grid_step": "wide", "unknown": 1}'])
+def test_broken_settings_are_the_defaults(tmp_path, text):
+    file = tmp_path / "settings.json"
+    file.write_text(text)
+    assert Settings.load(file) == Settings()
