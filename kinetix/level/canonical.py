@@ -90,7 +90,7 @@ def tree_text(tree: Any) -> str:
     """A tree in canonical layout, with one newline at the end.
 
     One key a line, two spaces of indent; on one line stay arrays of numbers, strings or pairs,
-    each run of a solution, and the small objects named in level_format.md B1.2.
+    each run of a solution, and the small objects in `_ON_ONE_LINE`.
     """
     return _layout(tree, "", 0) + "\n"
 

@@ -95,7 +95,7 @@ class Scene:
 def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
     """A scene with every slot inactive, as writable numpy arrays, for builders to fill.
 
-    Inactive slots hold what level_format.md A8 says: friction 1, density 1, collision mode 1,
+    Inactive slots hold what the peer's files hold there: friction 1, density 1, collision mode 1,
     vertex count 4, all else 0.
     """
     size = spec.capacity

@@ -18,7 +18,7 @@ class Fault:
     """One thing that is wrong in a file."""
 
     code: str
-    """E001 … E013, see level_format.md B8."""
+    """E001 … E013, see README.md."""
     path: str
     """Where: a JSON path such as `$.bodies[3].friction`."""
     message: str

@@ -1,7 +1,6 @@
 """The peer's level JSON (kinetix-env 3): what a file says, slot by slot.
 
-With the modules `kinetix_env_*` beside it, the only code that knows this format. Source:
-level_format.md part A.
+With the modules `kinetix_env_*` beside it, the only code that knows this format.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""From our documents to the peer's level JSON. Source: level_format.md C2."""
+"""From our documents to the peer's level JSON; README.md says what gets lost."""
 
 import json
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""From the peer's level JSON to our documents. Source: level_format.md C1."""
+"""From the peer's level JSON to our documents; README.md says what is not carried."""
 
 import contextlib
 import math

@@ -1,7 +1,6 @@
 """The schema of the peer's level JSON: records, blocks and the checks of reading (no meaning).
 
-Everything is a table: the order of the keys is the order in published files. Source:
-level_format.md part A.
+Everything is a table: the order of the keys is the order in published files.
 """
 
 from collections.abc import Callable

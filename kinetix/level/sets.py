@@ -1,6 +1,6 @@
 """Level sets: manifests of levels with weights and a split into train and eval.
 
-Source: level_format.md B10. Free of JAX.
+README.md describes the file. Free of JAX.
 """
 
 import contextlib

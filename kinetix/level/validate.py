@@ -1,6 +1,6 @@
 """Problems of a level as a whole: what `kinetix validate` and the editor's problem list show.
 
-Codes and meanings are those of level_format.md B8. Nothing here prevents saving. A level of 50
+README.md lists the codes. Nothing here prevents saving. A level of 50
 entities takes well below 5 ms, so that the list can follow every edit.
 """
 
