@@ -172,10 +172,10 @@ BAD = TEXTS | {
 @pytest.mark.parametrize("name", BAD)
 def test_bad_text_gives_one_sentence_with_code_and_path(name):
     text, code, sentence = BAD[name]
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(LevelError, match=sentence) as caught:
         loads(text, "levels/lamp.json")
-    assert time.perf_counter() - start < 2
+    assert time.process_time() - start < 2
     assert str(caught.value).startswith("levels/lamp.json: $")
     assert "\n" not in str(caught.value)
     assert caught.value.faults[0].code == code

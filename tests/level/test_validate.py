@@ -217,9 +217,9 @@ def test_fifty_entities_take_less_than_five_milliseconds():
     best = math.inf
     for angle in range(5):
         moved = level.replace(bodies=(bodies[0].replace(angle=angle), *bodies[1:]))
-        start = time.perf_counter()
+        start = time.process_time()
         validate(moved)
-        best = min(best, time.perf_counter() - start)
+        best = min(best, time.process_time() - start)
     assert best < 0.005
 
 
