@@ -87,6 +87,11 @@ def _run(options: Options) -> None:
     finally:
         session.worker.stop(0.5)
         host.close()
+    if not session.worker.idle:
+        # A compilation cannot be interrupted, and must not keep the app from closing.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)
 
 
 def _open_files(options: Options, session: Session) -> None:

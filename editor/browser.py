@@ -245,9 +245,7 @@ def thumbnail(level: Level, side: float) -> None:
     imgui.dummy((side, side + px(4)))
 
 
-def picture(
-    draw: imgui.ImDrawList, level: Level, low: tuple[float, float], side: float
-) -> None:
+def picture(draw: imgui.ImDrawList, level: Level, low: tuple[float, float], side: float) -> None:
     """A level at a place of the screen [px]."""
     high = (low[0] + side, low[1] + side)
     draw.push_clip_rect(low, high, True)

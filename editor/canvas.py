@@ -228,9 +228,7 @@ class Canvas:
         if outcome in _OUTCOMES and session.mode is Mode.ENDED:
             self._banner(session, draw, *_OUTCOMES[outcome])
 
-    def _episode(
-        self, session: "Session", draw: imgui.ImDrawList, at: tuple[float, float]
-    ) -> None:
+    def _episode(self, session: "Session", draw: imgui.ImDrawList, at: tuple[float, float]) -> None:
         playback = session.playback
         level = playback.level
         total = level.max_timesteps if level is not None else 0

@@ -35,9 +35,7 @@ LAYERS: Final[dict[str, str]] = {
 }
 """Names in the settings and what the switches say."""
 
-SIMULATED: Final = frozenset(
-    {"trails", "contacts", "normals", "penetration", "motors", "thrust"}
-)
+SIMULATED: Final = frozenset({"trails", "contacts", "normals", "penetration", "motors", "thrust"})
 """Those that show nothing before a simulation runs."""
 
 _VELOCITY_SECONDS: Final = 0.15
@@ -199,9 +197,7 @@ class _Pen:
 
     def motors(self) -> None:
         assert self.snapshot is not None
-        for joint, drive in zip(
-            self.where.level.joints, self.snapshot.motor.tolist(), strict=True
-        ):
+        for joint, drive in zip(self.where.level.joints, self.snapshot.motor.tolist(), strict=True):
             if abs(drive) < 1e-3:
                 continue
             centre = self._at(self.where.joint_point(joint))

@@ -62,7 +62,9 @@ def dashed(
         at = 0.0
         while at < length:
             end = min(at + dash, length)
-            draw.add_line((ax + ux * at, ay + uy * at), (ax + ux * end, ay + uy * end), colour, width)
+            draw.add_line(
+                (ax + ux * at, ay + uy * at), (ax + ux * end, ay + uy * end), colour, width
+            )
             at = end + gap
 
 
@@ -289,9 +291,7 @@ class Marker:
 def _channel_caps(
     channel: int, keys: Mapping[str, Drive], held: Collection[str]
 ) -> list[tuple[str, bool]]:
-    driving = sorted(
-        (drive.value, key) for key, drive in keys.items() if drive.channel == channel
-    )
+    driving = sorted((drive.value, key) for key, drive in keys.items() if drive.channel == channel)
     words = key_caps(channel, keys)
     return [(cap, key in held) for cap, (_, key) in zip(words, driving, strict=True)]
 

@@ -186,9 +186,7 @@ class Ui:
         """Hand keys and text on unless a text field or a pop-up owns them."""
         session, io = self.session, imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
-        popup = bool(session.prompts) or imgui.is_popup_open(
-            "", imgui.PopupFlags_.any_popup.value
-        )
+        popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         taken = io.want_text_input or popup
         navigating = self._navigation(popup)
         for name, key in keys.IMGUI.items():
@@ -198,9 +196,7 @@ class Ui:
                 )
             elif imgui.is_key_pressed(key, True):
                 repeat = not imgui.is_key_pressed(key, False)
-                event = events.KeyEvent(
-                    key=name, pressed=True, modifiers=modifiers, repeat=repeat
-                )
+                event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
                 if name == "escape" and session.view.help:
                     session.view.help = False
                 elif not taken and not (not modifiers.ctrl and name in navigating):

@@ -114,9 +114,7 @@ class Painter:
 
     def mark_outline_px(self) -> float:
         """Thickness of the edges of joint and thruster marks [px]."""
-        return max(
-            self.style.mark_outline * self.camera.scale, self.style.least_outline / 2
-        )
+        return max(self.style.mark_outline * self.camera.scale, self.style.least_outline / 2)
 
     def place(self, pose: Pose, points: Sequence[Point]) -> list[Point]:
         """Points of a body's frame on the screen [px]."""
@@ -385,5 +383,3 @@ def paint_level(
                 where.angle(thruster.body) + thruster.angle,
                 level=0.5 if thrust is None else thrust[k],
             )
-
-

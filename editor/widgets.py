@@ -287,9 +287,7 @@ def section(title: str, *, opened: bool = True) -> bool:
     return is_open
 
 
-def _chevron(
-    draw: imgui.ImDrawList, at: tuple[float, float], colour: int, *, down: bool
-) -> None:
+def _chevron(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, *, down: bool) -> None:
     """A small open arrow head, as headings that fold carry it."""
     r = px(3.5)
     if down:

@@ -38,7 +38,9 @@ def _library() -> ctypes.CDLL:
             return ctypes.CDLL(name)
         except OSError:
             continue
-    raise KinetixError(f"no OpenGL library found (tried {', '.join(names)}); install the system's OpenGL packages")
+    raise KinetixError(
+        f"no OpenGL library found (tried {', '.join(names)}); install the system's OpenGL packages"
+    )
 
 
 def _f(value: float) -> ctypes.c_float:
@@ -77,7 +79,9 @@ def read_pixels(width: int, height: int) -> np.ndarray:
     gl = _library()
     pixels = np.empty((height, width, 3), np.uint8)
     gl.glPixelStorei(_PACK_ALIGNMENT, 1)
-    gl.glReadPixels(0, 0, width, height, _RGB, _UNSIGNED_BYTE, pixels.ctypes.data_as(ctypes.c_void_p))
+    gl.glReadPixels(
+        0, 0, width, height, _RGB, _UNSIGNED_BYTE, pixels.ctypes.data_as(ctypes.c_void_p)
+    )
     return pixels[::-1].copy()
 
 

@@ -6,6 +6,7 @@ present state); so posted events and replays behave like real ones, and losing t
 everything.
 """
 
+import collections
 from collections.abc import Iterable
 
 from imgui_bundle import imgui
@@ -23,18 +24,34 @@ class InputFeeder:
     """Queues input events with Dear ImGui, in order."""
 
     def __init__(self) -> None:
+        self._waiting: collections.deque[events.InputEvent] = collections.deque()
         self._keys: set[str] = set()
         self._buttons: set[int] = set()
 
+    @property
+    def pending(self) -> bool:
+        """Whether events are left for the next frame."""
+        return bool(self._waiting)
+
     def feed(self, batch: Iterable[events.InputEvent]) -> None:
         """Queue events for the next frame.
+
+        Dear ImGui looks at the modifiers once a frame. When a slow frame brings "s down, Ctrl up"
+        together, what follows the first press therefore waits for another frame.
 
         Args:
             batch: What happened since the last frame. Resizes, dropped files and close requests
                 are the host's business and are passed over.
         """
         io = imgui.get_io()
-        for event in batch:
+        self._waiting.extend(batch)
+        pressed = False
+        while self._waiting:
+            event = self._waiting[0]
+            if pressed and isinstance(event, events.KeyEvent) and event.key in keys.MODIFIERS:
+                return
+            pressed = pressed or _presses(event)
+            self._waiting.popleft()
             match event:
                 case events.PointerEvent():
                     self._pointer(io, event)
@@ -84,3 +101,16 @@ class InputFeeder:
                 io.add_mouse_button_event(button, False)
             self._buttons.clear()
         io.add_focus_event(focused)
+
+
+def _presses(event: events.InputEvent) -> bool:
+    """Whether it is something that modifiers give a meaning to."""
+    match event:
+        case events.KeyEvent(key=key, pressed=pressed):
+            return pressed and key not in keys.MODIFIERS
+        case events.PointerEvent(kind=kind):
+            return kind is not events.Pointer.MOVE
+        case events.WheelEvent():
+            return True
+        case _:
+            return False

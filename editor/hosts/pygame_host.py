@@ -1,7 +1,7 @@
 """The production host: a pygame window with an OpenGL 3.3 core context."""
 
-import os
 import time
+import warnings
 
 import numpy as np
 import pygame
@@ -16,6 +16,7 @@ from editor.hosts.renderer import GlRenderer
 from editor.look import COLOURS
 from editor.session import Session
 from kinetix.errors import KinetixError
+from kinetix.render.palette import KINETIX
 
 _CURSORS = {
     imgui.MouseCursor_.arrow: pygame.SYSTEM_CURSOR_ARROW,
@@ -33,6 +34,7 @@ _CURSORS = {
 
 IDLE_WAIT = 0.25
 """Longest sleep while nothing happens [s]: finished background jobs are noticed this late."""
+_FRAME = 1 / 60
 _SETTLE_FRAMES = 4
 """Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
 
@@ -47,6 +49,17 @@ def automatic_scale(desktop_height: int) -> float:
         if desktop_height >= height:
             return scale
     return 1.0
+
+
+def _icon() -> pygame.Surface:
+    """The window's sign: a green ball about to meet a blue one."""
+    side = 64
+    icon = pygame.Surface((side, side), pygame.SRCALPHA)
+    pygame.draw.rect(icon, (25, 28, 34), icon.get_rect(), border_radius=14)
+    pygame.draw.line(icon, (143, 125, 255), (8, 50), (56, 50), 4)
+    for centre, radius, role in (((23, 36), 13, 1), ((46, 40), 9, 2)):
+        pygame.draw.circle(icon, KINETIX.roles[role], centre, radius)
+    return icon
 
 
 class PygameHost(Host):
@@ -73,9 +86,6 @@ class PygameHost(Host):
         self._awake = _SETTLE_FRAMES
 
     def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
-        # Sound is never used; without this SDL complains on machines that have none.
-        os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
-        os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "kinetix-editor")
         try:
             pygame.display.init()
             pygame.key.set_repeat(400, 40)
@@ -86,7 +96,11 @@ class PygameHost(Host):
             ):
                 pygame.display.gl_set_attribute(attribute, value)
             flags = pygame.OPENGL | pygame.DOUBLEBUF | pygame.RESIZABLE
-            pygame.display.set_mode(size, flags, vsync=int(vsync))
+            pygame.display.set_icon(_icon())
+            with warnings.catch_warnings():
+                # Without a display's rhythm the loop keeps its own.
+                warnings.simplefilter("ignore")
+                pygame.display.set_mode(size, flags, vsync=int(vsync))
         except pygame.error as error:
             raise KinetixError(
                 f"cannot open a window with OpenGL 3.3: {error}; "
@@ -118,7 +132,7 @@ class PygameHost(Host):
         """Draw until the app is closed. Without input and without play it sleeps."""
         last = time.perf_counter()
         while self.running:
-            idle = self._awake <= 0 and not self.ui.animating
+            idle = self._awake <= 0 and not self.ui.animating and not self._feeder.pending
             batch = self.poll(IDLE_WAIT if idle else 0.0)
             if batch:
                 self._awake = _SETTLE_FRAMES
@@ -127,6 +141,10 @@ class PygameHost(Host):
             last = now
             self._awake -= 1
             self._follow()
+            spare = _FRAME - (time.perf_counter() - now)
+            if spare > 0.002:
+                # Where vsync does not pace the loop, the cores belong to the simulation.
+                time.sleep(spare)
 
     def _follow(self) -> None:
         """Let title, cursor and full screen follow the app."""

@@ -187,9 +187,7 @@ class Replayer:
             self._step(*batch)
 
     def _pointer(self, kind: events.Pointer, button: int) -> None:
-        self._step(
-            events.PointerEvent(kind=kind, world=(0.0, 0.0), screen=self._at, button=button)
-        )
+        self._step(events.PointerEvent(kind=kind, world=(0.0, 0.0), screen=self._at, button=button))
 
     def _move_to(self, place: tuple[float, float]) -> None:
         self._at = place

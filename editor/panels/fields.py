@@ -254,9 +254,7 @@ class Editor:
             new = not value if agrees else True
             session.queue(SetField(ids=ids, field=path, value=new))
 
-    def options(
-        self, session: "Session", path: str, options: Sequence[tuple[Any, str]]
-    ) -> None:
+    def options(self, session: "Session", path: str, options: Sequence[tuple[Any, str]]) -> None:
         """A field of the selection that takes one of a few values, as a row of buttons."""
         ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)

@@ -156,9 +156,7 @@ class Inspector(Panel):
             self._number(session, "Density", "density", 1.0)
             self._number(session, "Friction", "friction", 1.0)
             self._number(session, "Bounciness", "restitution", 0.0)
-            widgets.row(
-                "Collides", "Two bodies collide when one is Always or both are Normal."
-            )
+            widgets.row("Collides", "Two bodies collide when one is Always or both are Normal.")
             edit.options(session, "collision", _COLLISION_OPTIONS)
 
     def _number(self, session: "Session", label: str, path: str, default: float) -> None:
@@ -263,4 +261,3 @@ def role_segments(session: "Session", name: str, ids: tuple[EntityId, ...], curr
     picked = segments(session, name, ROLE_OPTIONS, current)
     if picked is not None:
         session.queue(SetField(ids=ids, field="role", value=picked[0]))
-

@@ -24,9 +24,7 @@ class MenuBar:
 
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the window."""
-        imgui.push_style_var(
-            imgui.StyleVar_.frame_padding, imgui.ImVec2(px(9), px(6))
-        )
+        imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(px(9), px(6)))
         if imgui.begin_main_menu_bar():
             with widgets.font(FONTS.bold, 0.0):
                 widgets.text(f"{Icons.level}  Kinetix", COLOURS.accent)

@@ -87,9 +87,7 @@ class Outliner(Panel):
         name = describe(level, joint.id)
         self._row(session, joint.id, icon, name, COLOURS.muted, scroll, keys=caps)
 
-    def _thruster(
-        self, session: "Session", level: Level, thruster: Thruster, scroll: bool
-    ) -> None:
+    def _thruster(self, session: "Session", level: Level, thruster: Thruster, scroll: bool) -> None:
         caps = key_caps(MOTOR_BINDINGS + thruster.binding, session.control_keys)
         name = describe(level, thruster.id)
         self._row(session, thruster.id, Icons.thruster, name, COLOURS.muted, scroll, keys=caps)
@@ -141,9 +139,10 @@ class Outliner(Panel):
             (px(46), "hidden", entity in document.hidden, (Icons.eye, Icons.eye_off)),
             (px(22), "locked", entity in document.locked, (Icons.unlock, Icons.lock)),
         ):
-            near = imgui.is_mouse_hovering_rect(
-                (start.x, start.y), (right, start.y + height)
-            ) and imgui.is_window_hovered()
+            near = (
+                imgui.is_mouse_hovering_rect((start.x, start.y), (right, start.y + height))
+                and imgui.is_window_hovered()
+            )
             if not (on or hovered or near):
                 continue
             imgui.set_cursor_screen_pos((right - offset, start.y + px(1)))

@@ -68,7 +68,8 @@ class DocumentTabs:
         imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(*alpha(COLOURS.warn, 0.14)))
         imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(12), px(6)))
         flags = (
-            imgui.ChildFlags_.auto_resize_y.value | imgui.ChildFlags_.always_use_window_padding.value
+            imgui.ChildFlags_.auto_resize_y.value
+            | imgui.ChildFlags_.always_use_window_padding.value
         )
         imgui.begin_child("banner", (0, 0), flags)
         with widgets.font(None, SMALL):

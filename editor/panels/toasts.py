@@ -47,9 +47,7 @@ class Toasts:
                 opacity = max(min(left / _FADE_SECONDS, 1.0), 0.02)
             imgui.push_style_var(imgui.StyleVar_.alpha, opacity)
             imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(14), px(9)))
-            imgui.push_style_color(
-                imgui.Col_.window_bg, imgui.ImVec4(*alpha(COLOURS.raised, 0.97))
-            )
+            imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*alpha(COLOURS.raised, 0.97)))
             imgui.set_next_window_pos((x + width - px(14), bottom), 0, (1.0, 1.0))
             imgui.set_next_window_size_constraints((0, 0), (min(px(460), width - px(28)), px(400)))
             imgui.begin(f"##toast-{number}", None, _FLAGS)

@@ -38,7 +38,9 @@ class Gui:
 
     def probe(self, name: str) -> Probe:
         found = self.session.probe.get(name)
-        assert isinstance(found, Probe), f"{name} is not on the screen: {sorted(self.session.probe)}"
+        assert isinstance(found, Probe), (
+            f"{name} is not on the screen: {sorted(self.session.probe)}"
+        )
         return found
 
     def shows(self, name: str) -> bool:

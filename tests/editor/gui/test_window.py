@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from editor.actions import ACTIONS
+from editor.events import KeyEvent
 from editor.keys import label
 from editor.panels.help import rows_of
 from editor.panels.menu import MENUS
@@ -186,6 +187,18 @@ def test_selecting_never_changes_a_published_level(make_gui, peer):
             gui.session.selection = (entity.id,)
             gui.frames(1)
         assert gui.level == before
+
+
+def test_a_chord_that_arrives_in_one_slow_frame_still_counts(make_gui):
+    gui = make_gui(level=BALL)
+    batch = [
+        KeyEvent(key="left ctrl", pressed=True),
+        KeyEvent(key="a", pressed=True),
+        KeyEvent(key="left ctrl", pressed=False),
+        KeyEvent(key="a", pressed=False),
+    ]
+    gui.host.frames(4, *batch)
+    assert set(gui.session.selection) == {1, 2}
 
 
 def test_arrows_and_letters_do_not_start_play(gui):

@@ -21,15 +21,19 @@ def software_gl() -> None:
         try:
             ctypes.CDLL(library)
         except OSError:
-            pytest.skip(f"{library} is missing: install libegl1 libgl1-mesa-dri libgl1 ({_PACKAGES})")
+            pytest.skip(
+                f"{library} is missing: install libegl1 libgl1-mesa-dri libgl1 ({_PACKAGES})"
+            )
 
 
 @pytest.fixture(scope="session")
 def x_server() -> None:
     """Skips where the programs of the test with a real X server are missing."""
-    missing = [name for name in ("Xvfb", "xdotool", "xauth") if shutil.which(name) is None]
+    missing = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
     if missing:
-        pytest.skip(f"{', '.join(missing)} missing: install xvfb xauth xdotool ({_PACKAGES})")
+        pytest.skip(
+            f"{', '.join(missing)} missing: install xvfb xauth xdotool x11-utils ({_PACKAGES})"
+        )
 
 
 @pytest.fixture

@@ -75,9 +75,9 @@ def test_buttons_reach_imgui_and_wheel_twins_do_not(code, expected):
 
 
 def test_the_rest():
-    assert translate(event(pygame.MOUSEWHEEL, x=0, y=1, precise_x=0.0, precise_y=1.5)) == WheelEvent(
-        dy=1.5, dx=-0.0
-    )
+    assert translate(
+        event(pygame.MOUSEWHEEL, x=0, y=1, precise_x=0.0, precise_y=1.5)
+    ) == WheelEvent(dy=1.5, dx=-0.0)
     assert translate(event(pygame.TEXTINPUT, text="é")) == TextEvent(text="é")
     assert translate(event(pygame.WINDOWFOCUSLOST)) == FocusEvent(focused=False)
     assert translate(event(pygame.DROPFILE, file="a.json")) == DropEvent(path="a.json")

@@ -49,10 +49,12 @@ class Desktop:
         return done.stdout.strip()
 
     def window(self) -> str:
-        return self.until(lambda: self.do("search", "--name", "Kinetix").split("\n")[-1])
+        return self.until(lambda: self.do("search", "--class", "kinetix-editor").split("\n")[-1])
 
     def title(self) -> str:
-        return self.do("getwindowname", self.do("search", "--name", "Kinetix").split("\n")[-1])
+        command = ["xprop", "-id", self.window(), "-notype", "_NET_WM_NAME"]
+        done = subprocess.run(command, env=self._env, capture_output=True, text=True, timeout=30)
+        return done.stdout.partition('"')[2]
 
     def until(self, value, seconds: float = 30.0):
         end = time.monotonic() + seconds
@@ -67,7 +69,8 @@ class Desktop:
     def close(self) -> None:
         for process in (self.app, self._server):
             if process.poll() is None:
-                process.terminate()
+                # SDL makes a question of SIGTERM, as of the window's close button.
+                process.kill()
                 process.wait(10)
         self.app.stderr.close()
 
