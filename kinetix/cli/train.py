@@ -1,0 +1,137 @@
+"""Train an agent without a window; the same --out goes on where it stopped."""
+
+import dataclasses
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Union
+
+import tyro
+
+from kinetix.agents.networks.config import NetworkConfig
+from kinetix.training.config import CONFIGS
+from kinetix.training.settings import field_notes
+
+_SUMMARIES = {
+    "ppo": "PPO on random levels, or on the levels of --levels.",
+    "sfl": "Sampling for learnability: random levels that are solved sometimes.",
+    "plr": "Prioritised level replay: levels that look worth replaying.",
+    "accel": "PLR with mutations of what was replayed.",
+    "dr": "Domain randomisation: fresh random levels every time.",
+}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Common:
+    """What every algorithm takes besides its hyper-parameters."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="RUN")]
+    """The run's directory: config.toml, metrics, checkpoints."""
+    config: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    """Hyper-parameters by name; flags win over it."""
+    preset: str | None = None
+    """Named hyper-parameters: small, paper, kinetix-3; the file and flags win over them."""
+    from_agent: Annotated[str | None, tyro.conf.arg(name="from", metavar="AGENT")] = None
+    """Fine-tune this agent instead of starting from nothing."""
+    dummy_env: bool = False
+    """An environment that does nothing, to debug training code quickly."""
+
+
+def _arguments(algorithm: str) -> type[Common]:
+    """The flags of an algorithm: every hyper-parameter, not given by default."""
+    fields: list[Any] = []
+    for owner in (CONFIGS[algorithm], NetworkConfig):
+        notes = field_notes(owner)
+        for field in dataclasses.fields(owner):
+            if field.name in ("network", "dummy_env"):
+                continue
+            text = f"{notes[field.name]} ({field.default})"
+            kind: Any = Annotated[
+                field.type | None, tyro.conf.arg(help=text, help_behavior_hint="")
+            ]  # pyright: ignore
+            fields.append((field.name, kind, None))
+    made = dataclasses.make_dataclass(
+        algorithm.capitalize(), fields, bases=(Common,), frozen=True, kw_only=True
+    )
+    made.__doc__ = _SUMMARIES[algorithm]
+    return made
+
+
+_ARGUMENTS = {name: _arguments(name) for name in CONFIGS}
+
+Train: Any = Union[  # noqa: UP007 (made at run time)
+    tuple(
+        Annotated[kind, tyro.conf.subcommand(name, description=_SUMMARIES[name])]
+        for name, kind in _ARGUMENTS.items()
+    )
+]
+
+
+def run(command: Common) -> int:
+    """Train to the end; 0 when that is reached."""
+    # Imported here, so that a wrong command line fails before JAX loads.
+    import jax
+
+    from kinetix.agents.agent import load_agent
+    from kinetix.training.memory import estimate
+    from kinetix.training.run import train
+    from kinetix.training.settings import make_config
+    from kinetix.training.setup import make_setup
+
+    algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
+    own = {field.name for field in dataclasses.fields(Common)}
+    values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
+    values |= {
+        field.name: getattr(command, field.name)
+        for field in dataclasses.fields(command)
+        if field.name not in own and getattr(command, field.name) is not None
+    }
+    teacher = None if command.from_agent is None else load_agent(command.from_agent)
+    if teacher is not None:
+        values = _like(teacher.card) | values
+    config = make_config(
+        algorithm, preset=command.preset, file=command.config, values=values, run=command.out
+    )
+    need = estimate(make_setup(config, gradient_steps=1, teacher=teacher))
+    print(
+        f"{algorithm} on {config.size}, {config.physics}, {jax.devices()[0].platform}: "
+        f"{config.num_updates} updates of {config.steps_per_update} steps; about "
+        f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
+        f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})",
+        file=sys.stderr,
+    )
+    last = train(algorithm, config, command.out, teacher=teacher, report=_report)
+    print(last)
+    return 0
+
+
+def _like(card: Any) -> dict[str, Any]:
+    """What a fine-tuned agent's own description settles."""
+    network = dataclasses.asdict(card.network)
+    return network | {
+        "observation_type": card.observation.type,
+        "action_type": card.action.type,
+        "frame_skip": card.environment.frame_skip,
+        "rms_norm": card.normalisation is not None,
+    }
+
+
+def _report(report: Any) -> None:
+    metrics = report.metrics
+    parts = [
+        f"{report.update}/{report.updates}",
+        f"{report.env_steps:,} steps",
+        f"{report.steps_per_second:,.0f}/s",
+        f"return {metrics.get('episode_return', float('nan')):.3f}",
+        f"solved {metrics.get('episode_solved', float('nan')):.3f}",
+        f"{_duration(report.seconds_left)} left",
+    ]
+    evaluated = metrics.get("eval/hand_designed_episode_solve_rate")
+    if evaluated is not None:
+        parts.append(f"evaluation {evaluated:.3f}")
+    print("  ".join(parts), file=sys.stderr, flush=True)
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}"

@@ -1,0 +1,269 @@
+"""All hyper-parameters, as plain frozen values free of JAX.
+
+The names are those of the published configurations; the defaults are those of kinetix-env 3.0.0,
+except that `parity` is off (see `presets/kinetix-3.toml`).
+"""
+
+import dataclasses
+from typing import Literal, get_args
+
+from kinetix.agents.networks.config import NetworkConfig
+from kinetix.errors import KinetixError
+
+Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr"]
+LevelMode = Literal["random", "random_all", "locomotion", "empty", "list"]
+ObservationName = Literal[
+    "symbolic_entity", "symbolic_flat", "symbolic_flat_padded", "pixels", "blind"
+]
+ActionName = Literal["multi_discrete", "discrete", "continuous"]
+ScoreFunction = Literal["MaxMC", "pvl", "learnability"]
+Prioritization = Literal["rank", "topk"]
+LearnabilityMode = Literal["timesteps", "episodes"]
+
+_NETWORK = NetworkConfig()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PpoConfig:
+    """Training by PPO on levels that nothing chooses."""
+
+    seed: int = 0
+    """Seed of everything that is random."""
+    size: str = "m"
+    """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
+    level_mode: LevelMode = "random"
+    """Where episodes start: random levels of the size, or of s, m and l; creatures; a list."""
+    levels: tuple[str, ...] = ()
+    """Folders, files, names or sets of levels; implies the mode `list`."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    parity: Literal["kinetix-3"] | None = None
+    """`kinetix-3`: everything as in kinetix-env 3.0.2."""
+    dummy_env: bool = False
+    """An environment that does nothing, to debug training code quickly."""
+    frame_skip: int = 2
+    """Physics steps an action is held for."""
+    dense_reward_scale: float = 0.2
+    """Weight of the distance reward."""
+    action_type: ActionName = "multi_discrete"
+    """Kind of action."""
+    observation_type: ObservationName = "symbolic_entity"
+    """What the agent sees."""
+    network: NetworkConfig = _NETWORK
+    """The network; its options are flags of their own."""
+
+    learning_rate: float = 5e-5
+    """Step size of Adam, where it is constant or falls linearly."""
+    anneal_lr: bool = False
+    """Let the learning rate fall linearly to 0."""
+    warmup_lr: bool = False
+    """Let it rise from `initial_lr` to `peak_lr`, then fall to 0 by a cosine."""
+    initial_lr: float = 1e-5
+    """Learning rate at the start of the warm-up."""
+    peak_lr: float = 3e-4
+    """Learning rate at its end."""
+    warmup_frac: float = 0.1
+    """Share of the training that is warm-up."""
+    max_grad_norm: float = 1.0
+    """Gradients are scaled down to this norm."""
+    num_train_envs: int = 2048
+    """Environments, over all devices together."""
+    num_steps: int = 64
+    """Environment steps of a rollout."""
+    num_minibatches: int = 32
+    """Parts of a rollout, each of them one gradient step an epoch."""
+    update_epochs: int = 8
+    """How often a rollout is learnt from."""
+    gamma: float = 0.995
+    """Discount of future reward a step."""
+    gae_lambda: float = 0.9
+    """Decay of the advantage estimate."""
+    clip_eps: float = 0.2
+    """How far policy ratio and value may move on one rollout."""
+    ent_coef: float = 0.01
+    """Weight of the entropy bonus."""
+    vf_coef: float = 0.5
+    """Weight of the value loss."""
+    total_timesteps: int = 10_737_418_240
+    """Environment steps in all."""
+    bootstrap_on_timeout: bool = True
+    """Count the value of the last state where the time limit cut an episode."""
+    rms_norm: bool = False
+    """Normalise observations by their running mean and variance."""
+    full_minibatch_shuffle: bool = False
+    """Shuffle single steps, not whole environments, into minibatches."""
+
+    filter_levels: bool = True
+    """Leave out random levels that are won by doing nothing, where levels are chosen."""
+    level_filter_n_steps: int = 64
+    """How long the filter does nothing [environment steps]."""
+    level_filter_sample_ratio: int = 2
+    """How many levels are drawn for each one that the filter keeps."""
+
+    eval_freq: int = 64
+    """Updates between two evaluations; 0: none."""
+    eval_levels: tuple[str, ...] = ()
+    """Levels to evaluate on; empty: the bundled ones that fit the size."""
+    eval_num_attempts: int = 20
+    """Episodes a level."""
+    eval_sampled_levels: int = 0
+    """How many filtered random levels to evaluate on besides."""
+    checkpoint_save_freq: int = 512
+    """Updates between two checkpoints; the last update makes one in any case."""
+
+    @property
+    def num_updates(self) -> int:
+        """Rollouts in the whole training."""
+        return self.total_timesteps // self.steps_per_update
+
+    @property
+    def steps_per_update(self) -> int:
+        """Environment steps of one update."""
+        return self.num_steps * self.num_train_envs
+
+    def check(self) -> None:
+        """Refuse what cannot work, before anything is compiled.
+
+        Raises:
+            KinetixError: One sentence that names the fields.
+        """
+        for field in dataclasses.fields(self):
+            _check_choice(field, getattr(self, field.name))
+        for name in ("num_train_envs", "num_steps", "num_minibatches", "update_epochs"):
+            if getattr(self, name) < 1:
+                raise KinetixError(f"{name}: expected at least 1, got {getattr(self, name)}")
+        units = self.num_train_envs
+        if self.full_minibatch_shuffle:
+            if self.network.recurrent_model:
+                raise KinetixError("full_minibatch_shuffle cannot be used with recurrent_model")
+            units *= self.num_steps
+        if units % self.num_minibatches:
+            raise KinetixError(
+                f"num_minibatches = {self.num_minibatches} must divide num_train_envs = "
+                f"{self.num_train_envs}"
+            )
+        if self.anneal_lr and self.warmup_lr:
+            raise KinetixError("anneal_lr and warmup_lr: choose one of them")
+        if self.num_updates < 1:
+            raise KinetixError(
+                f"total_timesteps = {self.total_timesteps} is less than one update of "
+                f"num_steps × num_train_envs = {self.steps_per_update}"
+            )
+        if self.level_mode == "list" and not self.levels:
+            raise KinetixError("level_mode = 'list' needs levels")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SflConfig(PpoConfig):
+    """Sampling for learnability: train on levels that are sometimes solved."""
+
+    num_steps: int = 256
+    """Environment steps of a rollout."""
+    sampled_envs_ratio: float = 0.5
+    """Share of the environments that play levels of the buffer; 0 is domain randomisation."""
+    batch_size: int = 16_384
+    """Random levels that are scored at once."""
+    num_batches: int = 16
+    """How many such batches a scoring takes."""
+    rollout_steps: int = 512
+    """How long each of them is played [environment steps]."""
+    num_to_save: int = 8192
+    """Size of the buffer."""
+    buffer_update_frequency: int = 50
+    """Updates between two scorings."""
+    learnability_mode: LearnabilityMode = "timesteps"
+    """Whether a level is played for `rollout_steps`, or for `rollout_episodes` first episodes."""
+    rollout_episodes: int = 10
+    """Episodes a level in the mode `episodes`."""
+    learnability_correction: bool = True
+    """p(1 − p)·n/(n + 1) instead of p(1 − p), for n finished episodes."""
+
+    def check(self) -> None:
+        """See `PpoConfig.check`."""
+        super().check()
+        if not 0 <= self.sampled_envs_ratio <= 1:
+            raise KinetixError(f"sampled_envs_ratio: expected 0 … 1, got {self.sampled_envs_ratio}")
+        if self.num_to_save > self.batch_size * self.num_batches:
+            raise KinetixError(
+                f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
+                f"{self.batch_size * self.num_batches} levels that are scored"
+            )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ReplayConfig(PpoConfig):
+    """Prioritised level replay; with `replay_prob` 0 it is domain randomisation (DR)."""
+
+    size: str = "s"
+    """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
+    outer_rollout_steps: int = 4
+    """Rollouts (and updates) on the same levels before they are scored."""
+    use_accel: bool = False
+    """Mutate the levels of every replay."""
+    num_edits: int = 2
+    """Edits of a mutation."""
+    score_function: ScoreFunction = "MaxMC"
+    """What makes a level worth replaying."""
+    level_buffer_capacity: int = 4000
+    """Size of the buffer."""
+    replay_prob: float = 0.5
+    """How often levels are replayed, once the buffer is full enough."""
+    staleness_coeff: float = 0.3
+    """Weight of not having been replayed for long."""
+    prioritization: Prioritization = "rank"
+    """How scores become weights."""
+    temperature: float = 1.0
+    """Weights are proportional to (1/rank) to the power 1/temperature."""
+    topk_k: int = 8
+    """How many of the best share the weight under `topk`."""
+    minimum_fill_ratio: float = 0.5
+    """Share of the buffer that must be filled before the first replay."""
+    exploratory_grad_updates: bool = True
+    """Learn on new and mutated levels too (else only on replayed ones)."""
+    buffer_duplicate_check: bool = False
+    """Keep no level twice."""
+    accel_start_from_empty: bool = True
+    """Let ACCEL's new levels be nearly empty ones."""
+
+    eval_freq: int = 50
+    """Updates between two evaluations; 0: none."""
+
+    @property
+    def steps_per_update(self) -> int:
+        """Environment steps of one update: all the rollouts on the same levels."""
+        return self.num_steps * self.outer_rollout_steps * self.num_train_envs
+
+
+CONFIGS: dict[str, type[PpoConfig]] = {
+    "ppo": PpoConfig,
+    "sfl": SflConfig,
+    "plr": ReplayConfig,
+    "accel": ReplayConfig,
+    "dr": ReplayConfig,
+}
+"""The kind of configuration that each algorithm takes."""
+
+ALGORITHM_DEFAULTS: dict[str, dict[str, object]] = {
+    "accel": {"use_accel": True, "num_edits": 5},
+    "dr": {"replay_prob": 0.0},
+}
+"""What differs between algorithms that share a kind of configuration."""
+
+RESUMABLE = frozenset(
+    {
+        "total_timesteps",
+        "eval_freq",
+        "eval_levels",
+        "eval_num_attempts",
+        "eval_sampled_levels",
+        "checkpoint_save_freq",
+    }
+)
+"""Fields that may change when a run goes on: they do not alter what has been learnt so far."""
+
+
+def _check_choice(field: "dataclasses.Field[object]", value: object) -> None:
+    choices = get_args(field.type)
+    if choices and all(isinstance(choice, str) for choice in choices) and value not in choices:
+        allowed = ", ".join(map(str, choices))
+        raise KinetixError(f"{field.name}: expected one of {allowed}, got {value!r}")

@@ -1,0 +1,1 @@
+"""Which levels to train on: `sfl`, and `replay` for PLR, ACCEL and DR; `buffer` keeps levels."""

@@ -1,0 +1,201 @@
+"""PLR, ACCEL and DR: new levels, replayed levels, mutated levels, one kind a step.
+
+Sources: Jiang et al., "Prioritized Level Replay" (2021); Parker-Holder et al., "Evolving Curricula
+with Regret-Based Environment Design" (2022).
+"""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Int
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.normalisation import Normalisation
+from kinetix.environment.generators.edits import accel_edit
+from kinetix.environment.generators.starts import accel_start_sampler
+from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
+from kinetix.training.config import ReplayConfig
+from kinetix.training.curricula.buffer import LevelBuffer, draw, empty_buffer, insert, revise
+from kinetix.training.curricula.scores import best_return, level_scores
+from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
+from kinetix.training.ppo.update import Learner
+from kinetix.training.setup import make_setup
+
+_NEW, _REPLAY, _MUTATE = "new", "replay", "mutate"
+
+
+@pytree
+class ReplayState:
+    """Everything that an update changes."""
+
+    learner: Learner
+    statistics: Normalisation | None
+    key: Array
+    buffer: LevelBuffer
+    replayed: Int[Array, " n"]
+    """The levels of the last replay."""
+    just_replayed: Bool[Array, ""]
+    """Whether the last step was a replay."""
+
+
+class Replay:
+    """Keeps the levels that are worth replaying, and replays them."""
+
+    def __init__(self, config: ReplayConfig, teacher: Agent | None = None) -> None:
+        """Prepare; nothing is compiled yet.
+
+        Args:
+            config: The configuration, already checked.
+            teacher: The agent to start from.
+        """
+        per_update = config.outer_rollout_steps * config.update_epochs * config.num_minibatches
+        self.config = config
+        self.setup = make_setup(
+            config, gradient_steps=config.num_updates * per_update, teacher=teacher
+        )
+        self._teacher = teacher
+        self._steps = {
+            _NEW: jax.jit(self._new),
+            _REPLAY: jax.jit(self._replay),
+            _MUTATE: jax.jit(self._mutate),
+        }
+
+    def start(self) -> ReplayState:
+        """The state before the first update."""
+        key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
+        return ReplayState(
+            learner=self.setup.start_learner(learner_key, self._teacher),
+            statistics=self.setup.start_statistics(self._teacher),
+            key=key,
+            buffer=empty_buffer(self.setup.reset_fn(level_key), self.config.level_buffer_capacity),
+            replayed=jnp.zeros(self.config.num_train_envs, jnp.int32),
+            just_replayed=jnp.zeros((), bool),
+        )
+
+    def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
+        """One step: new levels, a replay, or mutations of the last replay.
+
+        Args:
+            state: From `start` or the last update.
+
+        Returns:
+            The next state, and metrics by their published names.
+        """
+        # The kind is chosen here and not inside the compiled step, so that only it is computed.
+        key, choice_key = jax.random.split(state.key)
+        kind = self._kind(state, choice_key)
+        state, metrics = self._steps[kind](dataclasses.replace(state, key=key))
+        buffer = state.buffer
+        finite = buffer.filled & jnp.isfinite(buffer.score)
+        kinds = {f"level_sampler/{name}": jnp.asarray(kind == name) for name in self._steps}
+        return state, metrics | kinds | {
+            "level_sampler/filled": jnp.mean(buffer.filled),
+            "level_sampler/mean_score": jnp.sum(jnp.where(finite, buffer.score, 0.0))
+            / jnp.maximum(jnp.sum(finite), 1),
+        }
+
+    def _kind(self, state: ReplayState, key: Array) -> str:
+        config = self.config
+        if config.use_accel and bool(state.just_replayed):
+            return _MUTATE
+        full_enough = float(jnp.mean(state.buffer.filled)) >= config.minimum_fill_ratio
+        wanted = float(jax.random.uniform(key)) < config.replay_prob
+        return _REPLAY if full_enough and wanted else _NEW
+
+    def _new(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+        key, level_key, step_key = jax.random.split(state.key, 3)
+        count = self.config.num_train_envs
+        if self.config.use_accel and self.config.accel_start_from_empty:
+            sampler = accel_start_sampler(self.setup.env.physics_engine, self.setup.ued)
+            levels = jax.vmap(sampler)(jax.random.split(level_key, count))
+        else:
+            levels = self.setup.fresh_levels(level_key, count)
+        return self._explore(dataclasses.replace(state, key=key), levels, step_key)
+
+    def _mutate(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+        key, edit_key, step_key = jax.random.split(state.key, 3)
+        keys = jax.random.split(edit_key, self.config.num_train_envs)
+        parents = jax.tree.map(lambda x: x[state.replayed], state.buffer.levels)
+        edits, ued = self.config.num_edits, self.setup.ued
+        levels = jax.vmap(lambda key, level: accel_edit(key, level, edits, ued))(keys, parents)
+        return self._explore(dataclasses.replace(state, key=key), levels, step_key)
+
+    def _explore(
+        self, state: ReplayState, levels: EnvState, key: Array
+    ) -> tuple[ReplayState, dict[str, Array]]:
+        """Play levels that are not in the buffer, and offer them to it."""
+        learning = self.config.exploratory_grad_updates
+        state, played, metrics = self._play(state, levels, key, learning=learning)
+        best = best_return(played)
+        buffer = insert(state.buffer, levels, self._score(played, best), best, self.config)
+        following = dataclasses.replace(
+            state, buffer=buffer, just_replayed=jnp.zeros_like(state.just_replayed)
+        )
+        return following, metrics
+
+    def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+        key, draw_key, step_key = jax.random.split(state.key, 3)
+        buffer, index = draw(state.buffer, draw_key, self.config.num_train_envs, self.config)
+        levels = jax.tree.map(lambda x: x[index], buffer.levels)
+        state = dataclasses.replace(state, key=key)
+        state, played, metrics = self._play(state, levels, step_key, learning=True)
+        best = jnp.maximum(best_return(played), buffer.max_return[index])
+        buffer = revise(buffer, index, self._score(played, best), best)
+        following = dataclasses.replace(
+            state,
+            buffer=buffer,
+            replayed=index.astype(jnp.int32),
+            just_replayed=jnp.ones_like(state.just_replayed),
+        )
+        return following, metrics
+
+    def _score(self, played: Rollout, best: Array) -> Array:
+        config = self.config
+        return level_scores(
+            config.score_function, played, best, gamma=config.gamma, gae_lambda=config.gae_lambda
+        )
+
+    def _play(
+        self, state: ReplayState, levels: EnvState, key: Array, *, learning: bool
+    ) -> tuple[ReplayState, Rollout, dict[str, Array]]:
+        """Several rollouts on the same levels, each learnt from; what is scored is all of them."""
+        setup, config = self.setup, self.config
+        begin_key, key = jax.random.split(key)
+        playing = begin(setup.game, begin_key, config.num_train_envs, levels)
+
+        def one(carry: Any, key: Array) -> tuple[Any, tuple[Rollout, dict[str, Array]]]:
+            learner, statistics, playing = carry
+            play_key, learn_key = jax.random.split(key)
+            playing, played = rollout(
+                setup.game,
+                learner.params,
+                playing,
+                play_key,
+                config.num_steps,
+                levels=levels,
+                statistics=statistics,
+            )
+            losses: dict[str, Array] = {}
+            if learning:
+                learner, statistics, losses = setup.learn(learner, played, learn_key, statistics)
+            # Observations are large and no score needs them.
+            bare = dataclasses.replace(played.trajectory, observation=())
+            return (learner, statistics, playing), (
+                dataclasses.replace(played, trajectory=bare),
+                losses,
+            )
+
+        start = (state.learner, state.statistics, playing)
+        keys = jax.random.split(key, config.outer_rollout_steps)
+        (learner, statistics, _), (parts, losses) = jax.lax.scan(one, start, keys)
+        joined = jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), parts.trajectory)
+        played = Rollout(
+            trajectory=joined,
+            last_value=parts.last_value[-1],
+            carry=jax.tree.map(lambda x: x[0], parts.carry),
+        )
+        metrics = episode_means(joined) | jax.tree.map(jnp.mean, losses)
+        return dataclasses.replace(state, learner=learner, statistics=statistics), played, metrics

@@ -1,0 +1,190 @@
+"""Sampling for learnability: train on levels that the policy solves sometimes.
+
+Source: Rutherford et al., "No Regrets" (2024), with the options of kinetix-env's configurations.
+"""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.normalisation import Normalisation
+from kinetix.environment.params import EnvParams
+from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
+from kinetix.training.config import SflConfig
+from kinetix.training.curricula.tally import Tally, count_ends, learnability, play_tally, sfl_score
+from kinetix.training.ppo.rollout import Trajectory, begin, episode_means, rollout
+from kinetix.training.ppo.update import Learner
+from kinetix.training.setup import make_setup
+
+
+@pytree
+class Chosen:
+    """The buffer: the levels that were worth most when they were scored."""
+
+    levels: EnvState
+    tally: Tally
+    """Counts of each level, those of training included."""
+    score: Float[Array, " m"]
+
+
+@pytree
+class SflState:
+    """Everything that an update changes."""
+
+    learner: Learner
+    statistics: Normalisation | None
+    key: Array
+    chosen: Chosen
+    age: Int[Array, ""]
+    """Updates since the buffer was filled."""
+
+
+class Sfl:
+    """Scores many random levels now and then, and trains on the most learnable ones."""
+
+    def __init__(self, config: SflConfig, teacher: Agent | None = None) -> None:
+        """Prepare; nothing is compiled yet.
+
+        Args:
+            config: The configuration, already checked.
+            teacher: The agent to start from.
+        """
+        steps = config.num_updates * config.update_epochs * config.num_minibatches
+        self.config = config
+        self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
+        self._teacher = teacher
+        self._drawn = int(config.sampled_envs_ratio * config.num_train_envs)
+        self._score_batch = jax.jit(self._one_batch)
+        self._train = jax.jit(self._one_update)
+
+    def start(self) -> SflState:
+        """The state before the first update; the buffer counts as too old to be used."""
+        key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
+        size = self.config.num_to_save
+        levels = jax.vmap(self.setup.reset_fn)(jax.random.split(level_key, size))
+        none = jnp.zeros(size, jnp.int32)
+        return SflState(
+            learner=self.setup.start_learner(learner_key, self._teacher),
+            statistics=self.setup.start_statistics(self._teacher),
+            key=key,
+            chosen=Chosen(
+                levels=levels,
+                tally=Tally(episodes=none, solved=none),
+                score=jnp.full(size, -jnp.inf),
+            ),
+            age=jnp.asarray(self.config.buffer_update_frequency, jnp.int32),
+        )
+
+    def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
+        """Fill the buffer anew when it is old, then train on it and on fresh levels.
+
+        Args:
+            state: From `start` or the last update.
+
+        Returns:
+            The next state, and metrics by their published names.
+        """
+        report: dict[str, Array] = {}
+        if self._drawn and int(state.age) >= self.config.buffer_update_frequency:
+            state, report = self._fill(state)
+        state, metrics = self._train(state)
+        return state, report | metrics
+
+    def _fill(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
+        """Score `num_batches` batches and keep the best of all."""
+        key, *keys = jax.random.split(state.key, self.config.num_batches + 1)
+        chosen = dataclasses.replace(
+            state.chosen, score=jnp.full_like(state.chosen.score, -jnp.inf)
+        )
+        seen = []
+        for batch_key in keys:
+            chosen, mean = self._score_batch(chosen, state.learner, state.statistics, batch_key)
+            seen.append(mean)
+        config = self.config
+        kept = learnability(chosen.tally, correction=config.learnability_correction)
+        report = {
+            "sfl/buffer_learnability": jnp.mean(kept),
+            "sfl/sampled_learnability": jnp.mean(jnp.stack(seen)),
+        }
+        age = jnp.zeros_like(state.age)
+        return dataclasses.replace(state, key=key, chosen=chosen, age=age), report
+
+    def _one_batch(
+        self, chosen: Chosen, learner: Learner, statistics: Normalisation | None, key: Array
+    ) -> tuple[Chosen, Array]:
+        config = self.config
+        level_key, play_key = jax.random.split(key)
+        levels = self.setup.fresh_levels(level_key, config.batch_size)
+        by_episodes = config.learnability_mode == "episodes"
+        tally = play_tally(
+            self.setup.game,
+            learner.params,
+            levels,
+            play_key,
+            EnvParams().max_timesteps if by_episodes else config.rollout_steps,
+            statistics=statistics,
+            episodes=config.rollout_episodes if by_episodes else None,
+        )
+        correction = config.learnability_correction
+        fresh = Chosen(levels=levels, tally=tally, score=sfl_score(tally, correction=correction))
+        both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), chosen, fresh)
+        _, best = jax.lax.top_k(both.score, config.num_to_save)
+        mean = jnp.mean(learnability(tally, correction=correction))
+        return jax.tree.map(lambda x: x[best], both), mean
+
+    def _one_update(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
+        setup, config, learner = self.setup, self.config, state.learner
+        key, pick_key, fresh_key, begin_key, play_key, learn_key = jax.random.split(state.key, 6)
+        picked = jax.random.randint(pick_key, (self._drawn,), 0, config.num_to_save)
+        levels = self._levels(state.chosen.levels, picked, fresh_key)
+        playing = begin(setup.game, begin_key, config.num_train_envs, levels)
+        _, played = rollout(
+            setup.game,
+            learner.params,
+            playing,
+            play_key,
+            config.num_steps,
+            levels=levels,
+            statistics=state.statistics,
+        )
+        tally = _add(state.chosen.tally, picked, played.trajectory)
+        learner, statistics, losses = setup.learn(learner, played, learn_key, state.statistics)
+        following = SflState(
+            learner=learner,
+            statistics=statistics,
+            key=key,
+            chosen=dataclasses.replace(state.chosen, tally=tally),
+            age=state.age + 1,
+        )
+        return following, episode_means(played.trajectory) | losses
+
+    def _levels(self, buffer: EnvState, picked: Array, key: Array) -> EnvState:
+        """The picked levels of the buffer, then fresh ones for the other environments."""
+        count = self.config.num_train_envs - self._drawn
+        parts = []
+        if self._drawn:
+            parts.append(jax.tree.map(lambda x: x[picked], buffer))
+        if count:
+            parts.append(self.setup.fresh_levels(key, count))
+        return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
+
+
+def _add(tally: Tally, picked: Int[Array, " d"], trajectory: Trajectory) -> Tally:
+    """Take what happened on the drawn levels (the first environments) into their counts."""
+    drawn = picked.shape[0]
+    start = Tally(episodes=jnp.zeros(drawn, jnp.int32), solved=jnp.zeros(drawn, jnp.int32))
+
+    def step(counts: Tally, ends: tuple[Array, Array]) -> tuple[Tally, None]:
+        return count_ends(counts, *ends), None
+
+    ends = (trajectory.done[:, :drawn], trajectory.solved[:, :drawn])
+    counts, _ = jax.lax.scan(step, start, ends)
+    return Tally(
+        episodes=tally.episodes.at[picked].add(counts.episodes),
+        solved=tally.solved.at[picked].add(counts.solved),
+    )

@@ -1,0 +1,100 @@
+"""Evaluation during training, under the published metric names."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import numpy as np
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+from kinetix.agents.results import LevelResult, summarise
+from kinetix.environment.generators.filters import EVALUATION_SEED
+from kinetix.environment.params import static_env_params_from_size
+from kinetix.level.sets import gather_levels
+from kinetix.level.sizes import capacity_of
+from kinetix.paths import levels_dir
+from kinetix.training.config import PpoConfig
+from kinetix.training.setup import Setup
+
+
+class TrainingEvaluation:
+    """Plays fixed levels now and then."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Choose the levels.
+
+        Args:
+            setup: The training.
+        """
+        config = setup.config
+        self._settings = Settings(
+            attempts=config.eval_num_attempts, seed=config.seed, physics=config.physics
+        )
+        self._hand_designed = _hand_designed(config)
+        self._sampled = _sampled(setup)
+
+    def __call__(self, agent: Agent) -> dict[str, float]:
+        """Metrics of an agent.
+
+        Args:
+            agent: With its present parameters.
+        """
+        metrics: dict[str, float] = {}
+        for kind, levels in (("hand_designed", self._hand_designed), ("sampled", self._sampled)):
+            if levels:
+                *_, last = evaluate(agent, levels, self._settings)
+                metrics |= _means(kind, last.results)
+                if kind == "hand_designed":
+                    metrics |= _each(last.results)
+        return metrics
+
+
+def _means(kind: str, results: Sequence[LevelResult]) -> dict[str, float]:
+    summary = summarise(results)
+    prefix = f"eval/{kind}_episode"
+    return {
+        f"{prefix}_return": float(np.mean([result.mean_return for result in results])),
+        f"{prefix}_length": float(np.mean([result.mean_length for result in results])),
+        f"{prefix}_solve_rate": summary["mean_solve_rate"],
+        f"{prefix}_best_of_k_solve_rate": summary["best_of_k"],
+    }
+
+
+def _each(results: Sequence[LevelResult]) -> dict[str, float]:
+    metrics: dict[str, float] = {}
+    for result in results:
+        metrics |= {
+            f"eval_avg/hand_designed_episode_return_{result.level}": result.mean_return,
+            f"eval_avg/hand_designed_episode_length_{result.level}": result.mean_length,
+            f"eval_avg/hand_designed_episode_solve_rate_{result.level}": result.solve_rate,
+        }
+    groups = summarise(results)["groups"]
+    return metrics | {f"eval_aggregate/solve_rate_{name}": rate for name, rate in groups.items()}
+
+
+def _hand_designed(config: PpoConfig) -> list[NamedLevel]:
+    """The levels that were asked for, else those trained on, else the bundled ones that fit."""
+    if config.eval_freq == 0:
+        return []
+    sources = config.eval_levels or config.levels
+    levels = gather_levels(sources or [levels_dir()])
+    room = static_env_params_from_size(config.size).capacity
+    fitting = [level for level in levels if sources or room.covers(capacity_of(level.level))]
+    return [
+        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
+        for level in fitting
+    ]
+
+
+def _sampled(setup: Setup) -> list[NamedLevel]:
+    count = setup.config.eval_sampled_levels
+    if setup.config.eval_freq == 0 or count == 0:
+        return []
+    levels: Any = setup.fresh_levels(jax.random.PRNGKey(EVALUATION_SEED), count)
+    return [
+        NamedLevel(
+            name=f"random {index}", source=jax.tree.map(lambda x, i=index: np.asarray(x[i]), levels)
+        )
+        for index in range(count)
+    ]

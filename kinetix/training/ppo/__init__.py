@@ -1,0 +1,1 @@
+"""PPO: `losses`, `rollout`, `update` are its parts, `train` is the loop."""

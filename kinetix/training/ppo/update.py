@@ -1,0 +1,144 @@
+"""Learning from one rollout: epochs of minibatches."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import optax
+from flax import linen as nn
+from jaxtyping import Array, Float
+
+from kinetix.agents.networks.recurrent import Carry
+from kinetix.pytree import pytree
+from kinetix.training.config import PpoConfig
+from kinetix.training.ppo.losses import generalised_advantages, policy_loss, value_loss
+from kinetix.training.ppo.rollout import Rollout, Trajectory
+
+
+@pytree
+class Batch:
+    """A rollout as learnt from; leading axes time and environments."""
+
+    trajectory: Trajectory
+    advantage: Float[Array, "k n"]
+    target: Float[Array, "k n"]
+
+
+@pytree
+class Learner:
+    """What learning changes."""
+
+    params: Any
+    """Variables of the network, with the root "params"."""
+    optimiser: Any
+    """State of the optimiser."""
+
+
+def learn(
+    config: PpoConfig,
+    network: nn.Module,
+    optimiser: optax.GradientTransformation,
+    learner: Learner,
+    rollout: Rollout,
+    key: Array,
+) -> tuple[Learner, dict[str, Array]]:
+    """Improve policy and value on one rollout.
+
+    Args:
+        config: Hyper-parameters.
+        network: The network.
+        optimiser: The optimiser.
+        learner: Parameters and the optimiser's state.
+        rollout: What was played with these parameters; observations as the network saw them.
+        key: Shuffles the minibatches.
+
+    Returns:
+        The improved learner, and means of the losses over all gradient steps.
+    """
+    trajectory, carry = rollout.trajectory, rollout.carry
+    advantage, target = generalised_advantages(
+        trajectory.reward,
+        trajectory.value,
+        trajectory.done,
+        rollout.last_value,
+        gamma=config.gamma,
+        gae_lambda=config.gae_lambda,
+    )
+    batch = Batch(trajectory=trajectory, advantage=advantage, target=target)
+
+    def gradient_step(
+        learner: Learner, inputs: tuple[Batch, Carry, Array]
+    ) -> tuple[Learner, dict[str, Array]]:
+        part, part_carry, dropout_key = inputs
+        differentiate = jax.value_and_grad(_loss, argnums=2, has_aux=True)
+        (_, report), gradient = differentiate(
+            config, network, learner.params, part, part_carry, dropout_key
+        )
+        report["loss/grad_norm"] = optax.global_norm(gradient)
+        change, state = optimiser.update(gradient, learner.optimiser, learner.params)
+        params = optax.apply_updates(learner.params, change)
+        return Learner(params=params, optimiser=state), report
+
+    def epoch(learner: Learner, key: Array) -> tuple[Learner, dict[str, Array]]:
+        shuffle_key, dropout_key = jax.random.split(key)
+        parts, carries = _minibatches(config, batch, carry, shuffle_key)
+        keys = jax.random.split(dropout_key, config.num_minibatches)
+        return jax.lax.scan(gradient_step, learner, (parts, carries, keys))
+
+    learner, reports = jax.lax.scan(epoch, learner, jax.random.split(key, config.update_epochs))
+    return learner, jax.tree.map(jnp.mean, reports)
+
+
+def _loss(
+    config: PpoConfig, network: nn.Module, params: Any, batch: Batch, carry: Carry, key: Array
+) -> tuple[Array, dict[str, Array]]:
+    old = batch.trajectory
+    output: Any = network.apply(
+        params, carry, (old.observation, old.begins), train=True, rngs={"dropout": key}
+    )
+    _, policy, value = output
+    log_prob = policy.log_prob(old.action)
+    actor = policy_loss(log_prob, old.log_prob, batch.advantage, clip_eps=config.clip_eps)
+    critic = value_loss(value, old.value, batch.target, clip_eps=config.clip_eps)
+    entropy = jnp.mean(policy.entropy())
+    total = actor + config.vf_coef * critic - config.ent_coef * entropy
+    ratio = jnp.exp(log_prob - old.log_prob)
+    report = {
+        "loss/total": total,
+        "loss/policy": actor,
+        "loss/value": critic,
+        "loss/entropy": entropy,
+        # Schulman's low-variance estimate of the divergence, http://joschu.net/blog/kl-approx.html
+        "loss/approx_kl": jnp.mean(ratio - 1.0 - jnp.log(ratio)),
+        "loss/clip_fraction": jnp.mean(jnp.abs(ratio - 1.0) > config.clip_eps),
+    }
+    return total, report
+
+
+def _minibatches(
+    config: PpoConfig, batch: Batch, carry: Carry, key: Array
+) -> tuple[Batch, tuple[Array, Array]]:
+    """The rollout in shuffled parts, on a new leading axis.
+
+    Whole environments stay together, so that memory can be replayed, unless single steps are asked
+    for.
+    """
+    parts = config.num_minibatches
+    steps, environments = batch.advantage.shape
+    if config.full_minibatch_shuffle:
+        order = jax.random.permutation(key, steps * environments)
+
+        def shuffle(x: Array) -> Array:
+            flat = x.reshape(steps * environments, *x.shape[2:])[order]
+            return flat.reshape(parts, 1, -1, *x.shape[2:])
+
+        empty = jnp.zeros((parts, steps * environments // parts, carry[0].shape[1]))
+        return jax.tree.map(shuffle, batch), (empty, empty)
+    order = jax.random.permutation(key, environments)
+
+    def split(x: Array) -> Array:
+        shuffled = jnp.take(x, order, axis=1)
+        return jnp.moveaxis(shuffled.reshape(steps, parts, -1, *x.shape[2:]), 1, 0)
+
+    first, second = (x[order].reshape(parts, -1, x.shape[1]) for x in carry)
+    return jax.tree.map(split, batch), (first, second)

@@ -1,0 +1,49 @@
+"""Learning rates over a training, and the optimiser."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import optax
+
+from kinetix.training.config import PpoConfig
+
+ADAM_EPSILON = 1e-5
+"""As published; larger than Adam's usual 1e-8, because gradients of PPO are small and noisy."""
+
+
+def learning_rate(config: PpoConfig, gradient_steps: int) -> Callable[[Any], Any]:
+    """The learning rate as a function of the number of gradient steps done.
+
+    Args:
+        config: The configuration.
+        gradient_steps: Gradient steps of the whole training.
+    """
+    if config.anneal_lr:
+        # By updates, not by gradient steps: one rollout is learnt from at one rate.
+        per_update = config.num_minibatches * config.update_epochs
+        updates = max(gradient_steps // per_update, 1)
+        return lambda count: (
+            config.learning_rate * jnp.maximum(1.0 - (count // per_update) / updates, 0.0)
+        )
+    if config.warmup_lr:
+        return optax.warmup_cosine_decay_schedule(
+            init_value=config.initial_lr,
+            peak_value=config.peak_lr,
+            warmup_steps=int(gradient_steps * config.warmup_frac),
+            decay_steps=gradient_steps,
+        )
+    return optax.constant_schedule(config.learning_rate)
+
+
+def make_optimiser(config: PpoConfig, gradient_steps: int) -> optax.GradientTransformation:
+    """Gradients clipped by their norm, then Adam.
+
+    Args:
+        config: The configuration.
+        gradient_steps: Gradient steps of the whole training.
+    """
+    return optax.chain(
+        optax.clip_by_global_norm(config.max_grad_norm),
+        optax.adam(learning_rate(config, gradient_steps), eps=ADAM_EPSILON),
+    )

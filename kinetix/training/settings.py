@@ -1,0 +1,222 @@
+"""Where a configuration comes from: preset, TOML file, single values; and back to TOML."""
+
+import ast
+import dataclasses
+import difflib
+import inspect
+import itertools
+import json
+import textwrap
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from kinetix.agents.networks.config import NetworkConfig
+from kinetix.errors import KinetixError
+from kinetix.level.sets import common_capacity, gather_levels
+from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
+
+CONFIG = "config.toml"
+"""A run's own configuration."""
+NETWORK = "network"
+"""Table of the network's options."""
+_PRESETS = resources.files("kinetix.training") / "presets"
+
+
+def presets() -> list[str]:
+    """Names of the presets that come with the program."""
+    return sorted(
+        path.name.removesuffix(".toml")
+        for path in _PRESETS.iterdir()
+        if path.name.endswith(".toml")
+    )
+
+
+def make_config(
+    algorithm: str,
+    *,
+    preset: str | None = None,
+    file: Path | None = None,
+    values: Mapping[str, Any] | None = None,
+    run: Path | None = None,
+) -> PpoConfig:
+    """Put a configuration together; later sources win over earlier ones.
+
+    Args:
+        algorithm: "ppo", "sfl", "plr", "accel" or "dr".
+        preset: Name of a preset.
+        file: A TOML file: fields, a table `[network]`, and tables named after algorithms that hold
+            for those alone.
+        values: Single fields by name; options of the network without a prefix.
+        run: A run's directory; if it has a `config.toml`, that comes before everything else.
+
+    Raises:
+        KinetixError: Something is not known or out of range; the sentence says where.
+    """
+    if algorithm not in CONFIGS:
+        raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")
+    fields: dict[str, Any] = dict(ALGORITHM_DEFAULTS.get(algorithm, {}))
+    network: dict[str, Any] = {}
+    for content, where in _sources(algorithm, preset=preset, file=file, run=run):
+        _take(fields, network, content, algorithm, where)
+    for name, value in (values or {}).items():
+        (network if name in _NETWORK_NAMES else fields)[name] = value
+    _complete(fields)
+    network.setdefault("kind", _KIND_OF[fields.get("observation_type", "symbolic_entity")])
+    try:
+        fields[NETWORK] = msgspec.convert(network, NetworkConfig)
+        config = msgspec.convert(
+            {name: value for name, value in fields.items() if value is not None},
+            CONFIGS[algorithm],
+        )
+    except (msgspec.ValidationError, ValueError) as error:
+        raise KinetixError(f"training configuration: {error}") from None
+    config.check()
+    return config
+
+
+def _sources(
+    algorithm: str, *, preset: str | None, file: Path | None, run: Path | None
+) -> Iterator[tuple[dict[str, Any], str]]:
+    """Tables of values and what they are from, weakest first."""
+    stored = None if run is None else run / CONFIG
+    if stored is not None and stored.is_file():
+        content = _parse(_read(stored), str(stored))
+        if content.get("algorithm") != algorithm:
+            raise KinetixError(
+                f"{stored}: this run was started with {content.get('algorithm')}, not {algorithm}"
+            )
+        yield content, str(stored)
+    if preset is not None:
+        yield _preset(preset), f"preset {preset!r}"
+    if file is not None:
+        yield _parse(_read(file), str(file)), str(file)
+
+
+def _complete(fields: dict[str, Any]) -> None:
+    """Fill in what follows from other fields."""
+    if fields.get("levels"):
+        fields["level_mode"] = "list"
+        if "size" not in fields:
+            fields["size"] = _size_of(fields["levels"])
+    if fields.get("parity") == "kinetix-3":
+        fields["physics"] = "jax2d"
+        fields.setdefault("bootstrap_on_timeout", False)
+
+
+def dumps_config(algorithm: str, config: PpoConfig) -> str:
+    """A configuration as TOML; fields that are None are left out.
+
+    Args:
+        algorithm: Goes into the first line.
+        config: The configuration.
+    """
+    content = dataclasses.asdict(config)
+    network = content.pop(NETWORK)
+    lines = [f'algorithm = "{algorithm}"']
+    lines += [f"{key} = {_value(value)}" for key, value in content.items() if value is not None]
+    lines += ["", f"[{NETWORK}]"]
+    lines += [f"{key} = {_value(value)}" for key, value in network.items()]
+    return "\n".join(lines) + "\n"
+
+
+def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
+    """The inverse of `dumps_config`, as values for `make_config`.
+
+    Args:
+        text: The TOML text.
+        file: Its name, for errors.
+
+    Raises:
+        KinetixError: It is not TOML.
+    """
+    content = _parse(text, file)
+    network = content.pop(NETWORK, {})
+    return str(content.pop("algorithm", "ppo")), content | network
+
+
+def field_notes(owner: type) -> dict[str, str]:
+    """What is written below each field of a dataclass, its bases' included.
+
+    Args:
+        owner: The dataclass; its source must be there.
+    """
+    notes: dict[str, str] = {}
+    for kind in reversed(owner.__mro__[:-1]):
+        body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+        assert isinstance(body, ast.ClassDef)
+        for field, note in itertools.pairwise(body.body):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                is_text = isinstance(note, ast.Expr) and isinstance(note.value, ast.Constant)
+                notes[field.target.id] = str(note.value.value) if is_text else ""  # pyright: ignore
+    return notes
+
+
+def _size_of(levels: Sequence[str]) -> str:
+    """The common capacity of some levels, as four numbers."""
+    capacity = common_capacity(level.level for level in gather_levels(levels))
+    return ",".join(map(str, dataclasses.astuple(capacity)))
+
+
+def _take(
+    fields: dict[str, Any],
+    network: dict[str, Any],
+    content: dict[str, Any],
+    algorithm: str,
+    where: str,
+) -> None:
+    tables = {name: content.pop(name, {}) for name in (NETWORK, *CONFIGS)}
+    content.pop("algorithm", None)
+    allowed = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} - {NETWORK}
+    for table, names, target in (
+        (content, allowed, fields),
+        (tables[algorithm], allowed, fields),
+        (tables[NETWORK], _NETWORK_NAMES, network),
+    ):
+        for name in table:
+            if name not in names:
+                near = difflib.get_close_matches(name, sorted(names), 1)
+                hint = f"; did you mean {near[0]!r}?" if near else ""
+                raise KinetixError(f"{where}: {name!r} is no field of {algorithm}{hint}")
+        target.update(table)
+
+
+def _preset(name: str) -> dict[str, Any]:
+    if name not in presets():
+        raise KinetixError(f"preset: expected one of {', '.join(presets())}, got {name!r}")
+    return _parse((_PRESETS / f"{name}.toml").read_text(encoding="utf-8"), name)
+
+
+def _read(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise KinetixError(f"{file}: cannot be read: {error}") from None
+
+
+def _parse(text: str, file: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise KinetixError(f"{file}: not valid TOML: {error}") from None
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, (tuple, list)):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    # What JSON writes of booleans, numbers and strings is TOML too.
+    return json.dumps(value, ensure_ascii=False)
+
+
+_NETWORK_NAMES = frozenset(field.name for field in dataclasses.fields(NetworkConfig))
+_KIND_OF = {
+    "symbolic_entity": "entity_transformer",
+    "symbolic_flat": "flat_mlp",
+    "symbolic_flat_padded": "permutation_invariant_mlp",
+    "pixels": "cnn",
+    "blind": "flat_mlp",
+}

@@ -1,0 +1,260 @@
+"""From a configuration to the parts that every algorithm uses."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import optax
+from jaxtyping import Array
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.card import (
+    ActionCard,
+    AgentCard,
+    CapacityCard,
+    EnvironmentCard,
+    NormalisationCard,
+    ObservationCard,
+)
+from kinetix.agents.normalisation import Normalisation, from_card, normalise, start, update
+from kinetix.agents.shapes import init_parameters, network_of_card, observations_of_card
+from kinetix.environment.env import DummyEnv, KinetixEnv, ResetFunction, make_kinetix_env
+from kinetix.environment.generators.filters import sample_filtered_levels
+from kinetix.environment.generators.locomotion import locomotion_sampler
+from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.generators.starts import mixed_sampler
+from kinetix.environment.params import (
+    EnvParams,
+    StaticEnvParams,
+    physics_engine,
+    static_env_params_from_size,
+    with_parity,
+)
+from kinetix.environment.reset import (
+    make_reset_fn_empty,
+    make_reset_fn_list_of_levels,
+    make_reset_fn_sample_kinetix_level,
+)
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.sets import gather_levels
+from kinetix.training.config import PpoConfig
+from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
+from kinetix.training.ppo.update import Learner, learn
+from kinetix.training.schedule import make_optimiser
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Setup:
+    """The parts: environment and network, optimiser, the agent's description."""
+
+    config: PpoConfig
+    game: Game
+    optimiser: optax.GradientTransformation
+    card: AgentCard
+    """Describes the agent that is being trained; without name and results yet."""
+    ued: UEDParams
+    """Options of random levels and mutations."""
+
+    @property
+    def env(self) -> KinetixEnv:
+        """The environment."""
+        return self.game.env
+
+    @property
+    def reset_fn(self) -> ResetFunction:
+        """Draws the level of an episode."""
+        assert self.game.env.reset_fn is not None
+        return self.game.env.reset_fn
+
+    def fresh_levels(self, key: Array, count: int) -> EnvState:
+        """Levels from the reset function, without those that are won by doing nothing.
+
+        Args:
+            key: Random key.
+            count: How many.
+        """
+        config = self.config
+        chosen = config.filter_levels and config.level_mode in ("random", "random_all")
+        return sample_filtered_levels(
+            key,
+            count,
+            self.reset_fn,
+            self.env,
+            self.env.env_params,
+            steps=config.level_filter_n_steps if chosen and not config.dummy_env else 0,
+            ratio=config.level_filter_sample_ratio,
+        )
+
+    def start_learner(self, key: Array, teacher: Agent | None) -> Learner:
+        """Fresh parameters, or those of an agent to be fine-tuned, and a fresh optimiser.
+
+        Args:
+            key: Random key.
+            teacher: The agent to start from.
+        """
+        tree = init_parameters(self.card, key) if teacher is None else teacher.params["params"]
+        params = {"params": tree}
+        return Learner(params=params, optimiser=self.optimiser.init(params))
+
+    def start_statistics(self, teacher: Agent | None) -> Normalisation | None:
+        """Statistics of observations, where they are normalised.
+
+        Args:
+            teacher: The agent to start from; its statistics go on.
+        """
+        if not self.config.rms_norm:
+            return None
+        card: NormalisationCard | None = None if teacher is None else teacher.card.normalisation
+        if card is not None:
+            return from_card(card)
+        state = jax.eval_shape(self.reset_fn, jax.random.PRNGKey(0))
+        shapes = jax.eval_shape(self.env.get_obs, state)
+        return start(jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes))
+
+    def start_playing(self, key: Array) -> Playing:
+        """All environments at the start of episodes from the reset function.
+
+        Args:
+            key: Random key.
+        """
+        return begin(self.game, key, self.config.num_train_envs)
+
+    def learn(
+        self,
+        learner: Learner,
+        rollout: Rollout,
+        key: Array,
+        statistics: Normalisation | None,
+    ) -> tuple[Learner, Normalisation | None, dict[str, Array]]:
+        """Improve on a rollout, then take its observations into the statistics.
+
+        Args:
+            learner: Parameters and optimiser.
+            rollout: What was played.
+            key: Random key.
+            statistics: What the rollout's observations were normalised by.
+        """
+        raw = rollout.trajectory.observation
+        seen = dataclasses.replace(rollout.trajectory, observation=normalise(statistics, raw))
+        rollout = dataclasses.replace(rollout, trajectory=seen)
+        learner, report = learn(
+            self.config, self.game.network, self.optimiser, learner, rollout, key
+        )
+        if statistics is not None:
+            statistics = update(statistics, raw)
+        return learner, statistics, report
+
+
+def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None = None) -> Setup:
+    """Put the parts together.
+
+    Args:
+        config: The configuration, already checked.
+        gradient_steps: Gradient steps of the whole training, for learning-rate schedules.
+        teacher: The agent to start from; its network, observation and action must be those of the
+            configuration.
+
+    Raises:
+        KinetixError: Something does not fit; the sentence says what.
+    """
+    ued = UEDParams(legacy_ceiling=True) if config.parity == "kinetix-3" else UEDParams()
+    static_env_params = static_env_params_from_size(
+        config.size, frame_skip=config.frame_skip, physics=config.physics
+    )
+    env_params = EnvParams(dense_reward_scale=config.dense_reward_scale)
+    card = _card(config, env_params, static_env_params)
+    if teacher is not None:
+        _check_teacher(teacher.card, card)
+    env: Any = make_kinetix_env(
+        action_type=config.action_type,
+        observation_type=config.observation_type,
+        reset_fn=_reset_function(config, env_params, static_env_params, ued),
+        env_params=env_params,
+        static_env_params=static_env_params,
+        keep_terminal_observation=config.bootstrap_on_timeout,
+        parity=config.parity,
+    )
+    observations = observations_of_card(card, env_params, env.static_env_params)
+    env = dataclasses.replace(env, observations=observations)
+    if config.dummy_env:
+        env = DummyEnv(env=env)
+    game = Game(
+        env=env,
+        network=network_of_card(card),
+        gamma=config.gamma,
+        bootstrap_on_timeout=config.bootstrap_on_timeout and not config.dummy_env,
+    )
+    return Setup(
+        config=config,
+        game=game,
+        optimiser=make_optimiser(config, gradient_steps),
+        card=card,
+        ued=ued,
+    )
+
+
+def _card(
+    config: PpoConfig, env_params: EnvParams, static_env_params: StaticEnvParams
+) -> AgentCard:
+    capacity = CapacityCard(
+        polygons=static_env_params.num_polygons,
+        circles=static_env_params.num_circles,
+        joints=static_env_params.num_joints,
+        thrusters=static_env_params.num_thrusters,
+        motor_bindings=static_env_params.num_motor_bindings,
+        thruster_bindings=static_env_params.num_thruster_bindings,
+    )
+    environment = EnvironmentCard(
+        physics=config.physics,
+        frame_skip=config.frame_skip,
+        dt=env_params.dt,
+        dense_reward_scale=config.dense_reward_scale,
+        parity=config.parity,
+    )
+    return AgentCard(
+        name="training",
+        observation=ObservationCard(type=config.observation_type),
+        action=ActionCard(type=config.action_type),
+        capacity=capacity,
+        network=config.network,
+        environment=environment,
+    )
+
+
+def _check_teacher(teacher: AgentCard, card: AgentCard) -> None:
+    for what in ("network", "observation", "action"):
+        have, need = getattr(teacher, what), getattr(card, what)
+        if have != need:
+            raise KinetixError(
+                f"the agent {teacher.name!r} cannot be trained on: its {what} is {have}, the "
+                f"configuration's is {need}"
+            )
+    if not teacher.plays_any_capacity and teacher.capacity != card.capacity:
+        raise KinetixError(
+            f"the agent {teacher.name!r} sees exactly {teacher.capacity}, the training has "
+            f"{card.capacity}"
+        )
+
+
+def _reset_function(
+    config: PpoConfig,
+    env_params: EnvParams,
+    static_env_params: StaticEnvParams,
+    ued: UEDParams,
+) -> ResetFunction:
+    static_env_params = with_parity(static_env_params, config.parity)
+    match config.level_mode:
+        case "random":
+            return make_reset_fn_sample_kinetix_level(env_params, static_env_params, ued)
+        case "random_all":
+            return mixed_sampler(physics_engine(static_env_params), ued)
+        case "locomotion":
+            return locomotion_sampler(physics_engine(static_env_params))
+        case "empty":
+            return make_reset_fn_empty(static_env_params)
+        case "list":
+            levels = gather_levels(config.levels)
+            sources = [level.level if level.path is None else level.path for level in levels]
+            return make_reset_fn_list_of_levels(sources, static_env_params)
