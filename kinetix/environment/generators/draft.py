@@ -203,7 +203,7 @@ def draft_of(state: EnvState) -> Draft:
         circle=jnp.broadcast_to(slots[:, None], (polygons + circles, worlds)),
         role=_worlds_last(state.labels.role),
         density=_worlds_last(state.labels.density),
-        fixed=_worlds_last(bodies.inverse_mass == 0),
+        fixed=_worlds_last(bodies.active & (bodies.inverse_mass == 0)),
         active=_worlds_last(bodies.active),
     )
     return Draft(

@@ -148,7 +148,7 @@ def test_joined_bodies_meet_at_their_joint(drafts: dict[str, Any]) -> None:
 
 
 def test_a_level_is_a_function_of_its_key_alone() -> None:
-    engine = physics_engine(static_env_params_from_size("m", physics="jax2d"))
+    engine = physics_engine(static_env_params_from_size("s", physics="jax2d"))
     sample = level_sampler(engine, UEDParams())
     keys = jax.random.split(jax.random.key(3), 6)
     batch = jax.jit(jax.vmap(sample))(keys)
@@ -159,6 +159,7 @@ def test_a_level_is_a_function_of_its_key_alone() -> None:
         assert np.array_equal(many.reshape(grid.shape), grid)
 
 
+@pytest.mark.slow
 def test_triangles_and_odd_capacities() -> None:
     keys = jax.random.split(jax.random.PRNGKey(0), 512)
     capacity = Capacity(polygons=7, circles=2, joints=2, thrusters=1)
