@@ -13,7 +13,7 @@ from kinetix.level.model import Level
 
 MUTATIONS: Final = (
     ("add_shape", "Add a shape"),
-    ("add_connected_shape", "Add a connected shape"),
+    ("add_connected_shape", "Add a jointed shape"),
     ("add_thruster", "Add a thruster"),
     ("remove_shape", "Remove a shape"),
     ("remove_joint", "Remove a joint"),

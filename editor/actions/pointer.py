@@ -1,11 +1,14 @@
 """What the pointer does on the canvas: pan, zoom, gestures, the stack's menu, pulling bodies."""
 
+import dataclasses
 import math
 from typing import Final
 
 from editor.camera import ZOOM_NOTCH
+from editor.controls import NOOP
 from editor.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
 from editor.picking import bodies_at
+from editor.playback import Mode
 from editor.prompts import Choice, MenuQuestion
 from editor.requests import Pull
 from editor.session import Session
@@ -90,6 +93,11 @@ def _pull(session: Session, event: PointerEvent) -> None:
             anchor = to_local(level.body(free[0]), event.world)
             session.pull = Pull(body=free[0], anchor=anchor, target=event.world)
     elif event.kind is Pointer.MOVE and session.pull is not None:
-        session.pull = Pull(body=session.pull.body, anchor=session.pull.anchor, target=event.world)
-    elif event.kind is Pointer.RELEASE:
+        paused = session.mode is Mode.PAUSED
+        session.pull = dataclasses.replace(
+            session.pull, target=event.world, teleport=paused and event.modifiers.ctrl
+        )
+    elif event.kind is Pointer.RELEASE and session.pull is not None:
+        if session.pull.teleport:
+            session.playback.step(NOOP, session.pull)
         session.pull = None

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from editor.commands.rigid import component
 from editor.recording import Action, OutcomeName, Snapshot
 from editor.requests import Pull, StartEpisode
 from editor.simulation.contacts import contact_points, deepest, touching_bodies
@@ -226,8 +227,7 @@ def pulled(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvS
     physics = state.physics
     position = np.asarray(physics.position)[slot]
     if pull.teleport:
-        target = np.array(pull.target, np.float32)
-        return _with_row(state, slot, position=target, velocity=np.zeros(2, np.float32))
+        return _teleported(state, slots, level, pull)
     angle = float(physics.rotation[slot])
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = pull.anchor
@@ -251,6 +251,25 @@ def pulled(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvS
         slot,
         velocity=(velocity + inverse_mass * impulse).astype(np.float32),
         angular_velocity=np.float32(turned),
+    )
+
+
+def _teleported(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvState:
+    """Put a body's origin where the mouse is, with all that hangs on it, at rest."""
+    moved = component(level, (pull.body,))
+    rows = [k for k, body in enumerate(level.bodies) if body.id in moved]
+    held = next(k for k, body in enumerate(level.bodies) if body.id == pull.body)
+    position = np.array(state.physics.position)
+    shift = np.array(pull.target, np.float32) - position[slots[held]]
+    position[slots[rows]] += shift
+    for name in ("velocity", "angular_velocity"):
+        still = np.array(getattr(state.physics, name))
+        still[slots[rows]] = 0.0
+        state = dataclasses.replace(
+            state, physics=dataclasses.replace(state.physics, **{name: jnp.asarray(still)})
+        )
+    return dataclasses.replace(
+        state, physics=dataclasses.replace(state.physics, position=jnp.asarray(position))
     )
 
 
