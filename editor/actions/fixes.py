@@ -1,16 +1,20 @@
 """One-click fixes of the problems panel: the command that mends an issue, where there is one."""
 
 import dataclasses
+from typing import TypeVar
 
 from editor.commands.base import Command
 from editor.commands.fields import SetField, SetLevelField
 from editor.commands.group import Remove
 from editor.commands.joints import Reanchor
+from editor.commands.rigid import freed
 from editor.session import Session
 from kinetix.level.geometry import polygon_fault, reverse_winding
-from kinetix.level.model import Body, Joint, Level, Polygon
+from kinetix.level.model import ARENA_NAMES, ArenaBody, Body, Joint, Level, Polygon
 from kinetix.level.sizes import AUTOMATIC, SIZES, needed_capacity
 from kinetix.level.validate import Issue
+
+Part = TypeVar("Part", Body, ArenaBody)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -57,18 +61,21 @@ class KeepFirst:
     merge_key: None = None
 
     def apply(self, level: Level) -> Level:
-        """Take the role from all but the first of each."""
+        """Take the role from all but the first of each; the arena comes before the bodies."""
         seen: set[str] = set()
 
-        def kept(body: Body) -> Body:
-            if body.role not in ("green", "blue"):
-                return body
-            if body.role in seen:
-                return body.replace(role="none")
-            seen.add(body.role)
-            return body
+        def kept(part: Part) -> Part:
+            if part.role not in ("green", "blue"):
+                return part
+            if part.role in seen:
+                return part.replace(role="none")
+            seen.add(part.role)
+            return part
 
-        return level.replace(bodies=tuple(kept(body) for body in level.bodies))
+        arena = {name: kept(getattr(level.arena, name)) for name in ARENA_NAMES}
+        return level.replace(
+            arena=level.arena.replace(**arena), bodies=tuple(kept(b) for b in level.bodies)
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -88,6 +95,21 @@ class FixOrder:
             return body.replace(shape=Polygon(vertices=reverse_winding(body.shape.vertices)))
 
         return level.replace(bodies=tuple(turned(body) for body in level.bodies))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Recentre:
+    """Puts the origin of bodies' frames at their centres of mass; nothing moves in the world."""
+
+    ids: tuple[int, ...]
+    label: str = "Recentre shape"
+    merge_key: None = None
+
+    def apply(self, level: Level) -> Level:
+        """Recentre the free bodies among them."""
+        for body_id in self.ids:
+            level = freed(level, body_id)
+        return level
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -115,7 +137,14 @@ def _keep_first(level: Level, ids: tuple[int, ...]) -> Fix:
     return Fix(label="Keep first", command=KeepFirst())
 
 
-def _fix_order(level: Level, ids: tuple[int, ...]) -> Fix | None:
+def _fix_shape(level: Level, ids: tuple[int, ...]) -> Fix | None:
+    if all(
+        isinstance(body.shape, Polygon) and polygon_fault(body.shape.vertices) is None
+        for body in level.bodies
+        if body.id in ids
+    ):
+        return Fix(label="Recentre", command=Recentre(ids=ids))
+
     def mendable(body: Body) -> bool:
         if not isinstance(body.shape, Polygon) or body.id not in ids:
             return False
@@ -127,15 +156,25 @@ def _fix_order(level: Level, ids: tuple[int, ...]) -> Fix | None:
 
 
 def _delete(level: Level, ids: tuple[int, ...]) -> Fix | None:
-    joints = tuple(joint.id for joint in level.joints if joint.id in ids)
-    return Fix(label="Delete", command=Remove(ids=joints)) if joints else None
+    bodies = {body.id for body in level.bodies}
+    others = tuple(i for i in ids if i not in bodies)
+    return Fix(label="Delete", command=Remove(ids=others)) if others else None
 
 
-def _swap_limits(level: Level, ids: tuple[int, ...]) -> Fix | None:
+def _first_binding(level: Level, ids: tuple[int, ...]) -> Fix:
+    joints = {joint.id for joint in level.joints}
+    field = "motor.binding" if ids[0] in joints else "binding"
+    return Fix(label="Use binding 0", command=SetField(ids=ids, field=field, value=0))
+
+
+def _fix_limits(level: Level, ids: tuple[int, ...]) -> Fix:
     swapped = any(
         j.id in ids and j.limits is not None and j.limits.min > j.limits.max for j in level.joints
     )
-    return Fix(label="Swap", command=SwapLimits(ids=ids)) if swapped else None
+    if swapped:
+        return Fix(label="Swap limits", command=SwapLimits(ids=ids))
+    command = SetField(ids=ids, field="limits.on", value=False)
+    return Fix(label="Switch limits off", command=command)
 
 
 def _reanchor(level: Level, ids: tuple[int, ...]) -> Fix:
@@ -145,9 +184,10 @@ def _reanchor(level: Level, ids: tuple[int, ...]) -> Fix:
 
 _BY_ENTITY = {
     "E103": _keep_first,
-    "E107": _fix_order,
+    "E107": _fix_shape,
     "E108": _delete,
-    "W205": _swap_limits,
+    "E110": _first_binding,
+    "W205": _fix_limits,
     "W207": _delete,
     "W209": _reanchor,
 }

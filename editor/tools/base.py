@@ -8,6 +8,7 @@ local variable of the generator, so that leaving it in any way leaves nothing be
 import abc
 import contextlib
 import dataclasses
+import inspect
 import math
 from collections.abc import Generator
 from typing import TYPE_CHECKING, ClassVar, Final, TypeAlias
@@ -134,7 +135,7 @@ class Driver:
 
         A gesture that itself asks the user something, as its last act, is left to end by itself.
         """
-        if self._gesture is None or self._gesture.gi_running:
+        if self._gesture is None or inspect.getgeneratorstate(self._gesture) == inspect.GEN_RUNNING:
             return False
         self._gesture.close()
         self._end()

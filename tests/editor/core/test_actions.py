@@ -14,9 +14,9 @@ from editor.events import DropEvent, FocusEvent, QuitEvent
 from editor.playback import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
-from kinetix.level.model import Body, Circle, Level, Limits
+from kinetix.level.model import Body, Circle, Level, Limits, Polygon
 from kinetix.paths import levels_dir
-from tests.editor.core.helpers import Hand, a_level, a_session, texts
+from tests.editor.core.helpers import SQUARE, Hand, a_level, a_session, texts
 
 EXPECTED = re.findall(
     r"\S+",
@@ -369,7 +369,39 @@ ISSUES = {
     "E109": (a_level().replace(size="s"), "Switch to m"),
     "W205": (
         a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=1.0, max=0.0)),)),
-        "Swap",
+        "Swap limits",
+    ),
+    "W205 wide": (
+        a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=-4.0, max=4.0)),)),
+        "Switch limits off",
+    ),
+    "E107 order": (
+        a_level().replace(
+            bodies=(
+                a_level()
+                .bodies[0]
+                .replace(shape=Polygon(vertices=tuple(reversed(SQUARE.vertices))), id=1),
+                *a_level().bodies[1:],
+            )
+        ),
+        "Fix order",
+    ),
+    "E107 centre": (
+        a_level().replace(
+            bodies=(
+                a_level()
+                .bodies[0]
+                .replace(shape=Polygon(vertices=tuple((x + 0.1, y) for x, y in SQUARE.vertices))),
+                *a_level().bodies[1:],
+            )
+        ),
+        "Recentre",
+    ),
+    "E108": (a_level().replace(bodies=a_level().bodies[1:], thrusters=()), "Delete"),
+    "E108 thruster": (a_level().replace(bodies=a_level().bodies[1:], joints=()), "Delete"),
+    "E110": (
+        a_level().replace(thrusters=(a_level().thrusters[0].replace(binding=7),)),
+        "Use binding 0",
     ),
     "W209": (
         a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
@@ -378,9 +410,9 @@ ISSUES = {
 }
 
 
-@pytest.mark.parametrize("code", ISSUES)
-def test_one_click_mends_a_problem(code):
-    level, label = ISSUES[code]
+@pytest.mark.parametrize("case", ISSUES)
+def test_one_click_mends_a_problem(case):
+    code, (level, label) = case[:4], ISSUES[case]
     session = a_session(level)
     issue = next(i for i in session.document.problems if i.code == code)
     fix = fix_of(session, issue)
