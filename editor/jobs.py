@@ -220,7 +220,7 @@ class WorkerSimulator:
         self._arrived: list[Snapshot] = []
         self._error = ""
         self.keep_contacts = False
-        """Whether the next episode's snapshots carry contact points."""
+        """Whether the snapshots to come carry contact points."""
         self.job: Job | None = None
         """The job that starts the episode, for its progress."""
 
@@ -243,7 +243,7 @@ class WorkerSimulator:
         """Play one environment step for each action."""
         self._outstanding += len(actions)
         self._worker.submit(
-            Advance(run=self._run, actions=actions, pull=pull),
+            Advance(run=self._run, actions=actions, pull=pull, keep_contacts=self.keep_contacts),
             title="Simulating",
             urgent=True,
             done=self._done,

@@ -39,6 +39,9 @@ class Mode(enum.Enum):
 class Simulator(Protocol):
     """What playback asks of the simulation; answers may come in later frames."""
 
+    keep_contacts: bool
+    """Whether the snapshots to come carry contact points (debug drawing, plots)."""
+
     @property
     def outstanding(self) -> int:
         """Steps that were asked for and have not arrived."""

@@ -69,6 +69,7 @@ class Advance:
     run: int
     actions: tuple[tuple[int, ...], ...]
     pull: Pull | None = None
+    keep_contacts: bool = False
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

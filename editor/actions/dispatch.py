@@ -146,6 +146,8 @@ def update(session: Session, seconds: float) -> None:
             session.execute(item)
     with session.guard():
         session.worker.poll()
+    watched = bool(session.settings.debug_draw) or session.view.plots
+    session.playback.simulator.keep_contacts = watched
     with session.guard():
         session.playback.tick(seconds, session.action, session.pull)
     if _passed(before, session.time, AUTOSAVE_SECONDS):

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Array
 
 from editor.commands.rigid import component
-from editor.recording import Action, OutcomeName, Snapshot
-from editor.requests import Pull, StartEpisode
+from editor.recording import OutcomeName, Snapshot
+from editor.requests import Advance, Pull, StartEpisode
 from editor.simulation.contacts import contact_points, deepest, touching_bodies
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
@@ -109,10 +109,11 @@ class Episode:
         # The first step of a new size compiles here, behind the progress bar, not in the game.
         jax.block_until_ready(_step(self._env, self._state, jnp.asarray(zeros)))
 
-    def advance(self, actions: tuple[Action, ...], pull: Pull | None) -> tuple[Snapshot, ...]:
+    def advance(self, request: Advance) -> tuple[Snapshot, ...]:
         """Play steps until the episode ends; a snapshot each."""
-        snapshots = []
-        for action in actions:
+        snapshots, pull = [], request.pull
+        self._contacts = request.keep_contacts
+        for action in request.actions:
             if self._ended:
                 break
             start = time.perf_counter()

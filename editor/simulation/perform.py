@@ -72,7 +72,7 @@ class _Bridge:
 
     def _advance(self, request: Advance, progress: Progress) -> Any:
         del progress
-        return self._of(request.run).advance(request.actions, request.pull)
+        return self._of(request.run).advance(request)
 
     def _restore(self, request: Restore, progress: Progress) -> None:
         del progress

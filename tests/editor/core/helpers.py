@@ -51,6 +51,7 @@ class FakeSimulator:
         self.ends_at = 256
         self.error = ""
         self.outstanding = 0
+        self.keep_contacts = False
 
     def start(self, level, physics):
         self.level, self.physics = level, physics

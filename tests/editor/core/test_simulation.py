@@ -65,7 +65,7 @@ def perform():
 
 def play(perform, level=LEVEL, actions=(LEFT,) * 40, **options):
     start = perform(StartEpisode(run=1, level=level, physics="balanced", **options))
-    return [start, *perform(Advance(run=1, actions=actions))]
+    return [start, *perform(Advance(run=1, actions=actions, **options))]
 
 
 @pytest.fixture(scope="module")
