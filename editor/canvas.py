@@ -14,6 +14,7 @@ from editor.camera import ARENA
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
 from editor.marks import Marker
+from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
 from editor.playback import Mode
 from editor.vectors import Painter, Placement, paint_level, poses_of
@@ -36,15 +37,6 @@ _CURSORS: Final = {
     Cursor.RESIZE: imgui.MouseCursor_.resize_nwse,
     Cursor.REFUSED: imgui.MouseCursor_.not_allowed,
 }
-
-MODE_LOOK: Final[dict[Mode, tuple[str, Rgba]]] = {
-    Mode.EDIT: ("EDIT", COLOURS.accent),
-    Mode.PLAYING: ("PLAY", COLOURS.play),
-    Mode.PAUSED: ("PAUSED", COLOURS.warn),
-    Mode.ENDED: ("ENDED", COLOURS.info),
-    Mode.REPLAY: ("REPLAY", COLOURS.replay),
-}
-"""Word and colour of each mode: the badge and the frame around the canvas."""
 
 _OUTCOMES: Final[dict[str, tuple[str, str, Rgba]]] = {
     "won": (Icons.trophy, "Won", COLOURS.good),
@@ -153,7 +145,7 @@ class Canvas:
             painter,
             where,
             hidden=session.document.hidden if session.editing else (),
-            thrust=snapshot.thruster if snapshot is not None else None,
+            thrust=snapshot.thruster.tolist() if snapshot is not None else None,
         )
         if session.view.debug_draw:
             paint_debug(session, painter, where)

@@ -1,4 +1,4 @@
-"""Debug drawing: what the simulation knows and the picture does not show, each with its own switch."""
+"""Debug drawing: what the simulation knows and the picture does not show, layer by layer."""
 
 import dataclasses
 import math
@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor import strokes
 from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.marks import arrow, dashed
 from editor.recording import Snapshot
 from editor.vectors import Painter, Placement, pack
 from editor.widgets import font, px
-from kinetix.level.model import Circle, Joint
+from kinetix.level.model import BodyReference, Circle, Joint
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -135,7 +136,7 @@ class _Pen:
             if body.fixed:
                 continue
             points = [self._at(tuple(state.position[index].tolist())) for state in states]
-            self.draw.add_polyline(points, u32(alpha(_PINK, 0.7)), px(1.5), 0)
+            strokes.stroke(self.draw, points, u32(alpha(_PINK, 0.7)), px(1.5))
 
     def contacts(self) -> None:
         assert self.snapshot is not None
@@ -242,7 +243,7 @@ class _Pen:
 def _components(where: Placement) -> list[list[int]]:
     """The bodies by jointed component, without the arena's."""
     level = where.level
-    group: dict[int | str, int] = {body.id: k for k, body in enumerate(level.bodies)}
+    group: dict[BodyReference, int] = {body.id: k for k, body in enumerate(level.bodies)}
     for joint in level.joints:
         a = group.setdefault(joint.a, len(group))
         b = group.setdefault(joint.b, len(group))

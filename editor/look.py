@@ -14,37 +14,36 @@ def _hex(code: str, alpha: float = 1.0) -> Rgba:
     return red, green, blue, alpha
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
 class Colours:
     """The dark theme. Text on any surface has a contrast of at least 4.5:1."""
 
-    backdrop: Rgba = _hex("0f1115")
+    backdrop: Final[Rgba] = _hex("0f1115")
     """Behind everything, and the canvas around the arena."""
-    surface: Rgba = _hex("191c22")
+    surface: Final[Rgba] = _hex("191c22")
     """Panels."""
-    raised: Rgba = _hex("21252d")
+    raised: Final[Rgba] = _hex("21252d")
     """Menus, pop-ups, tool strip."""
-    field: Rgba = _hex("2a2f39")
+    field: Final[Rgba] = _hex("2a2f39")
     """Inputs and buttons."""
-    field_hover: Rgba = _hex("353b47")
-    field_active: Rgba = _hex("414957")
-    line: Rgba = _hex("2c313b")
+    field_hover: Final[Rgba] = _hex("353b47")
+    field_active: Final[Rgba] = _hex("414957")
+    line: Final[Rgba] = _hex("2c313b")
     """Borders and separators."""
-    text: Rgba = _hex("e6e9ef")
-    muted: Rgba = _hex("9aa3b2")
+    text: Final[Rgba] = _hex("e6e9ef")
+    muted: Final[Rgba] = _hex("9aa3b2")
     """Labels, hints, units."""
-    faint: Rgba = _hex("626b7a")
+    faint: Final[Rgba] = _hex("626b7a")
     """Disabled and decorative."""
-    accent: Rgba = _hex("8f7dff")
+    accent: Final[Rgba] = _hex("8f7dff")
     """Selection, focus, what is on."""
-    accent_strong: Rgba = _hex("6d59f0")
+    accent_strong: Final[Rgba] = _hex("6d59f0")
     """Filled buttons in the accent colour."""
-    play: Rgba = _hex("3ecf8e")
-    replay: Rgba = _hex("f2b84b")
-    good: Rgba = _hex("3ecf8e")
-    warn: Rgba = _hex("f2b84b")
-    bad: Rgba = _hex("ff6b6b")
-    info: Rgba = _hex("62b0ff")
+    play: Final[Rgba] = _hex("3ecf8e")
+    replay: Final[Rgba] = _hex("f2b84b")
+    good: Final[Rgba] = _hex("3ecf8e")
+    warn: Final[Rgba] = _hex("f2b84b")
+    bad: Final[Rgba] = _hex("ff6b6b")
+    info: Final[Rgba] = _hex("62b0ff")
 
 
 COLOURS: Final = Colours()

@@ -5,6 +5,9 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 
+from imgui_bundle import imgui
+
+from editor import strokes
 from editor.commands.base import EntityId
 from editor.controls import Drive, key_caps
 from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
@@ -22,7 +25,6 @@ from editor.overlay import (
 )
 from editor.vectors import Painter, Placement
 from editor.widgets import draw_key_plate, font, px
-from imgui_bundle import imgui
 from kinetix.level.geometry import STANDARD_ARENA
 from kinetix.level.model import ARENA_NAMES, MOTOR_BINDINGS, Circle, Joint, Thruster
 
@@ -138,9 +140,8 @@ class Marker:
         if dash:
             dashed(self.draw, points, u32(colour), px(width), closed=True)
             return
-        closed = imgui.ImDrawFlags_.closed.value
-        self.draw.add_polyline(points, u32(_HALO), px(width) + px(2), closed)
-        self.draw.add_polyline(points, u32(colour), px(width), closed)
+        strokes.stroke(self.draw, points, u32(_HALO), px(width) + px(2), closed=True)
+        strokes.stroke(self.draw, points, u32(colour), px(width), closed=True)
 
     def _ring(self, entity: EntityId) -> tuple[Point, float] | None:
         if isinstance(entity, str):
@@ -173,7 +174,8 @@ class Marker:
                 return []
             geometry = getattr(self.where.level.arena, entity).geometry
             geometry = geometry or STANDARD_ARENA[entity]
-            return self.painter.place((*geometry.position, 0.0), geometry.vertices)
+            x, y = geometry.position
+            return self.painter.place((x, y, 0.0), geometry.vertices)
         pose = self.where.pose(entity)
         if pose is None:
             return []
@@ -220,10 +222,9 @@ class Marker:
         if style in _DASHED:
             dashed(self.draw, points, colour, px(1.75), closed=True)
             return
-        closed = imgui.ImDrawFlags_.closed.value
         if style is not Style.MARQUEE_CONTAINED:
-            self.draw.add_polyline(points, u32(_HALO), px(4), closed)
-        self.draw.add_polyline(points, colour, px(1.75), closed)
+            strokes.stroke(self.draw, points, u32(_HALO), px(4), closed=True)
+        strokes.stroke(self.draw, points, colour, px(1.75), closed=True)
 
     def _handle(self, kind: HandleKind, at: Point) -> None:
         r = px(HANDLE_PX)
@@ -241,8 +242,8 @@ class Marker:
                 (at[0], at[1] + r + px(1)),
                 (at[0] - r - px(1), at[1]),
             ]
-            self.draw.add_convex_poly_filled(points, face)
-            self.draw.add_polyline(points, line, px(1.75), imgui.ImDrawFlags_.closed.value)
+            strokes.fill(self.draw, points, face)
+            strokes.stroke(self.draw, points, line, px(1.75), closed=True)
             return
         low, high = (at[0] - r, at[1] - r), (at[0] + r, at[1] + r)
         self.draw.add_rect_filled(low, high, face, px(1.5))

@@ -32,7 +32,7 @@ def _font(name: str, size: float) -> imgui.ImFont:
 
 
 def load_fonts() -> None:
-    """Load the fonts into the current Dear ImGui context. They grow and shrink without reloading."""
+    """Load the fonts into the current context; they grow and shrink without reloading."""
     FONTS.regular = _font("Roboto/Roboto-Regular.ttf", TEXT)
     FONTS.bold = _font("Roboto/Roboto-Bold.ttf", TEXT)
     FONTS.mono = _font("Inconsolata-Medium.ttf", TEXT)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions, events, keys, theme, widgets
+from editor import actions, events, keys, theme
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
@@ -91,6 +91,7 @@ class Ui:
         self._first_frame = 0
         self._panel_focused = False
         self._to_canvas = True
+        self._switches: dict[str, bool] = {}
         self._fps = 60.0
         self.warm_up = False
         """Whether to import JAX and compile in the background once the window stands."""
@@ -145,6 +146,7 @@ class Ui:
         if not self._laid_out or session.view.layout_reset:
             self._lay_out(space)
         self._canvas(space, bars)
+        self._follow_switches()
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
@@ -174,6 +176,15 @@ class Ui:
     def _compiled(self, job: Job) -> None:
         if job.state is JobState.DONE:
             self._toolbar.physics = job.result
+
+    def _follow_switches(self) -> None:
+        """Bring a panel to the front when its key turns it on."""
+        view = self.session.view
+        now = {"debug": view.debug_draw, "plots": view.plots}
+        for panel, on in now.items():
+            if on and not self._switches.get(panel, False):
+                self._in_front = panel
+        self._switches = now
 
     def _rescale(self) -> None:
         wanted = self.session.settings.ui_scale or self._host_scale

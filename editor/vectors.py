@@ -12,6 +12,7 @@ from typing import Final
 
 from imgui_bundle import imgui
 
+from editor import strokes
 from editor.camera import Camera
 from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA
 from kinetix.level.model import (
@@ -47,7 +48,7 @@ def pack(colour: Rgb, opacity: float = 1.0) -> int:
 
 
 def inset(points: Sequence[Point], distance: float) -> list[Point] | None:
-    """A convex polygon (either winding) with every edge moved inwards; None when nothing is left."""
+    """A convex polygon of either winding, its edges moved inwards; None when nothing is left."""
     count = len(points)
     area = sum(
         points[k - 1][0] * points[k][1] - points[k - 1][1] * points[k][0] for k in range(count)
@@ -133,7 +134,7 @@ class Painter:
             return
         dark = sum(self.palette.background) < 384
         base = 255 if dark else 0
-        thin, thick = pack((base,) * 3, 0.07), pack((base,) * 3, 0.15)
+        thin, thick = pack((base, base, base), 0.07), pack((base, base, base), 0.15)
         # Lines closer than this melt into grey: show every second, fifth … one instead.
         while grid * camera.scale < 7.0:
             grid *= 2.0
@@ -159,9 +160,9 @@ class Painter:
 
     def _polygon(self, points: list[Point], fill: Rgb) -> None:
         inner = inset(points, self.outline_px())
-        self.draw.add_convex_poly_filled(points, self.colour(self.palette.outline))
+        strokes.fill(self.draw, points, self.colour(self.palette.outline))
         if inner is not None:
-            self.draw.add_convex_poly_filled(inner, self.colour(fill))
+            strokes.fill(self.draw, inner, self.colour(fill))
 
     def body(self, body: Body, pose: Pose) -> None:
         """A body with outline, pattern and role glyph."""
@@ -234,10 +235,10 @@ class Painter:
             corners = [(-r, -r), (r, -r), (r, r), (-r, r)]
             c, s = math.cos(angle), math.sin(angle)
             points = [(x + c * u + s * v, y - s * u + c * v) for u, v in corners]
-            self.draw.add_convex_poly_filled(points, outline)
+            strokes.fill(self.draw, points, outline)
             inner = inset(points, line)
             if inner is not None:
-                self.draw.add_convex_poly_filled(inner, self.colour(fill))
+                strokes.fill(self.draw, inner, self.colour(fill))
             return
         self.draw.add_circle_filled((x, y), r, outline)
         self.draw.add_circle_filled((x, y), max(r - line, 0.0), self.colour(fill))
@@ -259,10 +260,10 @@ class Painter:
         flame_points = [(x if x > 0 else x * tip, y) for x, y in THRUSTER_FLAME]
         for shape, fill in ((flame_points, flame), (THRUSTER_NOZZLE, self.palette.nozzle)):
             points = self.place((*at, angle), [(x * size, y * size) for x, y in shape])
-            self.draw.add_convex_poly_filled(points, outline)
+            strokes.fill(self.draw, points, outline)
             inner = inset(points, line)
             if inner is not None:
-                self.draw.add_convex_poly_filled(inner, self.colour(fill))
+                strokes.fill(self.draw, inner, self.colour(fill))
 
 
 def _stripes(body: Body, angle: float, period: float, margin: float) -> list[tuple[Point, Point]]:
@@ -317,7 +318,8 @@ class Placement:
         """Pose of a body or arena body; None when it does not exist."""
         if isinstance(reference, str):
             geometry = getattr(self.level.arena, reference).geometry or STANDARD_ARENA[reference]
-            return (*geometry.position, 0.0)
+            x, y = geometry.position
+            return x, y, 0.0
         at = self.index.get(reference)
         return self.poses[at] if at is not None else None
 
@@ -328,10 +330,9 @@ class Placement:
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
 
     def joint_point(self, joint: Joint) -> Point:
-        """Where a joint is drawn and picked [m]: on the body that is fixed, else between both ends."""
-        ends = [(joint.a, joint.anchor_a), (joint.b, joint.anchor_b)]
-        points = [self.point(body, anchor) for body, anchor in ends]
-        fixed = [self.fixed(body) for body, _ in ends]
+        """Where a joint is drawn and picked [m]: on the fixed body, else between both ends."""
+        points = (self.point(joint.a, joint.anchor_a), self.point(joint.b, joint.anchor_b))
+        fixed = (self.fixed(joint.a), self.fixed(joint.b))
         if fixed[0] != fixed[1]:
             return points[0] if fixed[0] else points[1]
         return (points[0][0] + points[1][0]) / 2, (points[0][1] + points[1][1]) / 2

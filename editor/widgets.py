@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor import strokes
 from editor.look import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba, alpha, u32
 
 if TYPE_CHECKING:
@@ -186,7 +187,7 @@ def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
         imgui.dummy((size.x + 2 * pad, imgui.get_text_line_height()))
 
 
-def icon_button(
+def icon_button(  # noqa: PLR0913 - one button has that many looks
     session: "Session",
     name: str,
     icon: str,
@@ -294,7 +295,7 @@ def _chevron(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, *, do
         points = [(at[0] - r, at[1] - r / 2), (at[0], at[1] + r / 2), (at[0] + r, at[1] - r / 2)]
     else:
         points = [(at[0] - r / 2, at[1] - r), (at[0] + r / 2, at[1]), (at[0] - r / 2, at[1] + r)]
-    draw.add_polyline(points, colour, px(1.6), 0)
+    strokes.stroke(draw, points, colour, px(1.6))
 
 
 @contextlib.contextmanager

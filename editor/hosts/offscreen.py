@@ -1,9 +1,6 @@
 """The same app without a display: SDL's offscreen driver and OpenGL in software."""
 
 import os
-from pathlib import Path
-
-from PIL import Image
 
 from editor.hosts.pygame_host import PygameHost
 from editor.session import Session
@@ -26,8 +23,3 @@ class OffscreenHost(PygameHost):
     ) -> None:
         os.environ.update(ENVIRONMENT)
         super().__init__(session, size=size, scale=scale, vsync=False)
-
-    def save_screenshot(self, path: Path) -> None:
-        """Write the last frame as a PNG file; its folder is made if need be."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(self.screenshot()).save(path)

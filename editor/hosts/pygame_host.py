@@ -2,10 +2,13 @@
 
 import time
 import warnings
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pygame
 from imgui_bundle import imgui
+from PIL import Image
 
 from editor import events
 from editor.hosts import gl
@@ -167,6 +170,29 @@ class PygameHost(Host):
         """The window as drawn last: uint8[height, width, 3], top row first."""
         self._renderer.present(*self.size, COLOURS.backdrop[:3])
         return gl.read_pixels(*self.size)
+
+    def save_screenshot(self, path: Path) -> None:
+        """Write the last frame as a PNG file; its folder is made if need be."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(self.screenshot()).save(path)
+
+    def _wanted_screenshot(self) -> None:
+        """Take the picture that the app asked for."""
+        path = self.session.screenshot
+        if path is None:
+            return
+        self.session.screenshot = None
+        try:
+            self.save_screenshot(path)
+        except OSError as error:
+            self.session.toast(f"{path}: {error.strerror or error}", "error")
+        else:
+            self.session.toast(f"Saved {path}", "success")
+
+    def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
+        """See `Host.step`; afterwards takes the picture that was asked for."""
+        super().step(batch, dt)
+        self._wanted_screenshot()
 
     def close(self) -> None:
         """See `Host.close`; the window goes too."""

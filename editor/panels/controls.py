@@ -6,9 +6,9 @@ from imgui_bundle import imgui
 
 from editor import widgets
 from editor.look import COLOURS, Icons
-from editor.wording import describe
 from editor.panels.base import Panel
 from editor.widgets import px
+from editor.wording import describe
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 
 if TYPE_CHECKING:

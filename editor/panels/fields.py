@@ -74,11 +74,10 @@ def _inner_record(hint: Any, name: str) -> Any:
     """The record class among the alternatives of a hint that has the field."""
     hint = _stripped(hint)
     options = typing.get_args(hint) if typing.get_origin(hint) is not None else (hint,)
-    for option in options or (hint,):
-        option = _stripped(option)
-        if isinstance(option, type) and issubclass(option, Record):
-            if name.isdigit() or name in option.__struct_fields__:
-                return option
+    for option in map(_stripped, options or (hint,)):
+        record = isinstance(option, type) and issubclass(option, Record)
+        if record and (name.isdigit() or name in option.__struct_fields__):
+            return option
     return None
 
 
@@ -146,7 +145,7 @@ class Editor:
         self.ids: Selection = ()
         """What the fields of the selection edit; a panel sets it before it draws them."""
 
-    def number(
+    def number(  # noqa: PLR0913 - one field has that many sides
         self,
         session: "Session",
         name: str,

@@ -9,10 +9,10 @@ from editor.commands.base import EntityId
 from editor.commands.fields import SetField, selected_records, shared_value
 from editor.controls import key_caps
 from editor.look import FONTS, Icons
-from editor.wording import describe
 from editor.panels.base import Panel
 from editor.panels.fields import Editor, segments
 from editor.widgets import px
+from editor.wording import describe
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,

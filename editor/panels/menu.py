@@ -1,6 +1,8 @@
 """The menu bar, made from the action table; recent files, examples and looks besides."""
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
@@ -8,8 +10,9 @@ from editor import actions, widgets
 from editor.actions import file
 from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS, Icons
-from editor.settings import GRID_STEPS
+from editor.settings import GRID_STEPS, Settings
 from editor.widgets import px
+from kinetix.paths import levels_dir
 from kinetix.render.palette import PALETTES
 
 if TYPE_CHECKING:
@@ -55,43 +58,57 @@ class MenuBar:
         if imgui.begin_menu("Open recent", bool(recents)):
             for number, path in enumerate(recents):
                 if imgui.menu_item_simple(f"{path}###recent-{number}"):
-                    session.queue(lambda path=path: file.open_path(session, path))
+                    session.queue(lambda path=path: _open(session, path))
             imgui.end_menu()
 
     def _examples(self, session: "Session") -> None:
+        """The levels that came with the app, by size."""
         if imgui.begin_menu("Examples"):
-            for name, label in actions.examples():
-                if imgui.menu_item_simple(f"{label}###example-{name}"):
-                    session.queue(lambda name=name: actions.open_example(session, name))
+            for size in ("s", "m", "l"):
+                widgets.small(f"Size {size}")
+                for path in sorted((levels_dir() / size).glob("*.json")):
+                    label = path.stem.replace("_", " ").capitalize()
+                    if imgui.menu_item_simple(f"{label}###example-{size}-{path.stem}"):
+                        session.queue(lambda path=path: _open(session, path))
             imgui.end_menu()
 
     def _looks(self, session: "Session") -> None:
         settings = session.settings
+        palettes = [(name, palette.label) for name, palette in PALETTES.items()]
         if imgui.begin_menu("Colours of the level"):
-            for name, palette in PALETTES.items():
-                if imgui.menu_item_simple(palette.label, None, settings.palette == name):
-                    settings.palette = name
+            _choices(settings, "palette", palettes)
             imgui.separator()
-            if imgui.menu_item_simple("Role marks", None, settings.glyphs):
-                settings.glyphs = not settings.glyphs
-            if imgui.menu_item_simple("Role patterns", None, settings.patterns):
-                settings.patterns = not settings.patterns
+            _switch(settings, "glyphs", "Role marks")
+            _switch(settings, "patterns", "Role patterns")
             imgui.end_menu()
         if imgui.begin_menu("Size of the interface"):
-            for scale in _SCALES:
-                words = f"{scale:.0%}" if scale else "As the display says"
-                if imgui.menu_item_simple(words, None, settings.ui_scale == scale):
-                    settings.ui_scale = scale
+            scales = [(s, f"{s:.0%}" if s else "As the display says") for s in _SCALES]
+            _choices(settings, "ui_scale", scales)
             imgui.end_menu()
         if imgui.begin_menu("Grid"):
-            for step in GRID_STEPS:
-                if imgui.menu_item_simple(f"{step:g} m", None, settings.grid_step == step):
-                    settings.grid_step = step
+            _choices(settings, "grid_step", [(step, f"{step:g} m") for step in GRID_STEPS])
             imgui.end_menu()
-        if imgui.menu_item_simple("Reduced motion", None, settings.reduced_motion):
-            settings.reduced_motion = not settings.reduced_motion
+        _switch(settings, "reduced_motion", "Reduced motion")
         if imgui.menu_item_simple("Reset layout"):
             session.view.layout_reset = True
+
+
+def _switch(settings: Settings, name: str, label: str) -> None:
+    """A row that turns a preference on or off."""
+    on = getattr(settings, name)
+    if imgui.menu_item_simple(label, None, on):
+        setattr(settings, name, not on)
+
+
+def _choices(settings: Settings, name: str, options: Sequence[tuple[Any, str]]) -> None:
+    """Rows of which one is chosen."""
+    for value, label in options:
+        if imgui.menu_item_simple(label, None, getattr(settings, name) == value):
+            setattr(settings, name, value)
+
+
+def _open(session: "Session", path: str | Path) -> None:
+    file.open_path(session, path)
 
 
 def item(session: "Session", action_id: str) -> None:

@@ -8,9 +8,9 @@ from editor import widgets
 from editor.commands.base import EntityId
 from editor.controls import key_caps
 from editor.look import COLOURS, SMALL, Icons, Rgba, u32
-from editor.wording import ARENA_LABELS, describe
 from editor.panels.base import Panel
 from editor.widgets import px
+from editor.wording import ARENA_LABELS, describe
 from kinetix.level.model import MOTOR_BINDINGS, Body, Circle, Joint, Level, Thruster
 
 if TYPE_CHECKING:

@@ -152,7 +152,7 @@ def entries(session: "Session") -> list[Entry]:
             Entry(
                 label=Path(path).name,
                 group="Recent",
-                run=lambda path=path: file.open_path(session, path),
+                run=lambda path=path: _open(session, path),
             )
         )
     for folder in sorted(levels_dir().glob("[sml]/*.json")):
@@ -160,7 +160,11 @@ def entries(session: "Session") -> list[Entry]:
             Entry(
                 label=f"{folder.parent.name}/{folder.stem}",
                 group="Level",
-                run=lambda path=folder: file.open_path(session, path),
+                run=lambda path=folder: _open(session, path),
             )
         )
     return found
+
+
+def _open(session: "Session", path: str | Path) -> None:
+    file.open_path(session, path)

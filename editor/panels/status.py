@@ -1,12 +1,12 @@
-"""The line at the bottom: mode, hint, pointer, selection, zoom, speed, what runs, what is unsaved."""
+"""The line at the bottom: mode, hint, pointer, selection, zoom, speed, jobs, unsaved changes."""
 
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
 from editor import widgets
-from editor.canvas import MODE_LOOK
 from editor.look import COLOURS, SMALL, Icons
+from editor.modes import MODE_LOOK
 from editor.playback import Mode
 from editor.widgets import px
 
@@ -40,7 +40,7 @@ class StatusBar:
             return f"{session.hint}   size: {typed}" if typed else session.hint
         if session.mode is Mode.REPLAY:
             return "Recorded episode.  , and . step,  Esc leaves"
-        return "Space pauses,  . and , step,  - and = change the speed,  Backspace restarts,  Esc edits"
+        return "Space pauses   . , step   - = speed   Backspace restarts   Esc edits"
 
     def _fitted(self, words: str, room: float) -> str:
         if imgui.calc_text_size(words).x <= room:

@@ -7,9 +7,9 @@ from imgui_bundle import imgui
 from editor import actions, widgets
 from editor.keys import label as chord_label
 from editor.look import COLOURS, Icons, Rgba
+from editor.physics import PHYSICS
 from editor.playback import Mode
 from editor.widgets import px
-from editor.physics import PHYSICS
 
 if TYPE_CHECKING:
     from editor.session import Session

@@ -1,0 +1,28 @@
+"""Polygons and lines on a draw list, typed for plain points."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from imgui_bundle import imgui
+
+Point = tuple[float, float]
+
+
+def fill(draw: imgui.ImDrawList, points: Sequence[Point], colour: int) -> None:
+    """Fill a convex polygon [px]."""
+    corners: Any = list(points)
+    draw.add_convex_poly_filled(corners, colour)
+
+
+def stroke(
+    draw: imgui.ImDrawList,
+    points: Sequence[Point],
+    colour: int,
+    width: float,
+    *,
+    closed: bool = False,
+) -> None:
+    """Draw a line through points [px], back to the first one if closed."""
+    corners: Any = list(points)
+    flags = imgui.ImDrawFlags_.closed.value if closed else 0
+    draw.add_polyline(corners, colour, width, flags)

@@ -1,0 +1,88 @@
+"""Take the pictures of docs/pictures anew: the app itself, offscreen, driven by scripts."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PICTURES = ROOT / "docs" / "pictures"
+
+Event = dict[str, object]
+
+
+def shot(name: str) -> Event:
+    """A picture of the window as it is now."""
+    return {"do": "screenshot", "file": str(PICTURES / f"{name}.png")}
+
+
+ROVER: Event = {"do": "open", "file": "levels/l/rover_ridge.json"}
+EDITOR: list[Event] = [
+    ROVER,
+    {"do": "move", "world": [4.75, 1.2]},
+    {"do": "down"},
+    {"do": "up"},
+    {"do": "wait", "frames": 10},
+    shot("editor"),
+    {"do": "action", "id": "edit.select_all"},
+    shot("selection"),
+    {"do": "action", "id": "app.help"},
+    shot("help"),
+    {"do": "key", "key": "escape"},
+    {"do": "action", "id": "app.palette"},
+    {"do": "wait", "frames": 3},
+    {"do": "text", "text": "mirror"},
+    shot("palette"),
+    {"do": "key", "key": "escape"},
+    {"do": "action", "id": "file.open"},
+    {"do": "wait", "frames": 4},
+    {"do": "down", "widget": "browser.skyhook.json"},
+    {"do": "up"},
+    {"do": "wait", "frames": 4},
+    shot("open"),
+    {"do": "key", "key": "escape"},
+    {"do": "action", "id": "file.new"},
+    {"do": "wait", "frames": 4},
+    shot("empty"),
+]
+PLAY: list[Event] = [
+    ROVER,
+    {"do": "key", "key": "space"},
+    {"do": "wait_until", "what": "playing", "seconds": 400},
+    {"do": "action", "id": "view.debug_draw"},
+    {"do": "hold", "key": "right", "frames": 30},
+    {"do": "down", "widget": "debug.velocities"},
+    {"do": "up"},
+    {"do": "down", "widget": "debug.trails"},
+    {"do": "up"},
+    {"do": "key", "key": "space"},
+    {"do": "wait", "frames": 3},
+    shot("play"),
+]
+
+
+def run(events: list[Event], *options: str) -> None:
+    """Run one script through the app.
+
+    Raises:
+        CalledProcessError: The app could not do it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "events.jsonl"
+        script.write_text("\n".join(json.dumps(event) for event in events))
+        command = [sys.executable, "-m", "editor", "--offscreen", *options, "--replay", str(script)]
+        subprocess.run(command, cwd=ROOT, check=True)
+
+
+def main() -> None:
+    """Take all pictures and name them."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    run(EDITOR, "--size", "1440x900")
+    run(PLAY, "--size", "1440x900")
+    for path in sorted(PICTURES.glob("*.png")):
+        sys.stdout.write(f"{path.relative_to(ROOT)}\n")
+
+
+if __name__ == "__main__":
+    main()
