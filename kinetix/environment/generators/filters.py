@@ -33,17 +33,27 @@ EVALUATION_LEVELS: Final = 512
 """Size of a fixed random evaluation set."""
 
 
-@functools.partial(jax.jit, static_argnames=("env", "steps"))
 def noop_solved(
     env: "KinetixEnv", states: EnvState, env_params: EnvParams, *, steps: int = FILTER_STEPS
 ) -> Bool[Array, " n"]:
-    """Which levels are won by doing nothing.
+    """Which levels are won by doing nothing; the arguments are those of `noop_rewards`."""
+    return noop_rewards(env, states, env_params, steps=steps) > SOLVED_REWARD
+
+
+@functools.partial(jax.jit, static_argnames=("env", "steps"))
+def noop_rewards(
+    env: "KinetixEnv", states: EnvState, env_params: EnvParams, *, steps: int = FILTER_STEPS
+) -> Float[Array, " n"]:
+    """The rewards with which episodes end when nothing is done.
 
     Args:
-        env: The environment that they are for.
+        env: The environment that the levels are for.
         states: Levels at the start of their episodes, on the first axis.
         env_params: Parameters.
         steps: How long to wait [environment steps].
+
+    Returns:
+        The reward of each level's last step; 0 where the episode goes on.
     """
     player = dataclasses.replace(env, auto_reset=False)
     worlds = states.timestep.shape[0]
@@ -57,14 +67,12 @@ def noop_solved(
         return (carry[3] < steps) & ~jnp.all(carry[1])
 
     def play(carry: tuple[Any, Array, Array, Array]) -> tuple[Any, Array, Array, Array]:
-        state, ended, solved, step = carry
+        state, ended, last, step = carry
         _, state, reward, done, _ = advance(key, state, noop, env_params)
-        solved = solved | (done & ~ended & (reward > SOLVED_REWARD))
-        return state, ended | done, solved, step + 1
+        return state, ended | done, jnp.where(done & ~ended, reward, last), step + 1
 
-    nothing = jnp.zeros((worlds,), bool)
     states = jax.tree.map(jnp.asarray, states)
-    start = (states, nothing, nothing, jnp.zeros((), jnp.int32))
+    start = (states, jnp.zeros((worlds,), bool), jnp.zeros((worlds,)), jnp.zeros((), jnp.int32))
     return jax.lax.while_loop(unfinished, play, start)[2]
 
 

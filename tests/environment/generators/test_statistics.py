@@ -5,9 +5,15 @@ import math
 from pathlib import Path
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.environment.env import make_kinetix_env
+from kinetix.environment.generators.draft import states
+from kinetix.environment.generators.filters import noop_rewards
+from kinetix.environment.params import EnvParams, physics_engine, static_env_params_from_size
 from tests.environment.generators.generator_statistics import statistics
 
 POPULATION = {
@@ -76,3 +82,21 @@ def test_quantiles_agree(size: str, peer: Path, measured: dict[str, dict[str, An
             # The ends of a sample wander; the peer's has an eighth of our levels.
             inner, mine = np.array(values)[1:-1], np.array(ours[name])[1:-1]
             assert np.allclose(mine, inner, rtol=0.12, atol=0.03), name
+
+
+@pytest.mark.slow
+@pytest.mark.peer
+@pytest.mark.parametrize("size", ["s", "m", "l"])
+def test_noop_outcomes_agree(size: str, peer: Path, drafts: dict[str, Any]) -> None:
+    worlds = 2048
+    static = static_env_params_from_size(size, physics="jax2d")
+    env = make_kinetix_env("multi_discrete", "symbolic_flat", None, EnvParams(), static)
+    some = jax.tree.map(lambda leaf: jnp.asarray(leaf[..., :worlds]), drafts[size])
+    start = states(some, physics_engine(static), "kinetix")
+    rewards = np.asarray(noop_rewards(env, start, EnvParams()))
+    theirs = recorded(peer, size)
+    for kind, ended in (("win", rewards > 0.5), ("loss", rewards < -0.5)):
+        apart = standard_errors(
+            float(ended.mean()), theirs["noop_64_steps"][kind], worlds, theirs["n"]
+        )
+        assert abs(apart) <= 3, (kind, ended.mean(), theirs["noop_64_steps"])
