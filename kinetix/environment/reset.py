@@ -28,9 +28,11 @@ from kinetix.level.codec import LoadedLevel, load_document
 from kinetix.level.compile import compile_kinetix_env, compile_level
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
 from kinetix.level.model import Level
+from kinetix.level.sets import LoadedSet, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
 
 if TYPE_CHECKING:
+    from kinetix.environment.generators.locomotion import LocomotionParams
     from kinetix.environment.generators.params import UEDParams
 
 ResetFunction = Callable[[Array], EnvState]
@@ -168,6 +170,37 @@ def make_reset_fn_sample_kinetix_level(
     return reset
 
 
+def make_reset_fn_sample_sizes(
+    static_env_params: StaticEnvParams, ued_params: "UEDParams | None" = None
+) -> ResetFunction:
+    """A reset function that draws random levels of the sizes s, m and l, all in the given slots.
+
+    Args:
+        static_env_params: Sizes that all three fit, and physics.
+        ued_params: Options of the random levels; None: the usual ones.
+    """
+    from kinetix.environment.generators.params import UEDParams
+    from kinetix.environment.generators.starts import mixed_sampler
+
+    options = UEDParams() if ued_params is None else ued_params
+    return mixed_sampler(physics_engine(static_env_params), options)
+
+
+def make_reset_fn_locomotion(
+    static_env_params: StaticEnvParams, locomotion_params: "LocomotionParams | None" = None
+) -> ResetFunction:
+    """A reset function that draws walkers with a goal to reach.
+
+    Args:
+        static_env_params: Sizes and physics.
+        locomotion_params: Options of the walkers; None: the usual ones.
+    """
+    from kinetix.environment.generators.locomotion import LocomotionParams, locomotion_sampler
+
+    options = LocomotionParams() if locomotion_params is None else locomotion_params
+    return locomotion_sampler(physics_engine(static_env_params), options)
+
+
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
     """A reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
@@ -175,10 +208,20 @@ def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
 
 def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
     """The levels, and how likely each is (not normalised)."""
+    if isinstance(levels, (str, Path)) and _names_set(levels):
+        levels = load_set(levels)
+    if isinstance(levels, LoadedSet):
+        return [each.level for each in levels.levels], np.array(
+            [each.weight for each in levels.levels]
+        )
     if isinstance(levels, (str, Path, Level, EnvState)):
         levels = [levels]
     entries = list(levels)
     return entries, np.ones(len(entries))
+
+
+def _names_set(path: str | Path) -> bool:
+    return Path(path).is_file() and is_set_file(Path(path))
 
 
 def _static_of(loaded: LoadedLevel) -> StaticEnvParams:

@@ -1,13 +1,20 @@
 """Levels and environments that the tests of this folder share; each environment compiles once."""
 
 import dataclasses
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.engine import presets
+from kinetix.engine.pairs import candidate_pairs
+from kinetix.engine.solvers import AbstractSolver
+from kinetix.engine.spec import SceneSpec
+from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
 from kinetix.environment.reset import level_state, load_from_json_file
@@ -82,10 +89,54 @@ def small_level() -> Level:
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class Drift(AbstractSolver):
+    """Bodies fall and drift through each other: compiles at once, for tests of everything else.
+
+    All bodies touch like discs of half a metre; a motor's control turns its second body.
+    """
+
+    name: ClassVar[str] = "drift"
+
+    def empty_cache(self, spec: SceneSpec) -> Any:
+        return np.zeros(2, np.float32)
+
+    def step(
+        self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
+    ) -> State:
+        pairs = candidate_pairs(spec.capacity)
+        apart = state.position[pairs[:, 0]] - state.position[pairs[:, 1]]
+        active = world.bodies.active
+        near = jnp.sqrt((apart**2).sum(axis=1)) < 0.5
+        moves = (world.bodies.inverse_mass != 0).astype(jnp.float32)
+        fall = moves[:, None] * world.gravity[None] * parameters.dt
+        velocity = state.velocity + fall
+        turned = jnp.zeros_like(state.rotation)
+        for joint in range(spec.capacity.joints):
+            is_b = jnp.arange(spec.capacity.bodies)[:, None] == world.joints.body_b[joint][None]
+            turned = turned + is_b * control.motor[joint][None]
+        return dataclasses.replace(
+            state,
+            position=state.position + velocity * parameters.dt,
+            rotation=state.rotation + state.angular_velocity * parameters.dt,
+            velocity=velocity,
+            angular_velocity=state.angular_velocity + turned,
+            touching=near & active[pairs[:, 0]] & active[pairs[:, 1]],
+        )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def drift() -> Iterator[None]:
+    """Make `physics="drift"` known while the tests of this folder run."""
+    presets.SOLVERS["drift"] = Drift()
+    yield
+    del presets.SOLVERS["drift"]
+
+
 @pytest.fixture(scope="session")
 def small_static() -> StaticEnvParams:
-    """Size s under the physics of the peer."""
-    return static_env_params_from_size("s", physics="jax2d")
+    """Size s with the physics of the tests."""
+    return static_env_params_from_size("s", physics="drift")
 
 
 @pytest.fixture(scope="session")

@@ -108,7 +108,6 @@ def test_outcomes_and_their_steps(played: list[Played]) -> None:
         theirs = outcome(run.theirs["done"], run.theirs["goal"], run.theirs["reward"])
         if ours[0] != theirs[0] or abs(ours[1] - theirs[1]) > 2:
             wrong.append((run.recording.name, run.script, ours, theirs))
-    print(f"{len(played) - len(wrong)} of {len(played)} runs end alike; others: {wrong}")
     assert len(wrong) <= 0.1 * len(played), wrong
 
 

@@ -1,0 +1,105 @@
+"""The environment in the form of gymnax 1.x: six values a step, gymnax's own spaces.
+
+gymnax is not needed by the rest of the project; it is imported when the adapter is made.
+"""
+
+import importlib
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from kinetix.environment import spaces
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import EnvParams
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+
+GymnaxStep = tuple[
+    Any, EnvState, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], dict[str, Any]
+]
+"""Observation, state, reward, terminated, truncated, info."""
+
+
+class GymnaxAdapter:
+    """A `KinetixEnv` with the interface of gymnax 1.x.
+
+    A NaN counts as terminated. Where an episode ends, state and observation are those of the next
+    one; `info["final_observation"]` keeps the last observation when the environment was made with
+    `keep_terminal_observation=True`.
+    """
+
+    def __init__(self, env: KinetixEnv) -> None:
+        """Wrap an environment.
+
+        Raises:
+            KinetixError: gymnax is not installed.
+        """
+        self._env = env
+        self._spaces = gymnax_spaces()
+
+    @property
+    def name(self) -> str:
+        """The environment's name."""
+        return self._env.name
+
+    @property
+    def num_actions(self) -> int:
+        """Logits of a discrete policy, or the length of a continuous action."""
+        return self._env.num_actions
+
+    @property
+    def default_params(self) -> EnvParams:
+        """The parameters that the environment was made with."""
+        return self._env.default_params
+
+    def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
+        """Start an episode: observation and state."""
+        return self._env.reset(key, params)
+
+    def step(
+        self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
+    ) -> GymnaxStep:
+        """Play one action."""
+        observation, state, reward, done, info = self._env.step(key, state, action, params)
+        if "terminal_observation" in info:
+            info = info | {"final_observation": info["terminal_observation"]}
+        truncated = info["truncated"]
+        return observation, state, reward, done & ~truncated, truncated, info
+
+    def action_space(self, params: EnvParams | None = None) -> Any:
+        """The set of actions as one of gymnax's spaces."""
+        return _converted(self._env.action_space(params), self._spaces)
+
+    def observation_space(self, params: EnvParams | None = None) -> Any:
+        """What `reset` and `step` observe, as one of gymnax's spaces."""
+        return _converted(self._env.observation_space(params), self._spaces)
+
+
+def gymnax_spaces() -> Any:
+    """gymnax's module of spaces.
+
+    Raises:
+        KinetixError: gymnax is not installed.
+    """
+    try:
+        return importlib.import_module("gymnax.environments.spaces")
+    except ImportError:
+        raise KinetixError("gymnax is not installed: pip install gymnax") from None
+
+
+def _converted(space: Any, theirs: Any) -> Any:
+    if isinstance(space, spaces.Discrete):
+        return theirs.Discrete(space.n)
+    if isinstance(space, spaces.Dict):
+        return theirs.Dict({name: _converted(part, theirs) for name, part in space.spaces.items()})
+    if isinstance(space, spaces.Box):
+        return theirs.Box(_bound(space.low), _bound(space.high), space.shape, space.dtype)
+    if isinstance(space, spaces.MultiDiscrete):
+        highest = jnp.array(space.number_of_dims_per_distribution) - 1
+        return theirs.Box(jnp.zeros_like(highest), highest, space.shape, space.dtype)
+    return theirs.Box(0, 1, space.shape, space.dtype)
+
+
+def _bound(bound: float | tuple[float, ...]) -> Any:
+    return jnp.array(bound) if isinstance(bound, tuple) else bound
