@@ -25,6 +25,7 @@ from kinetix.render.style import STYLE
 if TYPE_CHECKING:
     from editor.session import Session
 
+_NOWHERE: Final = (-1e6, -1e6)
 _BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
 """Our button numbers to Dear ImGui's."""
 
@@ -91,7 +92,10 @@ class Canvas:
                     modifiers=_modifiers(),
                 ),
             )
-        if inside and mouse != self._mouse:
+        if session.editing and not session.driver.active and not self._down:
+            # Every frame, as what lies under a resting pointer may change: handles follow.
+            self._pointer(session, events.Pointer.MOVE, mouse if inside else _NOWHERE, 0)
+        elif inside and mouse != self._mouse:
             self._pointer(session, events.Pointer.MOVE, mouse, self._down[0] if self._down else 0)
         for button, theirs in _BUTTONS.items():
             if imgui.is_mouse_clicked(theirs) and self.hovered:

@@ -128,7 +128,7 @@ class Painter:
     def paper(self, *, grid: float | None, width: float = ARENA_WIDTH) -> None:
         """The arena's square, with a grid of that step [m] on it if wanted."""
         camera = self.camera
-        low, high = camera.to_screen((0.0, width)), camera.to_screen((width, 0.0))
+        low, high = self.square(width)
         self.draw.add_rect_filled(low, high, self.colour(self.palette.background))
         if grid is None:
             return
@@ -147,12 +147,17 @@ class Painter:
             self.draw.add_line((x, low[1]), (x, high[1]), colour)
             self.draw.add_line((low[0], y), (high[0], y), colour)
 
+    def square(self, width: float) -> tuple[Point, Point]:
+        """Upper left and lower right corner of the arena on whole pixels, so that edges meet."""
+        left, top = self.camera.to_screen((0.0, width))
+        right, bottom = self.camera.to_screen((width, 0.0))
+        return (round(left), round(top)), (round(right), round(bottom))
+
     def floor(self, level: Level) -> None:
         """The floor, cut off at the arena's edge."""
         geometry = level.arena.floor.geometry or STANDARD_ARENA["floor"]
         points = self.place((*geometry.position, 0.0), geometry.vertices)
-        low = self.camera.to_screen((0.0, ARENA_WIDTH))
-        high = self.camera.to_screen((ARENA_WIDTH, 0.0))
+        low, high = self.square(ARENA_WIDTH)
         role = ROLES.index(level.arena.floor.role)
         self.draw.push_clip_rect(low, high, True)
         self._polygon(points, self.palette.fill(role, fixed=True))

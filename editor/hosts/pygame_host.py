@@ -1,5 +1,6 @@
 """The production host: a pygame window with an OpenGL 3.3 core context."""
 
+import contextlib
 import time
 import warnings
 from collections.abc import Sequence
@@ -159,7 +160,9 @@ class PygameHost(Host):
             imgui.MouseCursor_(imgui.get_mouse_cursor()), pygame.SYSTEM_CURSOR_ARROW
         )
         if cursor != self._cursor:
-            pygame.mouse.set_cursor(cursor)
+            # Drivers without a screen have no system cursors.
+            with contextlib.suppress(pygame.error):
+                pygame.mouse.set_cursor(cursor)
             self._cursor = cursor
         if self.ui.fullscreen != self._fullscreen:
             pygame.display.toggle_fullscreen()
