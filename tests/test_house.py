@@ -89,7 +89,7 @@ def test_nothing_public_is_defined_twice_in_a_module():
 
 def test_opening_and_saving_a_level_loads_no_jax(tmp_path):
     code = (
-        "import sys, kinetix; from kinetix.scenes import SCENES; "
+        "import sys, kinetix, kinetix.scenes; "
         f"level = kinetix.load_level({str(LEVELS[0])!r}); "
         f"kinetix.save_level(level, {str(tmp_path / 'copy.json')!r}); "
         "sys.exit(', '.join({'jax', 'flax', 'pygame', 'imgui_bundle'} & set(sys.modules)) or 0)"

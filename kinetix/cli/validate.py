@@ -27,7 +27,7 @@ class Validate:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Report:
+class FileReport:
     """What is wrong with one file."""
 
     file: str
@@ -67,16 +67,16 @@ def named_files(files: tuple[str, ...]) -> Iterator[str]:
             yield file
 
 
-def file_report(file: str) -> Report:
+def file_report(file: str) -> FileReport:
     """The problems of one file, those of reading it included."""
     try:
         path = resolve_path(file)
         if is_set_file(path):
-            return Report(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
+            return FileReport(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
         loaded = load_document(path)
     except LevelError as error:
-        return Report(file=file, format=None, issues=tuple(_reading_issues(error)))
-    return Report(file=file, format=loaded.format, issues=validate(loaded.level))
+        return FileReport(file=file, format=None, issues=tuple(_reading_issues(error)))
+    return FileReport(file=file, format=loaded.format, issues=validate(loaded.level))
 
 
 def _set_issues(path: Path) -> Iterator[Issue]:
@@ -104,7 +104,7 @@ def issue_tree(issue: Issue) -> dict[str, Any]:
     }
 
 
-def _json_line(report: Report) -> str:
+def _json_line(report: FileReport) -> str:
     tree = {
         "file": report.file,
         "ok": report.ok,
@@ -114,7 +114,7 @@ def _json_line(report: Report) -> str:
     return json_module.dumps(tree, ensure_ascii=False)
 
 
-def _text(report: Report) -> str:
+def _text(report: FileReport) -> str:
     if not report.issues:
         return f"{report.file}: no problems"
     return "\n".join(

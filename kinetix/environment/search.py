@@ -22,6 +22,7 @@ from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
+from kinetix.level.compile import features_of
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level, Solution
 from kinetix.level.sizes import capacity_of
 
@@ -119,11 +120,11 @@ def solve_level(
 
 
 def solving_env(level: Level, *, physics: str) -> tuple[KinetixEnv, EnvState]:
-    """An environment of a level's size, and the level's start in it.
+    """An environment specialised on one level, which ends its episodes, and the start in it.
 
-    It is not specialised on the level, so that a second level of the same size compiles nothing.
+    Hundreds of plans pay for the compilation: what the level cannot do is not computed.
     """
-    static = static_env_params_of(capacity_of(level), physics=physics)
+    static = static_env_params_of(capacity_of(level), physics=physics, features=features_of(level))
     env = make_kinetix_env(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
     )

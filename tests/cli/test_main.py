@@ -1,13 +1,11 @@
+import resource
 import subprocess
 import sys
-import time
 
 import pytest
 
 from kinetix import cli
 from kinetix.errors import LevelError
-
-START = time.perf_counter
 
 
 @pytest.fixture
@@ -88,9 +86,10 @@ def test_overview_is_fast_and_free_of_jax():
         "import sys; from kinetix.cli import main; main(['--help']); "
         "sys.exit(bool({'jax', 'tyro', 'numpy'} & set(sys.modules)))"
     )
-    start = time.perf_counter()
+    # Processor time, so that a busy machine does not fail the test.
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-    assert time.perf_counter() - start < 0.5
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before < 0.4
 
 
 @pytest.mark.slow
