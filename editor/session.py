@@ -123,7 +123,6 @@ class Session:
         self.clipboard: Clipboard = clipboard or MemoryClipboard()
         self.playback = Playback(simulator or WorkerSimulator(self.worker))
         self.playback.physics = self.settings.physics
-        self.playback.restart_automatically = self.settings.restart_automatically
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]
@@ -166,8 +165,6 @@ class Session:
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
         self.modifiers = NO_MODIFIERS
         """Modifier keys that are down."""
-        self.from_centre = False
-        """Whether rectangles grow from their centre (Alt as a switch)."""
         self.last_click: PointerEvent | None = None
         """The last click that selected, to notice a second one at the same place."""
         self._queue: list[Queued] = []
@@ -276,11 +273,6 @@ class Session:
             if len(value) == 2
         }
         return rebound or dict(controls.DEFAULT_KEYS)
-
-    def choose_physics(self, name: str) -> None:
-        """Take another physics preset; an episode under way starts anew with it."""
-        self.settings.physics = self.playback.physics = name
-        self.playback.reset()
 
     def queue(self, item: Queued) -> None:
         """Do something after this frame has been drawn: an action's id, a command or a call."""

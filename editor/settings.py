@@ -29,6 +29,8 @@ class Settings:
     """What an arrow key moves [m]."""
     move_jointed: bool = True
     """Whether jointed neighbours move with a dragged body."""
+    from_centre: bool = False
+    """Whether rectangles grow from their centre (Alt as a switch)."""
     keep_tool: bool = False
     """Whether a tool stays after it has made something."""
     physics: str = "balanced"

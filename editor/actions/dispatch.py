@@ -148,6 +148,7 @@ def update(session: Session, seconds: float) -> None:
         session.worker.poll()
     watched = bool(session.settings.debug_draw) or session.view.plots
     session.playback.simulator.keep_contacts = watched
+    session.playback.restart_automatically = session.settings.restart_automatically
     with session.guard():
         session.playback.tick(seconds, session.action, session.pull)
     if _passed(before, session.time, AUTOSAVE_SECONDS):

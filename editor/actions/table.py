@@ -313,6 +313,42 @@ TOOL_ACTIONS: Final = tuple(
     )
 )
 
+SWITCHES: Final = tuple(
+    Action(
+        id=action_id,
+        label=label,
+        menu=menu,
+        tooltip=tooltip,
+        checked=view.is_set(setting),
+        run=view.switch_setting(setting),
+    )
+    for action_id, label, menu, tooltip, setting in (
+        ("tool.keep", "Keep Tool", "Tools", "Draw several things in a row.", "keep_tool"),
+        (
+            "tool.from_centre",
+            "Draw from the Centre",
+            "Tools",
+            "What Alt does while a rectangle is drawn.",
+            "from_centre",
+        ),
+        (
+            "transform.move_jointed",
+            "Move Jointed Shapes Together",
+            "Arrange",
+            "Alt while dragging moves one shape alone.",
+            "move_jointed",
+        ),
+        (
+            "run.restart_automatically",
+            "Restart Automatically",
+            "Run",
+            "Start anew a second after the end.",
+            "restart_automatically",
+        ),
+    )
+)
+"""What is otherwise done by holding a key, or not at all, as switches."""
+
 VIEW: Final = (
     Action(
         id="snap.smart",
@@ -580,6 +616,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
     *EDITS,
     *ARRANGE,
     *TOOL_ACTIONS,
+    *SWITCHES,
     *VIEW,
     *RUN,
     *LEVEL,

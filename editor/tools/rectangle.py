@@ -67,7 +67,7 @@ class RectangleTool(Tool):
                 start,
                 snapped.point,
                 square=event.modifiers.shift,
-                centred=event.modifiers.alt or session.from_centre,
+                centred=event.modifiers.alt or session.settings.from_centre,
                 typed=event.typed,
             )
             command = None

@@ -238,6 +238,31 @@ def test_cut_and_paste_at_the_pointer(session, hand):
     assert session.selection == (body.id,)
 
 
+def test_held_modifiers_are_switches_too(session, hand):
+    actions.run(session, "transform.move_jointed")
+    hand.drag((1.95, 2.0), (2.45, 2.5))
+    assert session.document.level.body(2).position == pytest.approx((2.2, 2.0), abs=1e-5)
+    actions.run(session, "tool.from_centre")
+    actions.run(session, "tool.keep")
+    hand.key("r")
+    hand.drag((3.0, 1.0), (3.2, 1.1))
+    body = session.document.level.bodies[-1]
+    assert body.position == pytest.approx((3.0, 1.0), abs=1e-5)
+    assert session.tool.id == "rectangle"
+
+
+def test_an_episode_restarts_by_itself_when_asked(session, hand):
+    session.playback.simulator.ends_at = 5
+    actions.run(session, "run.restart_automatically")
+    hand.key("space")
+    for _ in range(30):
+        hand.wait()
+    assert session.mode is Mode.ENDED
+    for _ in range(45):
+        hand.wait()
+    assert session.mode is Mode.PLAYING
+
+
 def test_hidden_things_come_back(session, hand):
     session.selection = (3,)
     hand.key("h", ctrl=True)

@@ -194,10 +194,10 @@ SHARE = st.floats(0, 1)
 def test_undoing_everything_gives_the_first_level_and_redoing_everything_the_last(rows, repeats):
     document = Document(a_level())
     first, entries = document.hash, 1
-    for row in (rows * repeats)[:200]:
+    for second, row in enumerate((rows * repeats)[:200]):
         before, count = document.level, len(document.history.entries)
         try:
-            outcome = document.commit(command_of(document.level, *row))
+            outcome = document.commit(command_of(document.level, *row), time=float(second))
         except CommandError:
             assert document.level == before
             assert len(document.history.entries) == count
