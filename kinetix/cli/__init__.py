@@ -59,6 +59,8 @@ def _run(name: str, words: Sequence[str]) -> int:
     if name != _MEASURES_COMPILING:
         # A second run of the same size compiles nothing; JAX reads this when it is imported.
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir() / "jax"))
+        # XLA calls its own tuning hints unknown processor features when it reads that cache.
+        os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     try:
         module = importlib.import_module(f"kinetix.cli.{name}")
         return module.run(_parse(module, name, words))
