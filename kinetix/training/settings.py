@@ -66,7 +66,8 @@ def make_config(
     for name, value in (values or {}).items():
         (network if name in _NETWORK_NAMES else fields)[name] = value
     _complete(fields)
-    network.setdefault("kind", _KIND_OF[fields.get("observation_type", "symbolic_entity")])
+    observation = fields.get("observation_type", "symbolic_entity")
+    network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))
     try:
         fields[NETWORK] = msgspec.convert(network, NetworkConfig)
         config = msgspec.convert(

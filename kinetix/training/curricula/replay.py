@@ -57,6 +57,7 @@ class Replay:
             config, gradient_steps=config.num_updates * per_update, teacher=teacher
         )
         self._teacher = teacher
+        self._start = jax.jit(self._first_state)
         self._steps = {
             _NEW: jax.jit(self._new),
             _REPLAY: jax.jit(self._replay),
@@ -65,6 +66,9 @@ class Replay:
 
     def start(self) -> ReplayState:
         """The state before the first update."""
+        return self._start()
+
+    def _first_state(self) -> ReplayState:
         key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
         return ReplayState(
             learner=self.setup.start_learner(learner_key, self._teacher),

@@ -59,11 +59,15 @@ class Sfl:
         self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
         self._teacher = teacher
         self._drawn = int(config.sampled_envs_ratio * config.num_train_envs)
+        self._start = jax.jit(self._first_state)
         self._score_batch = jax.jit(self._one_batch)
         self._train = jax.jit(self._one_update)
 
     def start(self) -> SflState:
         """The state before the first update; the buffer counts as too old to be used."""
+        return self._start()
+
+    def _first_state(self) -> SflState:
         key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
         size = self.config.num_to_save
         levels = jax.vmap(self.setup.reset_fn)(jax.random.split(level_key, size))

@@ -74,7 +74,7 @@ def learn(
         (_, report), gradient = differentiate(
             config, network, learner.params, part, part_carry, dropout_key
         )
-        report["loss/grad_norm"] = optax.global_norm(gradient)
+        report["loss/grad_norm"] = optax.tree.norm(gradient)
         change, state = optimiser.update(gradient, learner.optimiser, learner.params)
         params = optax.apply_updates(learner.params, change)
         return Learner(params=params, optimiser=state), report

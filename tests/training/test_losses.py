@@ -1,0 +1,85 @@
+"""Advantages, losses and schedules against numbers worked out by hand."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from kinetix.training.config import PpoConfig
+from kinetix.training.ppo.losses import generalised_advantages, policy_loss, value_loss
+from kinetix.training.schedule import learning_rate
+
+
+def _column(*values):
+    return jnp.asarray(values)[:, None]
+
+
+def test_advantages_of_a_running_episode():
+    advantage, target = generalised_advantages(
+        _column(0.0, 1.0),
+        _column(0.5, 0.25),
+        _column(False, False),
+        jnp.array([2.0]),
+        gamma=0.5,
+        gae_lambda=0.5,
+    )
+    # error_1 = 1 + 0.5·2 − 0.25 = 1.75; error_0 = 0 + 0.5·0.25 − 0.5 = −0.375
+    np.testing.assert_allclose(advantage[:, 0], [-0.375 + 0.25 * 1.75, 1.75])
+    np.testing.assert_allclose(target, advantage + _column(0.5, 0.25))
+
+
+def test_nothing_is_carried_over_the_end_of_an_episode():
+    reward, value = _column(0.0, 1.0, 0.0), _column(0.5, 0.25, 3.0)
+    advantage, _ = generalised_advantages(
+        reward,
+        value,
+        _column(False, True, False),
+        jnp.array([100.0]),
+        gamma=0.5,
+        gae_lambda=0.5,
+    )
+    np.testing.assert_allclose(advantage[:2, 0], [-0.375 + 0.25 * 0.75, 0.75])
+
+
+def test_environments_do_not_mix():
+    reward = jnp.array([[1.0, 0.0], [0.0, 2.0]])
+    zeros = jnp.zeros((2, 2))
+    advantage, _ = generalised_advantages(
+        reward, zeros, zeros.astype(bool), jnp.zeros(2), gamma=1.0, gae_lambda=1.0
+    )
+    np.testing.assert_allclose(advantage, [[1.0, 2.0], [0.0, 2.0]])
+
+
+def test_the_policy_loss_is_clipped_on_the_side_that_would_gain():
+    # Normalised advantages of (1, −1) are themselves.
+    advantage = _column(1.0, -1.0)
+    log_ratio = jnp.log(_column(1.5, 0.5))
+    loss = policy_loss(log_ratio, jnp.zeros((2, 1)), advantage, clip_eps=0.2)
+    assert float(loss) == pytest.approx(-(1.2 - 0.8) / 2, abs=1e-6)
+    loss = policy_loss(-log_ratio, jnp.zeros((2, 1)), advantage, clip_eps=0.2)
+    assert float(loss) == pytest.approx(-(2 / 3 - 2.0) / 2, abs=1e-6)
+
+
+def test_the_value_loss_takes_the_worse_of_both():
+    loss = value_loss(_column(1.0), _column(0.0), _column(1.0), clip_eps=0.2)
+    assert float(loss) == pytest.approx(0.5 * 0.8**2)
+    loss = value_loss(_column(2.0), _column(0.0), _column(1.0), clip_eps=0.2)
+    assert float(loss) == pytest.approx(0.5 * 1.0)
+
+
+def test_equal_advantages_stay_finite():
+    loss = policy_loss(_column(0.0, 0.0), _column(0.0, 0.0), _column(3.0, 3.0), clip_eps=0.2)
+    assert float(loss) == 0.0
+
+
+def test_the_learning_rate_falls_by_updates():
+    config = PpoConfig(anneal_lr=True, learning_rate=1.0, num_minibatches=2, update_epochs=2)
+    rate = learning_rate(config, gradient_steps=16)
+    assert [float(rate(step)) for step in (0, 3, 4, 8, 15, 99)] == [1, 1, 0.75, 0.5, 0.25, 0]
+
+
+def test_the_learning_rate_rises_and_falls():
+    rate = learning_rate(PpoConfig(warmup_lr=True), gradient_steps=1000)
+    assert float(rate(0)) == pytest.approx(1e-5, rel=1e-5)
+    assert float(rate(100)) == pytest.approx(3e-4)
+    assert float(rate(550)) == pytest.approx(1.5e-4, rel=1e-3)
+    assert float(rate(1000)) == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,277 @@
+"""Whole runs, tiny: they learn, can be stopped at any moment, refuse what does not fit."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import jax
+import numpy as np
+import pytest
+
+from kinetix.agents.agent import load_agent
+from kinetix.agents.arrays import flatten
+from kinetix.agents.checkpoint import steps_of_run
+from kinetix.cli import main
+from kinetix.errors import KinetixError
+from kinetix.training.logging import read_metrics
+from kinetix.training.run import make_trainer, train
+from kinetix.training.settings import make_config
+
+_TINY = {
+    "size": "s",
+    "num_train_envs": 8,
+    "num_steps": 4,
+    "num_minibatches": 2,
+    "update_epochs": 2,
+    "total_timesteps": 8 * 4 * 6,
+    "eval_freq": 0,
+    "checkpoint_save_freq": 2,
+    "observation_type": "symbolic_flat",
+    "physics": "jax2d",
+    "actor_depth": 1,
+    "critic_depth": 1,
+    "actor_width": 16,
+    "critic_width": 16,
+    "batch_size": 8,
+    "num_batches": 2,
+    "num_to_save": 8,
+    "rollout_steps": 8,
+    "buffer_update_frequency": 2,
+    "level_buffer_capacity": 8,
+    "outer_rollout_steps": 2,
+}
+
+
+def _config(algorithm, **changes):
+    from kinetix.agents.networks.config import NetworkConfig
+    from kinetix.training.config import CONFIGS
+
+    names = set(CONFIGS[algorithm].__dataclass_fields__) | set(NetworkConfig.__dataclass_fields__)
+    values = {name: value for name, value in (_TINY | changes).items() if name in names}
+    if algorithm in ("plr", "accel", "dr") and "total_timesteps" not in changes:
+        values["total_timesteps"] *= 2
+    return make_config(algorithm, values=values)
+
+
+def _without_time(rows):
+    return [
+        {name: value for name, value in row.items() if name not in ("timing/sps", "timing/seconds")}
+        for row in rows
+    ]
+
+
+def _same_parameters(a, b):
+    a, b = (dict(flatten(load_agent(run).params["params"])) for run in (a, b))
+    assert a.keys() == b.keys()
+    for name, leaf in a.items():
+        np.testing.assert_array_equal(leaf, b[name])
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A run that was never interrupted."""
+    out = tmp_path_factory.mktemp("runs") / "whole"
+    train("ppo", _config("ppo", dummy_env=True), out)
+    return out
+
+
+def test_a_run_leaves_what_is_promised(finished):
+    assert sorted(path.name for path in finished.iterdir()) == [
+        "checkpoints",
+        "config.toml",
+        "metrics.csv",
+        "metrics.jsonl",
+        "tensorboard",
+    ]
+    assert steps_of_run(finished) == [64, 128, 192]
+    rows = read_metrics(finished)
+    assert [row["timing/num_updates"] for row in rows] == [1, 2, 3, 4, 5, 6]
+    assert all(np.isfinite(row["loss/total"]) for row in rows)
+    agent = load_agent(finished)
+    assert agent.card.training["environment_steps"] == 192
+    assert agent.card.training["configuration"]["num_steps"] == 4
+
+
+def test_only_the_newest_checkpoint_keeps_the_training_state(finished):
+    have = [
+        step for step in (64, 128, 192) if (finished / "checkpoints" / str(step) / "state").is_dir()
+    ]
+    assert have == [192]
+
+
+class _Stop(Exception):
+    pass
+
+
+def _stop_after(updates):
+    def report(progress):
+        if progress.update == updates:
+            raise _Stop
+
+    return report
+
+
+def test_an_interrupted_run_ends_as_if_it_had_not_been(finished, tmp_path):
+    config = _config("ppo", dummy_env=True)
+    for updates in (3, 5):
+        with pytest.raises(_Stop):
+            train("ppo", config, tmp_path / "run", report=_stop_after(updates))
+    train("ppo", config, tmp_path / "run")
+    assert _without_time(read_metrics(tmp_path / "run")) == _without_time(read_metrics(finished))
+    _same_parameters(finished, tmp_path / "run")
+
+
+def test_a_finished_run_can_be_made_longer(finished, tmp_path):
+    import shutil
+
+    longer = shutil.copytree(finished, tmp_path / "longer")
+    train("ppo", _config("ppo", dummy_env=True, total_timesteps=8 * 4 * 8), longer)
+    assert len(read_metrics(longer)) == 8
+
+
+def test_a_run_does_not_go_on_under_other_hyper_parameters(finished):
+    with pytest.raises(KinetixError, match=r"started with gamma = 0\.995, now it is 0\.9"):
+        train("ppo", _config("ppo", dummy_env=True, gamma=0.9), finished)
+    with pytest.raises(KinetixError, match="started with ppo, not dr"):
+        train("dr", _config("dr", dummy_env=True), finished)
+
+
+def test_other_directories_are_left_alone(tmp_path):
+    (tmp_path / "letter.txt").write_text("mine")
+    with pytest.raises(KinetixError, match="is not empty and holds no training run"):
+        train("ppo", _config("ppo", dummy_env=True), tmp_path)
+
+
+def test_the_command_trains_and_goes_on(tmp_path, capsys):
+    flags = [
+        word
+        for name, value in _TINY.items()
+        if name in make_config("ppo").__dataclass_fields__ or name.endswith(("depth", "width"))
+        for word in (f"--{name.replace('_', '-')}", str(value))
+    ]
+    arguments = ["train", "ppo", "--out", str(tmp_path / "run"), "--dummy-env", *flags]
+    assert main(arguments) == 0
+    assert capsys.readouterr().out.strip().endswith("checkpoints/192")
+    again = ["train", "ppo", "--out", str(tmp_path / "run"), "--dummy-env"]
+    assert main([*again, "--total-timesteps", "224"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.strip().endswith("checkpoints/224")
+    assert "7/7" in captured.err
+    assert "MiB per environment" in captured.err
+
+
+def test_fine_tuning_starts_from_the_agent(finished, tmp_path):
+    teacher = load_agent(finished)
+    config = _config("ppo", dummy_env=True, learning_rate=0.0, seed=5, total_timesteps=32)
+    train("ppo", config, tmp_path / "tuned", teacher=teacher)
+    _same_parameters(finished, tmp_path / "tuned")
+    other = _config("ppo", dummy_env=True, actor_width=8)
+    with pytest.raises(KinetixError, match="its network is"):
+        make_trainer(other, teacher)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("algorithm", ["ppo", "sfl", "plr", "accel", "dr"])
+def test_every_algorithm_runs_and_is_deterministic(algorithm, tmp_path):
+    changes = {
+        "num_steps": 32,
+        "total_timesteps": 8 * 32 * (6 if algorithm in ("ppo", "sfl") else 12),
+    }
+    config = _config(algorithm, **changes)
+    with pytest.raises(_Stop):
+        train(algorithm, config, tmp_path / "run", report=_stop_after(4))
+    train(algorithm, config, tmp_path / "run")
+    rows = read_metrics(tmp_path / "run")
+    assert len(rows) == 6
+    assert all(np.isfinite(value) for row in rows for value in row.values())
+    trainer = make_trainer(config)
+    state = trainer.start()
+    for row in rows[:5]:
+        state, metrics = trainer.update(state)
+        for name, value in metrics.items():
+            if np.isfinite(value):
+                assert row[name] == pytest.approx(float(value), rel=1e-6), name
+    if algorithm in ("plr", "accel", "dr"):
+        assert rows[-1]["level_sampler/filled"] == 1.0
+    if algorithm == "accel":
+        kinds = [
+            name for row in rows for name in ("replay", "mutate") if row[f"level_sampler/{name}"]
+        ]
+        assert kinds[:2] == ["replay", "mutate"]
+    if algorithm == "dr":
+        assert all(row["level_sampler/new"] == 1 for row in rows)
+
+
+@pytest.mark.slow
+def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
+    """SIGKILL, five times; the metrics are those of a run that was left alone."""
+    flags = [
+        word
+        for name, value in (_TINY | {"total_timesteps": 8 * 4 * 60}).items()
+        if name in make_config("ppo").__dataclass_fields__ or name.endswith(("depth", "width"))
+        for word in (f"--{name.replace('_', '-')}", str(value))
+    ]
+
+    def command(out):
+        train_ppo = [sys.executable, "-m", "kinetix", "train", "ppo", "--dummy-env"]
+        return [*train_ppo, "--out", str(out), *flags]
+
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    subprocess.run(command(tmp_path / "whole"), check=True, **quiet)
+    random = np.random.default_rng(0)
+    for _ in range(5):
+        process = subprocess.Popen(command(tmp_path / "killed"), **quiet)
+        began = len(read_metrics(tmp_path / "killed"))
+        while process.poll() is None and len(read_metrics(tmp_path / "killed")) == began:
+            time.sleep(0.02)
+        time.sleep(float(random.uniform(0, 0.4)))
+        if process.poll() is None:
+            os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+    subprocess.run(command(tmp_path / "killed"), check=True, **quiet)
+    whole, killed = (_without_time(read_metrics(tmp_path / n)) for n in ("whole", "killed"))
+    assert killed == whole
+    _same_parameters(tmp_path / "whole", tmp_path / "killed")
+    card = json.loads((tmp_path / "killed" / "checkpoints" / "1920" / "agent.json").read_text())
+    assert card["training"]["environment_steps"] == 1920
+
+
+@pytest.mark.slow
+def test_ppo_learns_an_easy_level(tmp_path):
+    """A fixed budget on one level of size s; the last evaluation solves at least 0.8."""
+    config = make_config(
+        "ppo",
+        preset="small",
+        values={
+            "levels": ("s/first_flight",),
+            "total_timesteps": 524_288,
+            "num_train_envs": 128,
+            "eval_freq": 1000,
+            "eval_num_attempts": 50,
+            "checkpoint_save_freq": 1000,
+        },
+    )
+    train("ppo", config, tmp_path / "run")
+    assert read_metrics(tmp_path / "run")[-1]["eval/hand_designed_episode_solve_rate"] >= 0.8
+
+
+@pytest.mark.slow
+def test_sfl_keeps_more_learnable_levels_than_it_samples():
+    config = _config(
+        "sfl",
+        batch_size=128,
+        num_to_save=32,
+        rollout_steps=128,
+        num_steps=8,
+        total_timesteps=8 * 8 * 2,
+        learnability_correction=False,
+    )
+    trainer = make_trainer(config)
+    _, metrics = trainer.update(trainer.start())
+    assert float(metrics["sfl/buffer_learnability"]) > 2 * float(
+        metrics["sfl/sampled_learnability"]
+    )
+    assert jax.tree.all(jax.tree.map(lambda x: bool(np.isfinite(x).all()), dict(metrics)))

@@ -1,0 +1,109 @@
+"""Configurations: where values come from, what is refused, and back to TOML."""
+
+import pytest
+
+from kinetix.errors import KinetixError
+from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
+
+
+def test_the_defaults_are_the_published_ones():
+    ppo, sfl = make_config("ppo"), make_config("sfl")
+    accel, dr = make_config("accel"), make_config("dr")
+    assert (ppo.learning_rate, ppo.gamma, ppo.gae_lambda, ppo.clip_eps) == (5e-5, 0.995, 0.9, 0.2)
+    assert (ppo.num_train_envs, ppo.num_steps, ppo.num_minibatches) == (2048, 64, 32)
+    assert ppo.num_updates == 10_737_418_240 // (64 * 2048)
+    assert (sfl.num_steps, sfl.batch_size * sfl.num_batches, sfl.num_to_save) == (
+        256,
+        262_144,
+        8192,
+    )
+    assert (accel.use_accel, accel.num_edits, accel.score_function) == (True, 5, "MaxMC")
+    assert (dr.replay_prob, dr.size) == (0.0, "s")
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sfl", "plr", "accel", "dr"])
+@pytest.mark.parametrize("preset", presets())
+def test_presets_are_valid_and_come_back_from_toml(algorithm, preset):
+    config = make_config(algorithm, preset=preset)
+    name, values = loads_config(dumps_config(algorithm, config), "test")
+    assert name == algorithm
+    assert make_config(name, values=values) == config
+
+
+def test_later_sources_win(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text("num_steps = 8\nseed = 3\n[sfl]\nnum_steps = 4\n[network]\nactor_depth = 1\n")
+    config = make_config("sfl", preset="small", file=file, values={"seed": 9, "actor_width": 7})
+    assert (config.num_steps, config.seed, config.num_train_envs) == (4, 9, 256)
+    assert (config.network.actor_depth, config.network.actor_width) == (1, 7)
+    assert config.network.kind == "flat_mlp"
+    assert make_config("ppo", preset="small", file=file).num_steps == 8
+
+
+def test_parity_brings_what_belongs_to_it():
+    config = make_config("ppo", preset="kinetix-3")
+    assert (config.physics, config.bootstrap_on_timeout) == ("jax2d", False)
+
+
+def test_levels_bring_the_mode_and_the_size():
+    config = make_config("ppo", values={"levels": ("s/wheelie", "m/touchdown")})
+    assert config.level_mode == "list"
+    assert len(config.size.split(",")) == 4
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"num_minibatches": 30}, "num_minibatches = 30 must divide num_train_envs = 2048"),
+        ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
+        ({"observation_type": "smell"}, "Invalid enum value 'smell'"),
+        ({"num_steps": 0}, "num_steps: expected at least 1"),
+        ({"gamma": "much"}, "Expected `float`, got `str`"),
+        ({"anneal_lr": True, "warmup_lr": True}, "choose one of them"),
+        (
+            {"full_minibatch_shuffle": True, "recurrent_model": True},
+            "cannot be used with recurrent",
+        ),
+        ({"level_mode": "list"}, "needs levels"),
+        ({"num_heads": 6}, "num_heads: expected a multiple of 4"),
+    ],
+)
+def test_what_cannot_work_is_refused(values, sentence):
+    with pytest.raises(KinetixError, match=sentence):
+        make_config("ppo", values=values)
+
+
+def test_sfl_cannot_save_more_than_it_scores():
+    with pytest.raises(KinetixError, match="num_to_save = 8192 is more than"):
+        make_config("sfl", values={"num_batches": 1, "batch_size": 64})
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("num_step = 3", "'num_step' is no field of ppo; did you mean 'num_steps'"),
+        ("[network]\nactor_dept = 3", "did you mean 'actor_depth'"),
+        ("num_steps = ", "not valid TOML"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, text, sentence):
+    file = tmp_path / "bad.toml"
+    file.write_text(text)
+    with pytest.raises(KinetixError, match=sentence):
+        make_config("ppo", file=file)
+
+
+def test_unknown_names_are_refused(tmp_path):
+    with pytest.raises(KinetixError, match="expected one of ppo, sfl, plr, accel, dr"):
+        make_config("dqn")
+    with pytest.raises(KinetixError, match="expected one of kinetix-3, paper, small"):
+        make_config("ppo", preset="huge")
+    with pytest.raises(KinetixError, match="cannot be read"):
+        make_config("ppo", file=tmp_path / "nowhere.toml")
+
+
+def test_every_field_has_a_note():
+    notes = field_notes(type(make_config("sfl")))
+    assert notes["batch_size"] == "Random levels that are scored at once."
+    assert notes["learning_rate"].startswith("Step size of Adam")
+    assert all(notes.values())
