@@ -77,7 +77,7 @@ class GymnaxAdapter:
 
 
 def gymnax_spaces() -> Any:
-    """gymnax's module of spaces.
+    """The module of spaces of gymnax.
 
     Raises:
         KinetixError: gymnax is not installed.

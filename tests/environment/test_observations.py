@@ -1,0 +1,201 @@
+"""What all kinds of observation have in common, and what holds between them."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.inverse import state_from_entities, state_from_flat
+from kinetix.environment.observations import (
+    OBSERVATIONS,
+    EntityObservations,
+    FlatObservations,
+    FlatPaddedObservations,
+    Layout,
+)
+from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
+from kinetix.environment.rearrange import expand_state, permute_state
+from kinetix.environment.spaces import Dict, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from tests.environment.conftest import assert_trees_close
+
+
+@pytest.fixture(scope="module")
+def layout(small_static: StaticEnvParams) -> Layout:
+    return Layout.of(EnvParams(), small_static)
+
+
+@pytest.fixture(scope="module")
+def moving(small_state: EnvState) -> EnvState:
+    """The small level with contacts and everything in motion."""
+    shape = small_state.physics.position.shape
+    drawn = np.random.default_rng(3).normal(size=shape).astype(np.float32)
+    physics = dataclasses.replace(
+        small_state.physics,
+        velocity=jnp.asarray(drawn),
+        rotation=jnp.asarray(drawn[:, 0] * 3),
+        angular_velocity=jnp.asarray(drawn[:, 1] * 4),
+        touching=jnp.arange(small_state.physics.touching.size) % 2 == 0,
+    )
+    return dataclasses.replace(small_state, physics=physics)
+
+
+def test_every_type_has_a_class() -> None:
+    assert {kind.value for kind in ObservationType} == set(OBSERVATIONS)
+
+
+@pytest.mark.parametrize("name", list(OBSERVATIONS))
+def test_inside_its_space_and_finite_on_random_play(
+    small_env: KinetixEnv, layout: Layout, name: str
+) -> None:
+    env = dataclasses.replace(small_env, observations=OBSERVATIONS[name](layout=layout))
+    space = env.observation_space()
+
+    def play(key: jax.Array) -> tuple[jax.Array, jax.Array]:
+        obs, state = env.reset(key)
+
+        def step(carry: tuple, key: jax.Array) -> tuple:
+            obs, state, *_ = env.step(key, carry[1], env.actions.random_action(key))
+            finite = [jnp.isfinite(x).all() for x in jax.tree.leaves(obs)]
+            return (obs, state), space.contains(obs) & jnp.all(jnp.stack(finite))
+
+        (obs, _), inside = jax.lax.scan(step, (obs, state), jax.random.split(key, 12))
+        return inside, obs
+
+    inside, obs = jax.jit(jax.vmap(play))(jax.random.split(jax.random.key(2), 2))
+    assert inside.all()
+    if isinstance(space, Dict):
+        for part, described in space.spaces.items():
+            shown = getattr(obs, part)
+            assert shown.shape[1:] == described.shape, part
+            assert shown.dtype == described.dtype, part
+    else:
+        assert obs.shape[1:] == space.shape
+
+
+@pytest.mark.parametrize("name", list(OBSERVATIONS))
+def test_columns_name_every_entry_of_the_last_axis(layout: Layout, name: str) -> None:
+    observations = OBSERVATIONS[name](layout=layout)
+    space = observations.space
+    for part, columns in observations.columns.items():
+        if isinstance(space, Dict):
+            assert space.spaces[part].shape[-1] == len(columns), part
+        else:
+            assert space.shape[-1] == len(columns), part
+
+
+@pytest.mark.parametrize(("size", "length"), [("s", 140), ("m", 247), ("l", 679)])
+def test_published_widths(size: str, length: int) -> None:
+    layout = Layout.of(EnvParams(), static_env_params_from_size(size, physics="drift"))
+    assert len(layout.flat) == length
+    assert len({feature.name for feature in layout.flat}) == length
+    default = Layout.of(EnvParams(), StaticEnvParams(physics="drift"))
+    assert len(default.flat) == 1675
+    shapes = {"s": (6, 41), "m": (10, 45), "l": (21, 59)}
+    assert FlatPaddedObservations(layout=layout).space.shape == shapes[size]
+
+
+def test_flat_is_the_padded_form_without_padding(layout: Layout, moving: EnvState) -> None:
+    flat = FlatObservations(layout=layout)(moving)
+    padded = FlatPaddedObservations(layout=layout)(moving)
+    widths = [len(layout.polygon)] * 2 + [len(layout.circle)] * 2
+    widths += [len(layout.flat_joint), len(layout.flat_thruster)]
+    rows = [row[:width] for row, width in zip(padded, widths, strict=True)]
+    np.testing.assert_array_equal(jnp.concatenate([*rows, padded[0, -1:]]), flat)
+    np.testing.assert_array_equal(padded[:, -5:-1].argmax(axis=1), [0, 0, 1, 1, 2, 3])
+
+
+def test_entities_move_with_their_slots(moving: EnvState) -> None:
+    """Permuting the slots permutes rows, masks and indices, and changes nothing else."""
+    static = static_env_params_from_size("7,4,3,2", physics="drift")
+    state = expand_state(moving, static)
+    observe = EntityObservations(layout=Layout.of(EnvParams(), static))
+    before = observe(state)
+    after = observe(permute_state(jax.random.key(4), state))
+    body_of = np.concatenate(
+        [
+            [int(np.argmax((before.polygons == row).all(axis=1))) for row in after.polygons],
+            [7 + int(np.argmax((before.circles == row).all(axis=1))) for row in after.circles],
+        ]
+    )
+    active = np.concatenate([after.polygon_mask, after.circle_mask])
+    np.testing.assert_array_equal(body_of[:4], range(4))
+    assert (body_of[active] != np.flatnonzero(active)).any()
+    masks = np.concatenate([before.polygon_mask, before.circle_mask])
+    np.testing.assert_array_equal(active.sum(), masks.sum())
+    chosen = np.flatnonzero(active)
+    for plane in range(3):
+        np.testing.assert_array_equal(
+            np.asarray(after.attention_mask)[plane][np.ix_(chosen, chosen)],
+            np.asarray(before.attention_mask)[plane][np.ix_(body_of[chosen], body_of[chosen])],
+        )
+    assert not after.attention_mask[3].any()
+    joint = int(np.argmax(after.joint_mask[:3]))
+    np.testing.assert_array_equal(
+        body_of[np.asarray(after.joint_indexes[joint])],
+        before.joint_indexes[int(np.argmax(before.joint_mask[:3]))],
+    )
+
+
+def test_contact_plane_in_one_direction_or_both(layout: Layout, moving: EnvState) -> None:
+    one_way = EntityObservations(layout=layout)(moving).attention_mask[3]
+    both_ways = EntityObservations(layout=layout, symmetric_contacts=True)(moving).attention_mask[3]
+    assert one_way.any()
+    assert not (one_way & one_way.T).any()
+    np.testing.assert_array_equal(both_ways, one_way | one_way.T)
+
+
+def test_attention_can_be_left_out(layout: Layout, moving: EnvState) -> None:
+    observations = EntityObservations(layout=layout, attention=False)
+    shown = observations(moving)
+    assert shown.attention_mask is None
+    assert "attention_mask" not in observations.space.spaces
+
+
+def test_swapped_anchors_of_the_other_dialect(layout: Layout, moving: EnvState) -> None:
+    ours = EntityObservations(layout=layout)(moving).joints
+    theirs = EntityObservations(layout=layout, js_anchor_order=True)(moving).joints
+    np.testing.assert_array_equal(theirs[:, 2:4], ours[:, 4:6])
+    np.testing.assert_array_equal(theirs[:, 4:6], ours[:, 2:4])
+    np.testing.assert_array_equal(theirs[:, 6:], ours[:, 6:])
+
+
+def test_states_come_back_from_observations(
+    layout: Layout, small_static: StaticEnvParams, moving: EnvState
+) -> None:
+    entities = EntityObservations(layout=layout)(moving)
+    back = jax.jit(lambda seen: state_from_entities(seen, EnvParams(), small_static))(entities)
+    again = EntityObservations(layout=layout)(back)
+    assert_trees_close(
+        again._replace(attention_mask=again.attention_mask[:3]),
+        entities._replace(attention_mask=entities.attention_mask[:3]),
+    )
+    assert (back.bodies.rotation >= 0).all()
+    flat = FlatObservations(layout=layout)(moving)
+    back = jax.jit(lambda seen: state_from_flat(seen, EnvParams(), small_static))(flat)
+    np.testing.assert_allclose(FlatObservations(layout=layout)(back), flat, atol=1e-5)
+    moves = np.asarray(moving.world.bodies.inverse_mass) > 0
+    np.testing.assert_allclose(
+        back.world.bodies.inverse_mass[moves], moving.world.bodies.inverse_mass[moves], rtol=1e-4
+    )
+
+
+def test_expansion_changes_nothing_that_is_seen(layout: Layout, moving: EnvState) -> None:
+    static = static_env_params_from_size("9,5,4,3", physics="drift")
+    wide = Layout.of(EnvParams(), static)
+    state = expand_state(moving, static)
+    small = EntityObservations(layout=layout)(moving)
+    large = EntityObservations(layout=wide)(state)
+    np.testing.assert_array_equal(large.polygons[:5], small.polygons)
+    np.testing.assert_array_equal(large.circles[:2], small.circles)
+    np.testing.assert_array_equal(large.joint_indexes[0], small.joint_indexes[0] + jnp.array([4, 0]))
+    assert large.polygon_mask.sum() == small.polygon_mask.sum()
+
+
+def test_a_level_that_is_too_large_says_by_how_much(moving: EnvState) -> None:
+    with pytest.raises(KinetixError, match=r"2 circles into 1 \(1 too many\)"):
+        expand_state(moving, static_env_params_from_size("5,1,1,1", physics="drift"))
