@@ -15,7 +15,7 @@ from jax.custom_batching import custom_vmap
 
 Tree = Any
 
-TILE = 64
+TILE = 128
 """Worlds that are advanced together: few enough for a core's cache, many enough to fill its lanes."""
 
 

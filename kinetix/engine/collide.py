@@ -117,10 +117,13 @@ def compact(
 
 
 def _tightest(points: Points, room: int, store: Store) -> tuple[Points, Bool[Array, " n"]]:
-    """Squeeze the used slots together."""
+    """Squeeze the used slots together; where there are too many, those that are still open go first."""
     if points.key.shape[0] <= room:
         return points, jnp.zeros(points.key.shape[-1], bool)
-    index, valid, full = store(compact(points.key >= 0, room))
+    used = points.key >= 0
+    full = jnp.sum(used, axis=0) > room
+    used &= ~full | (points.separation <= constants.TOUCH_SLOP)
+    index, valid, full = store(compact(used, room))
     chosen = jax.tree.map(lambda x: take(x, index), points)
     return chosen.replace(
         separation=jnp.where(valid, chosen.separation, FAR), key=jnp.where(valid, chosen.key, -1)
@@ -482,7 +485,9 @@ def _corner_pair(
     best = jnp.full(start.x.shape, FAR, start.x.dtype)
     which = jnp.zeros(start.x.shape, jnp.int32)
     mine, theirs = start, first
-    for number, (own, other) in enumerate(((start, first), (end, first), (start, last), (end, last))):
+    for number, (own, other) in enumerate(
+        ((start, first), (end, first), (start, last), (end, last))
+    ):
         offset = other - own
         squared = dot(offset, offset)
         nearer = squared < best

@@ -6,8 +6,15 @@ from kinetix.errors import KinetixError
 
 PRESETS: dict[str, AbstractSolver] = {
     "jax2d": PgsBaumgarte(),
+    "fast": Direct(substeps=1, block=Admm(iterations=8)),
     "balanced": Direct(substeps=2, block=Admm(iterations=10)),
+    "accurate": Direct(substeps=4, block=Admm(iterations=15)),
+    "reference": Direct(substeps=64, block=Admm(iterations=200)),
 }
+"""`jax2d` is the peer's engine; `reference` is meant for float64 (`JAX_ENABLE_X64=1`) and never for
+training."""
+
+DEFAULT = "balanced"
 
 
 def solver_named(name: str) -> AbstractSolver:
@@ -18,7 +25,5 @@ def solver_named(name: str) -> AbstractSolver:
     """
     solver = PRESETS.get(name) or SOLVERS.get(name)
     if solver is None:
-        raise KinetixError(
-            f"unknown physics {name!r}: expected one of {', '.join([*PRESETS, *SOLVERS])}"
-        )
+        raise KinetixError(f"unknown physics {name!r}: expected one of {', '.join([*PRESETS, *SOLVERS])}")
     return solver

@@ -26,4 +26,6 @@ class Store:
 
     def __call__(self, tree: T) -> T:
         """The same values, computed exactly once."""
-        return jax.lax.cond(self.always, lambda x: x, lambda x: jax.tree.map(jnp.zeros_like, x), tree)
+        return jax.lax.cond(
+            self.always, lambda x: x, lambda x: jax.tree.map(jnp.zeros_like, x), tree
+        )

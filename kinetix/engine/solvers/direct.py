@@ -107,20 +107,25 @@ class Direct(AbstractSolver):
     """Room for contacts; None: by the capacity."""
 
     def slots_for(self, spec: SceneSpec) -> Slots:
-        """Room for contacts in scenes of this capacity (measured: docs/physics.md)."""
+        """Room for contacts in scenes of this capacity.
+
+        Measured on the published levels under random actions: at most 7, 9 and 17 points are near at
+        once in sizes s, m and l (99.9 %). A stack needs two points a polygon.
+        """
         if self.slots is not None:
             return self.slots
         polygons = spec.capacity.polygons - ARENA_BODIES
         circles = spec.capacity.circles
         counts = pair_counts(spec.capacity)
         near = Slots(
-            polygon_polygon=min(counts[0], polygons + 3),
+            polygon_polygon=min(counts[0], polygons + 3 if polygons <= 8 else 2 * polygons),
             circle_polygon=min(counts[1], circles + 3),
             circle_circle=min(counts[2], max(1, circles - 1)),
             points=0,
         )
         most = 2 * near.polygon_polygon + near.circle_polygon + near.circle_circle
-        return dataclasses.replace(near, points=min(most, polygons + circles + 5))
+        points = max(polygons + circles + 5, 2 * polygons + circles)
+        return dataclasses.replace(near, points=min(most, points))
 
     def empty_cache(self, spec: SceneSpec) -> Any:
         """No impulses."""
@@ -170,7 +175,9 @@ class Direct(AbstractSolver):
         )
 
         def substep(phase: Phase, _: None) -> tuple[Phase, None]:
-            return self._substep(world, phase, system, masses, control, parameters, spec, store), None
+            return self._substep(
+                world, phase, system, masses, control, parameters, spec, store
+            ), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
         return _finish(state, end, found, h, parameters)
@@ -212,9 +219,13 @@ class Direct(AbstractSolver):
             matrix=matrix,
             prepared=self.block.prepare(matrix),
             friction=store(parameters.base_friction * friction),
-            restitution=store(jnp.minimum(take(bodies.restitution, a), take(bodies.restitution, b))),
+            restitution=store(
+                jnp.minimum(take(bodies.restitution, a), take(bodies.restitution, b))
+            ),
         )
-        gap = jnp.concatenate([points.separation, jnp.zeros_like(points.separation), limit_gap], axis=0)
+        gap = jnp.concatenate(
+            [points.separation, jnp.zeros_like(points.separation), limit_gap], axis=0
+        )
         return system, gap
 
     def _substep(
@@ -259,7 +270,9 @@ class Direct(AbstractSolver):
         )
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
-        velocity = store(_kick(velocity, _acceleration(world, rotation, control, parameters), h / 2))
+        velocity = store(
+            _kick(velocity, _acceleration(world, rotation, control, parameters), h / 2)
+        )
         joints = joint_system(
             world, position, rotation, velocity, control, parameters, masses, h / 2, store
         )
@@ -345,7 +358,10 @@ def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Mass
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
     stiffness = jnp.zeros_like(inverse_inertia)
-    for body, anchor, sign in ((joints.body_a, joints.anchor_a, -1), (joints.body_b, joints.anchor_b, 1)):
+    for body, anchor, sign in (
+        (joints.body_a, joints.anchor_a, -1),
+        (joints.body_b, joints.anchor_b, 1),
+    ):
         angle = take(state.rotation, body)
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         stiffness += sign * actuators.onto_bodies(dot(arm, force), body, count)
@@ -381,7 +397,9 @@ def _acceleration(
     """Gravity and thrust at a pose."""
     linear, angular = actuators.thrust(world, rotation, control, parameters)
     moves = (world.bodies.inverse_mass > 0).astype(rotation.dtype)
-    return Vec(x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves), angular
+    return Vec(
+        x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves
+    ), angular
 
 
 def _kick(
@@ -393,7 +411,9 @@ def _kick(
     )
 
 
-def _warm_start(cache: DirectCache, found: Found) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
+def _warm_start(
+    cache: DirectCache, found: Found
+) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
     """Last step's impulses of the contacts that are still there, for both solves."""
     normal, tangent, relax_normal, relax_tangent = match(
         found.points.key,

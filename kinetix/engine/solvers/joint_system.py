@@ -94,7 +94,13 @@ def joint_system(
         )
     )
     movable = take(masses.linear, a) + take(masses.linear, b) > 0
-    acts = joints.active & movable & take(world.bodies.active, a) & take(world.bodies.active, b) & (a != b)
+    acts = (
+        joints.active
+        & movable
+        & take(world.bodies.active, a)
+        & take(world.bodies.active, b)
+        & (a != b)
+    )
     wanted, compliance = store(_motors(world, velocity, angle, control, parameters, duration))
     turns = acts & (joints.fixed | (compliance > 0))
     live = jnp.concatenate([acts, acts, turns], axis=0)
@@ -137,7 +143,9 @@ def _motors(
     action = control.motor
     target = parameters.base_motor_speed * joints.motor_speed * action
     error = take(velocity.angular, joints.body_b) - take(velocity.angular, joints.body_a) - target
-    inertia = take(bodies.inverse_inertia, joints.body_a) + take(bodies.inverse_inertia, joints.body_b)
+    inertia = take(bodies.inverse_inertia, joints.body_a) + take(
+        bodies.inverse_inertia, joints.body_b
+    )
     strength = (
         parameters.base_motor_power
         * joints.motor_power

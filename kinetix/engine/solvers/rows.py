@@ -78,7 +78,9 @@ def point_rows(
     arm_b: Vec,
 ) -> Rows:
     """Rows that act at a point of each body along a direction."""
-    return make_rows(masses, body_a, body_b, direction, cross(arm_a, direction), cross(arm_b, direction))
+    return make_rows(
+        masses, body_a, body_b, direction, cross(arm_a, direction), cross(arm_b, direction)
+    )
 
 
 def stack(*rows: Rows) -> Rows:
@@ -92,7 +94,12 @@ def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
     straight = dot(left.direction[i], right.direction[j])
 
     def share(
-        body_left: Array, body_right: Array, mass: Array, inertia: Array, turn_left: Array, turn_right: Array
+        body_left: Array,
+        body_right: Array,
+        mass: Array,
+        inertia: Array,
+        turn_left: Array,
+        turn_right: Array,
     ) -> Array:
         same = body_left[i] == body_right[j]
         return jnp.where(same, mass[i] * straight + inertia[i] * turn_left[i] * turn_right[j], 0)
@@ -139,7 +146,8 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
             x=velocity.linear.x + total(x, x) * masses.linear,
             y=velocity.linear.y + total(y, y) * masses.linear,
         ),
-        angular=velocity.angular + total(rows.turn_a * impulse, rows.turn_b * impulse) * masses.angular,
+        angular=velocity.angular
+        + total(rows.turn_a * impulse, rows.turn_b * impulse) * masses.angular,
     )
 
 
@@ -153,9 +161,13 @@ def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[A
     size = left.shape[1]
 
     def add(k: Int[Array, ""], total: Array) -> Array:
-        return total + jax.lax.dynamic_index_in_dim(left, k, 1) * jax.lax.dynamic_index_in_dim(right, k, 0)
+        return total + jax.lax.dynamic_index_in_dim(left, k, 1) * jax.lax.dynamic_index_in_dim(
+            right, k, 0
+        )
 
-    return jax.lax.fori_loop(0, size, add, jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype))
+    return jax.lax.fori_loop(
+        0, size, add, jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
+    )
 
 
 def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:

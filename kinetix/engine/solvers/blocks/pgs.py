@@ -40,7 +40,9 @@ class Pgs(AbstractBlock):
         start = project(cone, start)
         speed = matvec(matrix, start) + offset
 
-        def relax(row: Int[Array, ""], impulse: Array, speed: Array, low: Array, high: Array) -> tuple:
+        def relax(
+            row: Int[Array, ""], impulse: Array, speed: Array, low: Array, high: Array
+        ) -> tuple:
             old = impulse[row]
             column = jax.lax.dynamic_index_in_dim(matrix, row, 1, keepdims=False)
             new = jnp.clip(old - speed[row] / nonzero(column[row]), low, high)
