@@ -2,7 +2,7 @@
 # Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup-run setup-test run editor test check format lint type bench bench-peers chart screenshots docs
+.PHONY: help setup-run setup-test run editor test check format lint type bench screenshots
 
 export PYTHON
 # Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
@@ -50,17 +50,10 @@ lint: setup-test ## ruff, layers and, for information, the longest files and fun
 type: setup-test ## the type checker
 	$(VENV)/basedpyright
 
-bench: setup-run ## measure speed, scaling, accuracy and rendering into bench/
-	@$(VENV)/python scripts/bench.py
-
-bench-peers: setup-run ## install other engines into environments of their own and measure them beside ours
-	@$(VENV)/python scripts/bench_peers.py
-
-chart: setup-run ## draw the speed-accuracy chart into docs/
-	$(VENV)/kinetix bench chart --out docs
+bench: setup-run ## measure speed and rendering into bench/, one JSON object a line
+	@mkdir -p bench
+	$(VENV)/kinetix bench speed --json | tee bench/speed.jsonl
+	$(VENV)/kinetix bench render --json | tee bench/render.jsonl
 
 screenshots: setup-run ## take the pictures of docs/pictures anew, without a display
 	@$(VENV)/python scripts/screenshots.py
-
-docs: setup-run ## build the documentation as a static site under site/
-	@scripts/docs.sh

@@ -44,7 +44,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _welcome() -> Path | None:
     """The level that the app opens on when none is named."""
-    for name in ("m/touchdown", "s/first_flight"):
+    for name in ("l/rover_ridge", "s/first_flight"):
         path = levels_dir() / f"{name}.json"
         if path.is_file():
             return path

@@ -1,0 +1,37 @@
+"""`make run` where there is no display."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from kinetix.level.codec import load_level
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.mark.slow
+@pytest.mark.gl
+@pytest.mark.usefixtures("software_gl")
+def test_the_tour_leaves_pictures_and_a_film(home):
+    environment = {k: v for k, v in home.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "run.py"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    made = [Path(line) for line in done.stdout.splitlines() if line.startswith("/")]
+    assert {"tour-edit.png", "tour-play.png", "tour.gif"} <= {path.name for path in made}
+    with Image.open(ROOT / "out" / "tour.gif") as film:
+        assert film.n_frames > 40
+    with Image.open(ROOT / "out" / "tour-play.png") as picture:
+        assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
+    # Everything that the tour drew was undone before it saved.
+    assert load_level(ROOT / "out" / "rover_ridge.json").bodies == (
+        load_level("l/rover_ridge").bodies
+    )
