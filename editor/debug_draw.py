@@ -243,7 +243,9 @@ class _Pen:
 def _components(where: Placement) -> list[list[int]]:
     """The bodies by jointed component, without the arena's."""
     level = where.level
-    group: dict[BodyReference, int] = {body.id: k for k, body in enumerate(level.bodies)}
+    group: dict[BodyReference, int] = {}
+    for k, body in enumerate(level.bodies):
+        group[body.id] = k
     for joint in level.joints:
         a = group.setdefault(joint.a, len(group))
         b = group.setdefault(joint.b, len(group))

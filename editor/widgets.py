@@ -130,13 +130,13 @@ def tooltip(title: str, detail: str = "", keys: str = "") -> None:
 
 def key_cap(label: str, *, lit: bool = False) -> None:
     """One key as a small plate."""
+    line = imgui.get_text_line_height()
     with font(FONTS.bold, SMALL - 1):
         size = imgui.calc_text_size(label)
         pad = px(5)
         width, height = max(size.x + 2 * pad, size.y + px(5)), size.y + px(4)
         at = imgui.get_cursor_screen_pos()
-        line = imgui.get_text_line_height()
-        offset = max((line - height) / 2, -px(3))
+        offset = (line - height) / 2
         draw = imgui.get_window_draw_list()
         low = (at.x, at.y + offset)
         high = (at.x + width, at.y + offset + height)
@@ -174,17 +174,18 @@ def key_caps(keys: str) -> None:
 
 def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
     """A word in a coloured lozenge."""
+    line = imgui.get_text_line_height()
     with font(FONTS.bold, SMALL - 1):
         size = imgui.calc_text_size(words)
         pad, height = px(7), size.y + px(4)
         at = imgui.get_cursor_screen_pos()
-        low = (at.x, at.y + (imgui.get_text_line_height() - height) / 2)
+        low = (at.x, at.y + (line - height) / 2)
         high = (at.x + size.x + 2 * pad, low[1] + height)
         draw = imgui.get_window_draw_list()
         draw.add_rect_filled(low, high, u32(alpha(colour, 0.95 if filled else 0.18)), px(5))
         ink = COLOURS.backdrop if filled else colour
         draw.add_text((at.x + pad, low[1] + (height - size.y) / 2), u32(ink), words)
-        imgui.dummy((size.x + 2 * pad, imgui.get_text_line_height()))
+        imgui.dummy((size.x + 2 * pad, line))
 
 
 def icon_button(  # noqa: PLR0913 - one button has that many looks
@@ -299,14 +300,14 @@ def _chevron(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, *, do
 
 
 @contextlib.contextmanager
-def property_table(name: str) -> Iterator[bool]:
-    """Rows of label and field; draw them with `row`."""
+def property_table(name: str, *, label: float = ROW_LABEL) -> Iterator[bool]:
+    """Rows of label and field, the label's share of the width given; draw them with `row`."""
     flags = imgui.TableFlags_.sizing_stretch_prop.value | imgui.TableFlags_.no_pad_outer_x.value
     opened = imgui.begin_table(name, 2, flags)
     if opened:
         stretch = imgui.TableColumnFlags_.width_stretch.value
-        imgui.table_setup_column("label", stretch, ROW_LABEL)
-        imgui.table_setup_column("field", stretch, 1 - ROW_LABEL)
+        imgui.table_setup_column("label", stretch, label)
+        imgui.table_setup_column("field", stretch, 1 - label)
     try:
         yield opened
     finally:

@@ -37,7 +37,9 @@ _CURSORS = {
 }
 
 IDLE_WAIT = 0.25
-"""Longest sleep while nothing happens [s]: finished background jobs are noticed this late."""
+"""Longest sleep while nothing happens [s]."""
+_IDLE_FRAME = 2.0
+"""Even then a frame is drawn this often [s]: copies are saved, files watched."""
 _FRAME = 1 / 60
 _SETTLE_FRAMES = 4
 """Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
@@ -140,6 +142,8 @@ class PygameHost(Host):
             batch = self.poll(IDLE_WAIT if idle else 0.0)
             if batch:
                 self._awake = _SETTLE_FRAMES
+            elif idle and time.perf_counter() - last < _IDLE_FRAME:
+                continue
             now = time.perf_counter()
             self.step(batch, min(now - last, 0.25))
             last = now

@@ -326,10 +326,21 @@ def segments(
     picked = None
     gap = widgets.px(2)
     width = (imgui.get_content_region_avail().x - gap * (len(options) - 1)) / len(options)
+    room = width - 2 * widgets.px(4)
+    cramped = any(imgui.calc_text_size(label).x > room for _, label in options)
+    imgui.push_style_var(
+        imgui.StyleVar_.frame_padding,
+        imgui.ImVec2(widgets.px(4), imgui.get_style().frame_padding.y),
+    )
     for index, (value, label) in enumerate(options):
         if index:
             imgui.same_line(0, gap)
         on = value == current
+        if cramped and imgui.calc_text_size(label).x > room:
+            # The sign alone, where there is one; the tooltip has the word.
+            label, full = label.split(" ")[0], label
+        else:
+            full = ""
         c = COLOURS
         with widgets.coloured(
             button=c.accent_strong if on else c.field,
@@ -339,4 +350,7 @@ def segments(
             if imgui.button(f"{label}###{name}.{value}", (width, 0)):
                 picked = (value,)
         widgets.probe(session, f"{name}.{value}")
+        if full:
+            widgets.tooltip(full)
+    imgui.pop_style_var()
     return picked

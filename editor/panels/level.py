@@ -40,7 +40,7 @@ class LevelPanel(Panel):
         """Draw the sections."""
         level = session.document.shown
         with widgets.disabled(not session.editing):
-            with widgets.property_table("level") as opened:
+            with widgets.property_table("level", label=0.37) as opened:
                 if opened:
                     widgets.row("Name")
                     self._text(session, "name", level.name)

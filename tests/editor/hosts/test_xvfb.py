@@ -44,7 +44,12 @@ class Desktop:
 
     def do(self, *arguments: str) -> str:
         done = subprocess.run(
-            ["xdotool", *arguments], env=self._env, capture_output=True, text=True, timeout=30
+            ["xdotool", *arguments],
+            env=self._env,
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
         )
         return done.stdout.strip()
 
@@ -53,7 +58,9 @@ class Desktop:
 
     def title(self) -> str:
         command = ["xprop", "-id", self.window(), "-notype", "_NET_WM_NAME"]
-        done = subprocess.run(command, env=self._env, capture_output=True, text=True, timeout=30)
+        done = subprocess.run(
+            command, env=self._env, capture_output=True, text=True, timeout=30, check=False
+        )
         return done.stdout.partition('"')[2]
 
     def until(self, value, seconds: float = 30.0):
