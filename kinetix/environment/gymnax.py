@@ -3,6 +3,7 @@
 gymnax is not needed by the rest of the project; it is imported when the adapter is made.
 """
 
+import dataclasses
 import importlib
 from typing import Any
 
@@ -25,8 +26,7 @@ class GymnaxAdapter:
     """A `KinetixEnv` with the interface of gymnax 1.x.
 
     A NaN counts as terminated. Where an episode ends, state and observation are those of the next
-    one; `info["final_observation"]` keeps the last observation when the environment was made with
-    `keep_terminal_observation=True`.
+    one, and `info["final_observation"]` is the last one of the old.
     """
 
     def __init__(self, env: KinetixEnv) -> None:
@@ -35,7 +35,7 @@ class GymnaxAdapter:
         Raises:
             KinetixError: gymnax is not installed.
         """
-        self._env = env
+        self._env = dataclasses.replace(env, keep_terminal_observation=True)
         self._spaces = gymnax_spaces()
 
     @property
@@ -62,10 +62,11 @@ class GymnaxAdapter:
     ) -> GymnaxStep:
         """Play one action."""
         observation, state, reward, done, info = self._env.step(key, state, action, params)
-        if "terminal_observation" in info:
-            info = info | {"final_observation": info["terminal_observation"]}
         truncated = info["truncated"]
-        return observation, state, reward, done & ~truncated, truncated, info
+        terminated = done & ~truncated
+        final = info.pop("terminal_observation")
+        info |= {"terminated": terminated, "final_observation": final}
+        return observation, state, reward, terminated, truncated, info
 
     def action_space(self, params: EnvParams | None = None) -> Any:
         """The set of actions as one of gymnax's spaces."""

@@ -192,7 +192,9 @@ def test_expansion_changes_nothing_that_is_seen(layout: Layout, moving: EnvState
     large = EntityObservations(layout=wide)(state)
     np.testing.assert_array_equal(large.polygons[:5], small.polygons)
     np.testing.assert_array_equal(large.circles[:2], small.circles)
-    np.testing.assert_array_equal(large.joint_indexes[0], small.joint_indexes[0] + jnp.array([4, 0]))
+    np.testing.assert_array_equal(
+        large.joint_indexes[0], small.joint_indexes[0] + jnp.array([4, 0])
+    )
     assert large.polygon_mask.sum() == small.polygon_mask.sum()
 
 

@@ -1,0 +1,55 @@
+"""Build a level in code, save it, and train an agent on it for a moment."""
+
+import argparse
+from pathlib import Path
+
+from kinetix import save_level
+from kinetix.cli import main as kinetix
+from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
+
+
+def ramp_roller() -> Level:
+    """A motorised wheel with a green rider; the blue ball waits on the right."""
+    board = Polygon(vertices=((0.3, 0.08), (-0.3, 0.08), (-0.3, -0.08), (0.3, -0.08)))
+    return Level(
+        name="Ramp roller",
+        description="Roll to the right.",
+        size="s",
+        next_id=5,
+        bodies=(
+            Body(id=1, shape=board, position=(1.5, 0.75), role="green"),
+            Body(id=2, shape=Circle(radius=0.2), position=(1.5, 0.6)),
+            Body(id=3, shape=Circle(radius=0.3), position=(4.2, 0.7), role="blue", fixed=True),
+        ),
+        joints=(
+            Joint(
+                id=4,
+                kind="revolute",
+                a=1,
+                b=2,
+                anchor_a=(0.0, -0.15),
+                anchor_b=(0.0, 0.0),
+                motor=Motor(on=True, speed=2.0, power=2.0, binding=0),
+            ),
+        ),
+    )
+
+
+def main() -> int:
+    """Run the example."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("ramp_roller"))
+    parser.add_argument("arguments", nargs="*", help="more arguments for `kinetix train ppo`")
+    given = parser.parse_args()
+
+    given.out.mkdir(parents=True, exist_ok=True)
+    file = given.out / "ramp_roller.json"
+    save_level(ramp_roller(), file)
+    if kinetix(["validate", str(file)]):
+        return 1
+    run = ["train", "ppo", "--out", str(given.out / "run"), "--levels", str(file), "--size", "s"]
+    return kinetix([*run, *given.arguments])
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,55 @@
+"""Draw a random level, play it with random actions, and save the film as a GIF."""
+
+import argparse
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from PIL import Image
+
+from kinetix import (
+    EnvParams,
+    make_kinetix_env,
+    make_render_pixels,
+    make_reset_fn_sample_kinetix_level,
+    static_env_params_from_size,
+)
+
+
+def main() -> None:
+    """Run the example."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", default="random_level.gif")
+    parser.add_argument("--steps", type=int, default=128)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+
+    env_params = EnvParams()
+    static_env_params = static_env_params_from_size("m")
+    env = make_kinetix_env(
+        action_type="multi_discrete",
+        observation_type="symbolic_flat",
+        reset_fn=make_reset_fn_sample_kinetix_level(env_params, static_env_params),
+        env_params=env_params,
+        static_env_params=static_env_params,
+    )
+    render = make_render_pixels(env_params, static_env_params)
+
+    def step(state, key):
+        action = env.action_space(env_params).sample(key)
+        _, state, reward, done, _ = env.step(key, state, action, env_params)
+        return state, (render(state).astype(jnp.uint8), reward, done)
+
+    reset_key, play_key = jax.random.split(jax.random.PRNGKey(arguments.seed))
+    _, state = env.reset(reset_key, env_params)
+    keys = jax.random.split(play_key, arguments.steps)
+    _, (pictures, rewards, dones) = jax.jit(lambda s, k: jax.lax.scan(step, s, k))(state, keys)
+
+    # Pictures have the axes x, y, channel with y up; image files want rows from the top.
+    frames = [Image.fromarray(p.transpose(1, 0, 2)[::-1]) for p in np.asarray(pictures)]
+    frames[0].save(arguments.out, save_all=True, append_images=frames[1:], duration=33, loop=0)
+    print(f"{arguments.out}: return {rewards.sum():.3f}, {int(dones.sum())} episodes ended")
+
+
+if __name__ == "__main__":
+    main()

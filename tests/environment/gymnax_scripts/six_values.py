@@ -1,0 +1,71 @@
+"""Run inside an environment with gymnax 1.x: the adapter under its wrappers, with its spaces."""
+
+import jax
+import jax.numpy as jnp
+from gymnax.environments import spaces
+from gymnax.wrappers.purerl import FlattenObservationWrapper, LogWrapper
+
+from kinetix import EnvParams, make_kinetix_env, make_reset_fn_list_of_levels
+from kinetix.environment.gymnax import GymnaxAdapter
+from kinetix.environment.params import static_env_params_from_size
+from kinetix.level.model import Body, Circle, Level
+
+STEPS = 12
+
+level = Level(
+    name="drop",
+    size="s",
+    next_id=3,
+    max_timesteps=4,
+    bodies=(
+        Body(id=1, shape=Circle(radius=0.3), position=(1.0, 1.7), role="green"),
+        Body(id=2, shape=Circle(radius=0.3), position=(1.0, 1.0), role="blue", fixed=True),
+    ),
+)
+static = static_env_params_from_size("s", physics="jax2d")
+
+
+def make(observation_type, action_type="discrete"):
+    env = make_kinetix_env(
+        action_type,
+        observation_type,
+        make_reset_fn_list_of_levels(level, static),
+        EnvParams(),
+        static,
+    )
+    return GymnaxAdapter(env)
+
+
+adapter = make("symbolic_flat_padded")
+params = adapter.default_params
+assert isinstance(adapter.observation_space(params), spaces.Box)
+assert isinstance(adapter.action_space(params), spaces.Discrete)
+entities = make("symbolic_entity", "multi_discrete")
+described = entities.observation_space(params)
+assert isinstance(described, spaces.Dict)
+assert described.spaces["polygons"].shape == (5, 27)
+action = entities.action_space(params).sample(jax.random.key(0))
+assert action.shape == (6,)
+assert (action[:4] <= 2).all() and (action[4:] <= 1).all()
+
+env = LogWrapper(FlattenObservationWrapper(adapter))
+obs, state = env.reset(jax.random.key(0), params)
+
+
+@jax.jit
+def play(state):
+    def step(state, key):
+        action = env.action_space(params).sample(key)
+        _, state, _, terminated, truncated, info = env.step(key, state, action, params)
+        return state, (terminated, truncated, info["returned_episode"], info["final_observation"])
+
+    return jax.lax.scan(step, state, jax.random.split(jax.random.key(1), STEPS))
+
+
+_, (terminated, truncated, returned, final) = play(state)
+# The level's time limit is four steps, and the ball needs more than four.
+expected = (jnp.arange(STEPS) % 4) == 3
+assert (truncated == expected).all(), truncated
+assert not terminated.any()
+assert (returned == expected).all()
+assert final.shape == (STEPS, 6 * 41)

@@ -1,0 +1,57 @@
+"""Every example runs as a user would run it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+
+RUNS = {
+    "random_level_replay": ["--steps", "8", "--out", "film.gif"],
+    "handmade_level_replay": [],
+    "auto_reset": ["--worlds", "4", "--steps", "20"],
+    "inverse_render": ["--out", "seen.png"],
+    "batch_rollout": ["--worlds", "8", "--steps", "8"],
+    "custom_level_to_training": [
+        "--out",
+        "trained",
+        "--",
+        "--num-train-envs",
+        "8",
+        "--num-steps",
+        "16",
+        "--num-minibatches",
+        "2",
+        "--total-timesteps",
+        "256",
+    ],
+}
+
+
+def test_every_example_is_run_here() -> None:
+    assert {file.stem for file in EXAMPLES.glob("*.py")} == set(RUNS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(RUNS))
+def test_example(name: str, tmp_path: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, EXAMPLES / f"{name}.py", *RUNS[name]],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=500,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    assert result.returncode == 0, result.stderr[-3000:]
+    assert result.stdout.strip()
+    for picture in (*tmp_path.glob("*.gif"), *tmp_path.glob("*.png")):
+        with Image.open(picture) as image:
+            assert image.size == (125, 125)
+            assert len(image.convert("RGB").getcolors() or []) > 3
