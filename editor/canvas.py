@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions, events
+from editor import actions, events, picking
 from editor.camera import ARENA
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
@@ -170,6 +170,9 @@ class Canvas:
             hovered = (*hovered, session.hovered)
         marker.selection(session.selection, hovered)
         marker.marks(session.marks)
+        if session.tool.id == "select" and not session.driver.active and session.selection:
+            level = session.document.shown
+            marker.marks(picking.handles(level, session.selection, session.metres))
 
     def _play_marks(self, session: "Session", marker: Marker) -> None:
         pull = session.pull

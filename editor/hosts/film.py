@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-_COLOURS: Final = 128
 _WIDTH_MAX: Final = 960
 
 
@@ -27,7 +26,9 @@ class Film:
             if picture.width > _WIDTH_MAX:
                 height = round(picture.height * _WIDTH_MAX / picture.width)
                 picture = picture.resize((_WIDTH_MAX, height), Image.Resampling.LANCZOS)
-            self._pictures.append(picture.quantize(_COLOURS, dither=Image.Dither.NONE))
+            self._pictures.append(
+                picture.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+            )
         self._count += 1
 
     def save(self) -> None:

@@ -338,16 +338,16 @@ def segments(
         on = value == current
         if cramped and imgui.calc_text_size(label).x > room:
             # The sign alone, where there is one; the tooltip has the word.
-            label, full = label.split(" ")[0], label
+            shown, full = label.split(" ")[0], label
         else:
-            full = ""
+            shown, full = label, ""
         c = COLOURS
         with widgets.coloured(
             button=c.accent_strong if on else c.field,
             button_hovered=c.accent if on else c.field_hover,
             text=(1.0, 1.0, 1.0, 1.0) if on else c.muted,
         ):
-            if imgui.button(f"{label}###{name}.{value}", (width, 0)):
+            if imgui.button(f"{shown}###{name}.{value}", (width, 0)):
                 picked = (value,)
         widgets.probe(session, f"{name}.{value}")
         if full:

@@ -38,7 +38,7 @@ def x_server() -> None:
 
 @pytest.fixture
 def home(tmp_path: Path) -> dict[str, str]:
-    """An environment whose user folders are temporary; compiled functions are kept between tests."""
+    """An environment with temporary user folders; what was compiled is kept between tests."""
     cache = os.environ.get("JAX_COMPILATION_CACHE_DIR", str(tmp_path / "jax"))
     return os.environ | {
         "XDG_STATE_HOME": str(tmp_path / "state"),
