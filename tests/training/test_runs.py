@@ -1,6 +1,7 @@
 """Whole runs, tiny: they learn, can be stopped at any moment, refuse what does not fit."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -16,6 +17,8 @@ from kinetix.agents.arrays import flatten
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.cli import main
 from kinetix.errors import KinetixError
+from kinetix.level.codec import save_level
+from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
 from kinetix.training.logging import read_metrics
 from kinetix.training.run import make_trainer, train
 from kinetix.training.settings import make_config
@@ -239,16 +242,25 @@ def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
     assert card["training"]["environment_steps"] == 1920
 
 
+def _rocket():
+    """A box with a thruster below a blue ball: random play reaches it now and then."""
+    corners = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
+    box = Body(id=1, shape=Polygon(vertices=corners), position=(2.5, 0.45), role="green")
+    ball = Body(id=2, shape=Circle(radius=0.3), position=(2.5, 2.5), fixed=True, role="blue")
+    up = Thruster(id=3, body=1, position=(0.0, -0.2), angle=math.pi / 2, power=0.24)
+    return Level(name="rocket", size="s", next_id=4, bodies=(box, ball), thrusters=(up,))
+
+
 @pytest.mark.slow
 def test_ppo_learns_an_easy_level(tmp_path):
     """A fixed budget on one level of size s; the last evaluation solves at least 0.8."""
+    save_level(_rocket(), tmp_path / "rocket.json")
     config = make_config(
         "ppo",
         preset="small",
         values={
-            "levels": ("s/first_flight",),
-            "total_timesteps": 524_288,
-            "num_train_envs": 128,
+            "levels": (str(tmp_path / "rocket.json"),),
+            "total_timesteps": 196_608,
             "eval_freq": 1000,
             "eval_num_attempts": 50,
             "checkpoint_save_freq": 1000,
