@@ -16,15 +16,19 @@ from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, a
 from editor.marks import Marker
 from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
+from editor.play_image import PlayImage
 from editor.playback import Mode
+from editor.textures import TextureStore
 from editor.vectors import Painter, Placement, paint_level, poses_of
 from editor.widgets import font, probe, px
+from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.render.palette import KINETIX, PALETTES
 from kinetix.render.style import STYLE
 
 if TYPE_CHECKING:
     from editor.session import Session
 
+_SETTLED_FRAME: Final = 6
 _NOWHERE: Final = (-1e6, -1e6)
 _BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
 """Our button numbers to Dear ImGui's."""
@@ -49,7 +53,10 @@ _OUTCOMES: Final[dict[str, tuple[str, str, Rgba]]] = {
 class Canvas:
     """Holds only what lasts between frames: which buttons are down and where the pointer was."""
 
-    def __init__(self) -> None:
+    def __init__(self, textures: TextureStore) -> None:
+        self.images = PlayImage()
+        """The JAX renderer's pictures of what is played."""
+        self._textures = textures
         self._down: list[int] = []
         self._mouse = (0.0, 0.0)
         self.area = ((0.0, 0.0), (1.0, 1.0))
@@ -74,7 +81,8 @@ class Canvas:
         session.camera = session.camera.with_viewport((origin.x, origin.y), size)
         if not session.tab.fitted:
             session.camera = session.camera.fitted(*ARENA, margin=px(28))
-            session.tab.fitted = True
+            # The layout needs some frames to settle; until then the viewport is not the last one.
+            session.tab.fitted = imgui.get_frame_count() > _SETTLED_FRAME
         self._mouse_input(session)
 
     def _mouse_input(self, session: "Session") -> None:
@@ -151,6 +159,7 @@ class Canvas:
             hidden=session.document.hidden if session.editing else (),
             thrust=snapshot.thruster.tolist() if snapshot is not None else None,
         )
+        self._picture(session, painter)
         if session.view.debug_draw:
             paint_debug(session, painter, where)
         if session.editing:
@@ -163,6 +172,15 @@ class Canvas:
             self._teach(draw)
         self._frame(session, draw)
         draw.pop_clip_rect()
+
+    def _picture(self, session: "Session", painter: Painter) -> None:
+        """Lay the renderer's picture, when there is one, over the vectors inside the arena."""
+        low, high = painter.square(ARENA_WIDTH)
+        self.images.update(session, high[0] - low[0])
+        picture = self.images.picture(session)
+        if picture is not None:
+            texture = self._textures.texture("play", picture.pixels, picture.stamp)
+            painter.draw.add_image(texture, low, high)
 
     def _edit_marks(self, session: "Session", marker: Marker) -> None:
         hovered = tuple(session.highlighted)

@@ -169,8 +169,8 @@ class _Pen:
             if math.dist(a, b) > 1.0:
                 self.draw.add_line(a, b, u32(COLOURS.bad), px(2))
             for end, body in ((a, joint.a), (b, joint.b)):
-                pose = self.where.pose(body)
-                if pose is not None and not isinstance(body, str):
+                pose = None if isinstance(body, str) else self.where.pose(body)
+                if pose is not None:
                     centre = self._at((pose[0], pose[1]))
                     dashed(self.draw, (end, centre), u32(alpha(_BLUE, 0.6)), px(1), closed=False)
 

@@ -66,7 +66,7 @@ class Ui:
         self.textures = textures
         self.scale = 0.0
         self._host_scale = scale
-        self.canvas = Canvas()
+        self.canvas = Canvas(textures)
         self._menu = MenuBar()
         self._toolbar = Toolbar()
         self._status = StatusBar()
@@ -176,6 +176,7 @@ class Ui:
     def _compiled(self, job: Job) -> None:
         if job.state is JobState.DONE:
             self._toolbar.physics = job.result
+            self.canvas.images.enabled = self.session.worker.idle
 
     def _follow_switches(self) -> None:
         """Bring a panel to the front when its key turns it on."""

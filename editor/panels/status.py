@@ -1,6 +1,6 @@
 """The line at the bottom: mode, hint, pointer, selection, zoom, speed, jobs, unsaved changes."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
@@ -12,6 +12,10 @@ from editor.widgets import px
 
 if TYPE_CHECKING:
     from editor.session import Session
+
+
+_CONSTANT: Final = ("Simulating", "Drawing")
+"""Jobs that run all the time while something is played."""
 
 
 class StatusBar:
@@ -52,7 +56,7 @@ class StatusBar:
     def _right(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
         c = COLOURS
         parts = []
-        jobs = [job for job in session.worker.jobs if job.title != "Simulating"]
+        jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
         if jobs:
             job = jobs[0]
             share = f" {job.fraction:.0%}" if job.fraction is not None else ""

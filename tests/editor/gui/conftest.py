@@ -27,7 +27,7 @@ class Gui:
     def __init__(self, session: Session, **options: object) -> None:
         self.session = session
         self.host = HeadlessHost(session, **options)
-        self.host.frames(4)
+        self.host.frames(8)
 
     @property
     def level(self) -> Level:

@@ -108,9 +108,10 @@ def test_the_wheel_zooms_at_the_pointer(make_gui):
     # Dear ImGui's pointer stands on whole pixels.
     x, y = (float(round(value)) for value in gui.screen(1.2, 3.4))
     under = gui.session.camera.to_world((x, y))
+    before = gui.session.camera.zoom
     gui.wheel(x, y, 3)
     assert gui.session.camera.to_world((x, y)) == pytest.approx(under, abs=1e-4)
-    assert gui.session.camera.zoom > 1.2
+    assert gui.session.camera.zoom == pytest.approx(before * 1.1**3)
 
 
 def test_a_right_drag_pans_and_a_right_click_lists(make_gui):
@@ -359,3 +360,12 @@ def test_edits_and_saves_without_jax(tmp_path: Path):
     """
     subprocess.run([sys.executable, "-c", textwrap.dedent(script)], check=True, timeout=60)
     assert len(load_level(tmp_path / "out.json").bodies) == 1
+
+
+def test_a_level_opened_before_the_first_frame_is_shown_whole(make_gui):
+    gui = make_gui(level=BALL)
+    gui.frames(10)
+    (x, y), (width, height) = gui.host.ui.canvas.area
+    for corner in ((0.0, 0.0), (5.0, 5.0)):
+        at = gui.screen(*corner)
+        assert x < at[0] < x + width and y < at[1] < y + height

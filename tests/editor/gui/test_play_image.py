@@ -1,0 +1,83 @@
+"""The renderer's picture in Play: asked for one at a time, shown only while it is recent."""
+
+import numpy as np
+
+from editor.controls import NOOP
+from editor.jobs import Worker
+from editor.play_image import PlayImage
+from editor.playback import Mode
+from editor.recording import Snapshot
+from editor.requests import Advance, Image, RenderState, StartEpisode
+from editor.session import Session
+from editor.settings import Settings
+from kinetix.level.model import Body, Circle, Level
+
+LEVEL = Level(name="Ball", bodies=(Body(id=1, shape=Circle(radius=0.3), position=(2.5, 2.5)),))
+
+
+class Simulation:
+    """Stands in for the worker's side: one still ball, grey pictures."""
+
+    def __init__(self) -> None:
+        self.drawn: list[RenderState] = []
+        self.step = 0
+
+    def snapshot(self) -> Snapshot:
+        return Snapshot(
+            step=self.step,
+            position=np.array([[2.5, 2.5]]),
+            angle=np.zeros(1),
+            velocity=np.zeros((1, 2)),
+            angular_velocity=np.zeros(1),
+            motor=np.zeros(0),
+            thruster=np.zeros(0),
+            state="opaque",
+        )
+
+    def perform(self, request, progress):
+        del progress
+        match request:
+            case RenderState(size=(width, height)):
+                self.drawn.append(request)
+                pixels = np.full((height, width, 3), 128, np.uint8)
+                return Image(pixels=pixels, centre=request.centre, scale=request.scale)
+            case StartEpisode():
+                self.step = 0
+                return self.snapshot()
+            case Advance(actions=actions):
+                snapshots = []
+                for _ in actions:
+                    self.step += 1
+                    snapshots.append(self.snapshot())
+                return tuple(snapshots)
+
+
+def settle(gui) -> None:
+    gui.session.worker.wait(5.0)
+    gui.frames(2)
+
+
+def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
+    simulation = Simulation()
+    session = Session(settings=Settings(), worker=Worker(perform=simulation.perform), level=LEVEL)
+    gui = make_gui(session=session)
+    images = gui.host.ui.canvas.images
+    assert isinstance(images, PlayImage) and not images.enabled
+    gui.frames(3)
+    assert not simulation.drawn, "nothing may be asked of the worker before Play is prepared"
+    images.enabled = True
+    gui.frames(2)
+    settle(gui)
+    assert [request.state for request in simulation.drawn] == [None]
+    assert images.picture(session) is None, "Edit shows vectors"
+    gui.key("space")
+    for _ in range(20):
+        settle(gui)
+    assert session.mode is Mode.PLAYING and session.action == NOOP
+    assert session.playback.step_count > 1
+    assert simulation.drawn[-1].state == "opaque"
+    picture = images.picture(session)
+    assert picture is not None and picture.pixels.shape[2] == 3
+    gui.key("escape")
+    gui.frames(2)
+    assert images.picture(session) is None
