@@ -7,12 +7,13 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from kinetix.environment.inverse import make_inverse_render_symbolic
     from kinetix.render.pixels import make_render_pixels, make_render_pixels_rl
 
 _HOME = {
     "make_render_pixels": "kinetix.render.pixels",
     "make_render_pixels_rl": "kinetix.render.pixels",
-    # A string only: the layers forbid an import from here.
+    # Looked up by name only: at run time the layers forbid an import from here.
     "make_inverse_render_symbolic": "kinetix.environment.inverse",
 }
 

@@ -238,7 +238,7 @@ def paint(layers: Layers, background: Rgb, width: int, height: int) -> UInt8[Arr
     order = jnp.argsort(~touches, axis=1, stable=True)
     packed = _pack(layers)
     tiles = jax.lax.map(
-        lambda tile: _paint_tile(layers, packed, *tile, background),
+        lambda tile: _paint_tile(layers, packed, tile[0], tile[1], tile[2], background),
         (order, touches.sum(axis=1), corner),
     )
     bands = tiles.reshape(down, across, TILE_HEIGHT, TILE_WIDTH, 3).swapaxes(1, 2)
