@@ -26,12 +26,15 @@ def test_the_tour_leaves_pictures_and_a_film(home):
     )
     assert done.returncode == 0, done.stderr
     made = [Path(line) for line in done.stdout.splitlines() if line.startswith("/")]
-    assert {"tour-edit.png", "tour-play.png", "tour.gif"} <= {path.name for path in made}
-    with Image.open(ROOT / "out" / "tour.gif") as film:
-        assert film.n_frames > 40
-    with Image.open(ROOT / "out" / "tour-play.png") as picture:
-        assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
+    pictures = [path for path in made if path.suffix == ".png"]
+    films = [path for path in made if path.suffix == ".gif"]
+    assert len(pictures) >= 2
+    assert len(films) >= 1
+    for path in pictures:
+        with Image.open(path) as picture:
+            assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
+    for path in films:
+        with Image.open(path) as film:
+            assert getattr(film, "n_frames", 1) > 15
     # Everything that the tour drew was undone before it saved.
-    assert load_level(ROOT / "out" / "rover_ridge.json").bodies == (
-        load_level("l/rover_ridge").bodies
-    )
+    assert load_level(ROOT / "out" / "tour_level.json").bodies == load_level("l/rover_ridge").bodies
