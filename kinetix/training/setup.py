@@ -40,6 +40,7 @@ from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.sets import gather_levels
 from kinetix.training.config import PpoConfig
+from kinetix.training.devices import check_divisible
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
 from kinetix.training.ppo.update import Learner, learn
 from kinetix.training.schedule import make_optimiser
@@ -159,6 +160,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     Raises:
         KinetixError: Something does not fit; the sentence says what.
     """
+    check_divisible(config.num_train_envs)
     ued = UEDParams(legacy_ceiling=True) if config.parity == "kinetix-3" else UEDParams()
     static_env_params = static_env_params_from_size(
         config.size, frame_skip=config.frame_skip, physics=config.physics

@@ -13,6 +13,7 @@ from kinetix.agents.normalisation import Normalisation, normalise
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
+from kinetix.training.devices import over_devices
 
 _TIMEOUT_CHUNK: Final = 64
 """Cut-off episodes whose last state is valued at once."""
@@ -90,7 +91,7 @@ def begin(game: Game, key: Array, count: int, levels: EnvState | None = None) ->
     """
     keys = jax.random.split(key, count)
     observation, env_state = jax.vmap(game.env.reset, in_axes=(0, None, 0))(keys, None, levels)
-    return Playing(
+    playing = Playing(
         env_state=env_state,
         observation=observation,
         carry=initial_carry(count),
@@ -98,6 +99,7 @@ def begin(game: Game, key: Array, count: int, levels: EnvState | None = None) ->
         episode_return=jnp.zeros(count),
         episode_length=jnp.zeros(count, jnp.int32),
     )
+    return over_devices(playing)
 
 
 def rollout(

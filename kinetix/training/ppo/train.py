@@ -9,6 +9,7 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
 from kinetix.pytree import pytree
 from kinetix.training.config import PpoConfig
+from kinetix.training.devices import over_devices
 from kinetix.training.ppo.rollout import Playing, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
@@ -73,7 +74,7 @@ class Ppo:
         playing, played = rollout(
             setup.game,
             learner.params,
-            state.playing,
+            over_devices(state.playing),
             play_key,
             setup.config.num_steps,
             statistics=state.statistics,

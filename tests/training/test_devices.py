@@ -1,0 +1,70 @@
+"""Training over two (made-up) devices is training over one."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+_PROGRAM = """
+import json, sys
+import jax
+from kinetix.training.run import make_trainer
+from kinetix.training.settings import make_config
+
+values = json.loads(sys.argv[1])
+trainer = make_trainer(make_config("ppo", values=values))
+state = trainer.start()
+rows = []
+for _ in range(3):
+    state, metrics = trainer.update(state)
+    rows.append({name: float(value) for name, value in metrics.items()})
+spread = len(state.playing.observation.sharding.device_set)
+print(json.dumps({"devices": jax.device_count(), "spread": spread, "rows": rows}))
+"""
+
+_VALUES = {
+    "size": "s",
+    "num_train_envs": 8,
+    "num_steps": 8,
+    "num_minibatches": 2,
+    "update_epochs": 2,
+    "total_timesteps": 1000,
+    "observation_type": "symbolic_flat",
+    "physics": "jax2d",
+    "level_mode": "list",
+    "levels": ["s/first_flight"],
+    "actor_depth": 1,
+    "critic_depth": 1,
+    "actor_width": 16,
+    "critic_width": 16,
+}
+
+
+def _train(devices, **values):
+    flags = f"--xla_force_host_platform_device_count={devices}"
+    done = subprocess.run(
+        [sys.executable, "-c", _PROGRAM, json.dumps(_VALUES | values)],
+        env=os.environ | {"XLA_FLAGS": flags, "JAX_PLATFORMS": "cpu"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done
+
+
+@pytest.mark.slow
+def test_two_devices_learn_what_one_learns():
+    one, two = (json.loads(_train(devices).stdout) for devices in (1, 2))
+    assert (one["devices"], one["spread"]) == (1, 1)
+    assert (two["devices"], two["spread"]) == (2, 2)
+    for a, b in zip(one["rows"], two["rows"], strict=True):
+        assert a == pytest.approx(b, rel=1e-3, abs=1e-4, nan_ok=True)
+
+
+@pytest.mark.slow
+def test_environments_must_be_a_multiple_of_the_devices():
+    done = _train(3)
+    assert done.returncode == 1
+    assert "num_train_envs = 8 must be a multiple of the 3 devices" in done.stderr
