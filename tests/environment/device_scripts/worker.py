@@ -17,11 +17,11 @@ if len(sys.argv) > 2:
 else:
     processes, index = 1, 0
 
-from kinetix import EnvParams, make_kinetix_env
-from kinetix.environment.devices import own_part, place, spread
-from kinetix.environment.params import static_env_params_from_size
-from kinetix.environment.reset import level_state
-from kinetix.level.model import Body, Circle, Level
+from kinetix import EnvParams, make_kinetix_env  # noqa: E402 (the processes must meet first)
+from kinetix.environment.devices import own_part, place, spread  # noqa: E402 (the processes must meet first)
+from kinetix.environment.params import static_env_params_from_size  # noqa: E402 (the processes must meet first)
+from kinetix.environment.reset import level_state  # noqa: E402 (the processes must meet first)
+from kinetix.level.model import Body, Circle, Level  # noqa: E402 (the processes must meet first)
 
 static = static_env_params_from_size("4,1,0,0", physics="jax2d")
 ball = Body(id=1, shape=Circle(radius=0.3), position=(1.0, 1.7), role="green")
@@ -44,4 +44,6 @@ def rollout(numbers):
 
 
 observations = own_part(spread(rollout)(place(numbers)))
-print(json.dumps({"devices": jax.device_count(), "observations": observations.tolist()}))
+sys.stdout.write(
+    json.dumps({"devices": jax.device_count(), "observations": observations.tolist()}) + "\n"
+)
