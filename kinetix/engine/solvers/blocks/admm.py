@@ -48,7 +48,12 @@ class Admm(AbstractBlock):
         """See the contract."""
         solve, penalty = prepared
         allowed = project(cone, start)
-        dual = -(matvec(matrix, allowed) + offset) / penalty
+        # Only open rows start with a dual: one taken from rows that must still gain impulse would
+        # throw them 1/penalty too far in the first iteration.
+        leaving = jnp.maximum(matvec(matrix, allowed) + offset, 0) / penalty
+        count = cone.friction.shape[0]
+        pushes_only = np.arange(offset.shape[0])[:, None] // max(count, 1) != 1
+        dual = jnp.where((allowed == 0) & pushes_only, -leaving, 0)
 
         def iterate(_: Any, carry: tuple) -> tuple:
             allowed, dual = carry
