@@ -39,18 +39,33 @@ class MeasureRender:
     """Print one JSON object a figure on stdout, and nothing else there."""
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MeasureAccuracy:
+    """Errors of the engine in scenes with known answers."""
+
+    scenes: str = "core"
+    """core, all, or ids such as B1,D5."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    json: bool = False
+    """Print one JSON object a scene on stdout, and nothing else there."""
+
+
 Bench = (
     Annotated[MeasureSpeed, tyro.conf.subcommand("speed")]
     | Annotated[MeasureRender, tyro.conf.subcommand("render")]
+    | Annotated[MeasureAccuracy, tyro.conf.subcommand("accuracy")]
 )
 
 
-def run(command: MeasureSpeed | MeasureRender) -> int:
-    """Measure and print one line a figure.
+def run(command: MeasureSpeed | MeasureRender | MeasureAccuracy) -> int:
+    """Measure and print one line a figure or scene.
 
     Raises:
         KinetixError: An option names nothing known, or is not a number.
     """
+    if isinstance(command, MeasureAccuracy):
+        return _accuracy(command)
     rows = _speed(command) if isinstance(command, MeasureSpeed) else _render()
     for row in rows:
         print(json_module.dumps(row) if command.json else _text(row), flush=True)
@@ -79,6 +94,19 @@ def _render() -> Iterable[dict[str, Any]]:
     from kinetix.bench.render import run as measure
 
     return measure(RenderSettings())
+
+
+def _accuracy(command: MeasureAccuracy) -> int:
+    from kinetix.bench.accuracy import AccuracySettings, measure_accuracy
+    from kinetix.bench.report import scene_text, summary_text
+
+    rows = []
+    for row in measure_accuracy(AccuracySettings(scenes=command.scenes, physics=command.physics)):
+        rows.append(row)
+        print(json_module.dumps(row) if command.json else scene_text(row), flush=True)
+    if not command.json:
+        print(summary_text(rows))
+    return 0
 
 
 def _integers(option: str, text: str) -> tuple[int, ...]:

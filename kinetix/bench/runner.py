@@ -1,0 +1,169 @@
+"""Runs the trials of a scene in our engine: all at once, one program a scene."""
+
+import contextlib
+import dataclasses
+import functools
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from kinetix.bench.motion import Motion
+from kinetix.engine.pipeline import step
+from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.spec import Capacity, SceneSpec
+from kinetix.engine.types import Control, Parameters, State, World, default_parameters
+from kinetix.level.compile import compile_level, features_of, features_union
+from kinetix.level.sizes import needed_capacity
+from kinetix.level.slots import body_slots
+from kinetix.scenes.model import Trial
+
+NO_CLIP: Final = 1e6
+"""The suite's scenes are not clipped: a bound far beyond anything that may happen."""
+
+
+@contextlib.contextmanager
+def precision(binary64: bool) -> Iterator[None]:
+    """Within it JAX computes in binary64, or as it is set."""
+    with jax.enable_x64(True) if binary64 else contextlib.nullcontext():
+        yield
+
+
+def run_trials(
+    trials: Sequence[Trial], solver: AbstractSolver, *, binary64: bool = False, every: int = 1
+) -> list[Motion]:
+    """Record every trial; all are padded to one capacity and stepped together.
+
+    Args:
+        trials: Of any duration and time step.
+        solver: The method and its settings.
+        binary64: Whether to compute in binary64 instead of binary32.
+        every: Record only each so-manieth step; the motions then have a `dt` as much longer.
+    """
+    with precision(binary64):
+        return _run(trials, solver, binary64, every)
+
+
+def _run(
+    trials: Sequence[Trial], solver: AbstractSolver, binary64: bool, every: int
+) -> list[Motion]:
+    capacity = functools.reduce(Capacity.union, (needed_capacity(t.level) for t in trials))
+    spec = SceneSpec(capacity=capacity)
+    scenes = [compile_level(trial.level, spec=spec, solver=solver) for trial in trials]
+    features = features_union([features_of(scene) for scene in scenes], capacity)
+    spec = SceneSpec(capacity=capacity, features=features)
+    worlds = [
+        _switched_off(scene.world) if trial.inactive else scene.world
+        for trial, scene in zip(trials, scenes, strict=True)
+    ]
+    convert = functools.partial(_converted, binary64=binary64)
+    state = convert(_stacked([scene.state for scene in scenes]))
+    given = (
+        convert(_stacked(worlds)),
+        convert(_stacked([_control(trial, capacity) for trial in trials])),
+        convert(_stacked([_parameters(trial) for trial in trials])),
+    )
+    steps = -(-max(trial.steps for trial in trials) // every)
+    recorded = _record(state, given, spec, solver, steps, every)
+    start = (state.position, state.rotation, state.velocity, state.angular_velocity)
+    *moved, overflow = jax.tree.map(np.asarray, recorded)
+    arrays = [
+        np.concatenate([np.asarray(first)[None], rest]).astype(np.float64)
+        for first, rest in zip(start, moved, strict=True)
+    ]
+    return [
+        _motion(trial, index, arrays, overflow, capacity, every)
+        for index, trial in enumerate(trials)
+    ]
+
+
+@functools.partial(jax.jit, static_argnames=("spec", "solver", "steps", "every"))
+def _record(
+    state: State,
+    given: tuple[World, Control, Parameters],
+    spec: SceneSpec,
+    solver: AbstractSolver,
+    steps: int,
+    every: int,
+) -> tuple[Any, ...]:
+    """(step, world, …) of positions, angles, velocities, angular velocities, overflow."""
+    world, control, parameters = given
+    advance = jax.vmap(functools.partial(step, spec=spec, solver=solver))
+
+    def once(state: State, _: None) -> tuple[State, tuple[Any, ...]]:
+        state = jax.lax.fori_loop(
+            0, every, lambda _, state: advance(world, state, control, parameters), state
+        )
+        return state, (
+            state.position,
+            state.rotation,
+            state.velocity,
+            state.angular_velocity,
+            state.overflow,
+        )
+
+    return jax.lax.scan(once, state, None, length=steps)[1]
+
+
+def _motion(
+    trial: Trial,
+    index: int,
+    arrays: Sequence[np.ndarray],
+    overflow: np.ndarray,
+    capacity: Capacity,
+    every: int,
+) -> Motion:
+    """One world's share, cut to its own duration, bodies in the level's order."""
+    steps = -(-trial.steps // every)
+    slots = body_slots(trial.level, capacity)
+    order = [slots[body.id] for body in trial.level.bodies]
+    position, rotation, velocity, angular = (
+        array[: steps + 1, index][:, order] for array in arrays
+    )
+    return Motion(
+        trial=trial if every == 1 else dataclasses.replace(trial, dt=trial.dt * every),
+        position=position,
+        rotation=rotation,
+        velocity=velocity,
+        angular_velocity=angular,
+        overflow=float(overflow[:steps, index].mean()),
+    )
+
+
+def _control(trial: Trial, capacity: Capacity) -> Control:
+    motor: Any = np.full(capacity.joints, trial.motor, np.float32)
+    thruster: Any = np.full(capacity.thrusters, trial.thruster, np.float32)
+    return Control(motor=motor, thruster=thruster)
+
+
+def _parameters(trial: Trial) -> Parameters:
+    return default_parameters(
+        dt=trial.dt, clip_position=NO_CLIP, clip_velocity=NO_CLIP, clip_angular_velocity=NO_CLIP
+    )
+
+
+def _stacked(trees: Sequence[Any]) -> Any:
+    return jax.tree.map(lambda *leaves: np.stack([np.asarray(x) for x in leaves]), *trees)
+
+
+def _converted(tree: Any, *, binary64: bool) -> Any:
+    real = jnp.float64 if binary64 else jnp.float32
+
+    def convert(leaf: np.ndarray) -> jax.Array:
+        return jnp.asarray(leaf, real if np.issubdtype(leaf.dtype, np.floating) else leaf.dtype)
+
+    return jax.tree.map(convert, tree)
+
+
+def _switched_off(world: World) -> World:
+    def off(part: Any) -> Any:
+        return dataclasses.replace(part, active=np.zeros_like(part.active))
+
+    return dataclasses.replace(
+        world,
+        bodies=off(world.bodies),
+        joints=off(world.joints),
+        thrusters=off(world.thrusters),
+    )

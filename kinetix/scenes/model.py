@@ -1,0 +1,86 @@
+"""What a scene of the accuracy suite is: levels to run, how to drive them, and for how long."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import Final, Literal
+
+from kinetix.level.model import Level
+
+SceneClass = Literal["integrator", "impacts", "friction", "joints", "contacts", "robustness"]
+
+SCENE_CLASSES: Final[tuple[SceneClass, ...]] = (
+    "integrator",
+    "impacts",
+    "friction",
+    "joints",
+    "contacts",
+    "robustness",
+)
+"""In the order of reports and of the chart's facets."""
+
+GRAVITY: Final = 9.81
+"""Acceleration of gravity [m/s²]."""
+STEP: Final = 1 / 60
+"""Time step of every engine [s], whatever it does inside."""
+PHASES: Final = 8
+"""How many places within a step an impact is tried at."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One run of a scene: a level under a constant action."""
+
+    level: Level
+    duration: float
+    """Simulated time [s]."""
+    name: str = ""
+    """Which variant this is; trials of one name differ in their phase alone."""
+    phase: int = 0
+    """Which of the `PHASES` places within a step the impact falls on."""
+    motor: float = 0.0
+    """Action of every motor, −1 … 1."""
+    thruster: float = 0.0
+    """Action of every thruster, 0 … 1."""
+    dt: float = STEP
+    """Time step [s]."""
+    values: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    """What the reference needs to know beyond the level, such as an angle or a speed."""
+    inactive: bool = False
+    """Every body, joint and thruster is switched off."""
+
+    @property
+    def steps(self) -> int:
+        """How many steps fill the duration."""
+        return math.ceil(self.duration / self.dt - 1e-6)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SuiteScene:
+    """One scene of the suite: a known answer that engines are held to."""
+
+    id: str
+    """Letter of the class and a number, such as `B1`."""
+    name: str
+    group: SceneClass
+    core: bool
+    """Whether it belongs to the published core, which alone makes the class error."""
+    make_trials: Callable[[], tuple[Trial, ...]]
+    """All variants and phases."""
+    note: str
+    """What it shows, for people."""
+    precise: bool = False
+    """Run in binary64: the scene asks for the method's order, which rounding would hide."""
+
+    @property
+    def duration(self) -> float:
+        """Simulated time of the longest trial [s]."""
+        return max(trial.duration for trial in self.make_trials())
+
+    def build(self, variant: int = 0) -> Level:
+        """The level of one trial, as a document to look at.
+
+        Raises:
+            IndexError: There is no such trial.
+        """
+        return self.make_trials()[variant].level
