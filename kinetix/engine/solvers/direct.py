@@ -152,7 +152,7 @@ class Direct(AbstractSolver):
         """See the contract."""
         control = jax.tree.map(jnp.nan_to_num, control)
         h = parameters.dt / self.substeps
-        store = Store(always=h[0] > 0)
+        store = Store.beside(state.rotation)
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         masses = store(_effective_masses(world, state, h))
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
