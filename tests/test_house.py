@@ -138,3 +138,12 @@ def test_longest_files_and_functions_are_reported():
         "longest functions",
     ]
     assert len(lines) == 22
+
+
+@pytest.mark.slow
+def test_recorded_solutions_win(capsys):
+    from kinetix import cli
+
+    status = cli.main(["levelset", "verify", str(levels_dir())])
+    printed = capsys.readouterr()
+    assert status == 0, printed.out + printed.err
