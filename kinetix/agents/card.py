@@ -129,6 +129,8 @@ def write_card(path: Path, card: AgentCard, inventory: Inventory) -> None:
     """
     content: dict[str, Any] = {"format": FORMAT, "version": VERSION}
     content |= msgspec.to_builtins(card)
+    # With its defaults, which msgspec leaves out of dataclasses that it made itself.
+    content["network"] = dataclasses.asdict(card.network)
     content["parameters"] = {name: list(shape) for name, shape in inventory.shapes.items()}
     content["digest"] = inventory.digest
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -191,7 +191,7 @@ def _agent(
     steps = progress.updates * config.steps_per_update
     training = {
         "algorithm": algorithm,
-        "configuration": msgspec.to_builtins(config),
+        "configuration": dataclasses.asdict(config),
         "seed": config.seed,
         "environment_steps": steps,
         "wall_time": round(progress.seconds, 3),
@@ -258,4 +258,4 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
 
 
 def _plain(value: Any) -> Any:
-    return msgspec.to_builtins(value)
+    return dataclasses.asdict(value) if dataclasses.is_dataclass(value) else value

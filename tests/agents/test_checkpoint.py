@@ -1,5 +1,6 @@
 """Saving and loading agents; every way in which a checkpoint can be bad gives one sentence."""
 
+import dataclasses
 import json
 import shutil
 
@@ -78,6 +79,19 @@ def test_there_and_back(agent, saved):
     assert loaded.card == agent.card
     _same(loaded.params["params"], agent.params["params"])
     assert not [path for path in saved.parent.iterdir() if path != saved]
+
+
+def test_every_option_is_written_even_at_its_default(saved, tmp_path):
+    save_agent(load_agent(saved), tmp_path / "again")
+    content = json.loads((tmp_path / "again" / "agent.json").read_text())
+    assert set(content["network"]) == {field.name for field in dataclasses.fields(NetworkConfig)}
+    assert set(content["environment"]) == {
+        "physics",
+        "frame_skip",
+        "dt",
+        "dense_reward_scale",
+        "parity",
+    }
 
 
 def test_saving_again_replaces(agent, copy):

@@ -96,6 +96,7 @@ def test_a_run_leaves_what_is_promised(finished):
     agent = load_agent(finished)
     assert agent.card.training["environment_steps"] == 192
     assert agent.card.training["configuration"]["num_steps"] == 4
+    assert agent.card.training["configuration"]["gamma"] == 0.995
 
 
 def test_only_the_newest_checkpoint_keeps_the_training_state(finished):
@@ -177,35 +178,30 @@ def test_fine_tuning_starts_from_the_agent(finished, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("algorithm", ["ppo", "sfl", "plr", "accel", "dr"])
-def test_every_algorithm_runs_and_is_deterministic(algorithm, tmp_path):
-    changes = {
-        "num_steps": 32,
-        "total_timesteps": 8 * 32 * (6 if algorithm in ("ppo", "sfl") else 12),
-    }
+@pytest.mark.parametrize("algorithm", ["sfl", "accel", "dr"])
+def test_curricula_run_and_go_on_exactly(algorithm, tmp_path):
+    steps = 8 * 32 * (1 if algorithm == "sfl" else 2)
+    # The filter costs compile time; one of the three has it.
+    changes = {"num_steps": 32, "total_timesteps": steps * 6, "filter_levels": algorithm == "sfl"}
     config = _config(algorithm, **changes)
     with pytest.raises(_Stop):
-        train(algorithm, config, tmp_path / "run", report=_stop_after(4))
+        train(algorithm, config, tmp_path / "run", report=_stop_after(3))
+    third = _without_time(read_metrics(tmp_path / "run"))[2]
+    # The checkpoint is of the second update, so the third is made again.
     train(algorithm, config, tmp_path / "run")
     rows = read_metrics(tmp_path / "run")
     assert len(rows) == 6
+    assert _without_time(rows)[2] == third
     assert all(np.isfinite(value) for row in rows for value in row.values())
-    trainer = make_trainer(config)
-    state = trainer.start()
-    for row in rows[:5]:
-        state, metrics = trainer.update(state)
-        for name, value in metrics.items():
-            if np.isfinite(value):
-                assert row[name] == pytest.approx(float(value), rel=1e-6), name
-    if algorithm in ("plr", "accel", "dr"):
-        assert rows[-1]["level_sampler/filled"] == 1.0
     if algorithm == "accel":
         kinds = [
-            name for row in rows for name in ("replay", "mutate") if row[f"level_sampler/{name}"]
+            kind for row in rows for kind in ("replay", "mutate") if row[f"level_sampler/{kind}"]
         ]
         assert kinds[:2] == ["replay", "mutate"]
     if algorithm == "dr":
         assert all(row["level_sampler/new"] == 1 for row in rows)
+    if algorithm != "sfl":
+        assert rows[-1]["level_sampler/filled"] == 1.0
 
 
 @pytest.mark.slow
