@@ -17,6 +17,7 @@ import numpy as np
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run, write_checkpoint
+from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
 from kinetix.errors import KinetixError
 from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
@@ -258,4 +259,4 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
 
 
 def _plain(value: Any) -> Any:
-    return dataclasses.asdict(value) if dataclasses.is_dataclass(value) else value
+    return dataclasses.asdict(value) if isinstance(value, NetworkConfig) else value
