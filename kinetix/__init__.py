@@ -82,5 +82,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import a public name on first use."""
     if name not in _HOME:
-        raise AttributeError(f"module 'kinetix' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}")
+        raise AttributeError(
+            f"module 'kinetix' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}"
+        )
     return getattr(importlib.import_module(_HOME[name]), name)

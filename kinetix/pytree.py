@@ -10,7 +10,9 @@ T = TypeVar("T")
 static = functools.partial(struct.field, pytree_node=False)
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(struct.field, static))
+@dataclass_transform(
+    frozen_default=True, kw_only_default=True, field_specifiers=(struct.field, static)
+)
 def pytree(cls: type[T]) -> type[T]:
     """Make a frozen, keyword-only dataclass that JAX treats as a pytree.
 
