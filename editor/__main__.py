@@ -105,9 +105,9 @@ def _open_files(options: Options, session: Session) -> None:
             file.offer_recovery(session)
         return
     for path in options.files:
-        before = len(session.log)
+        mark = session.log.serial
         if not file.open_path(session, path) and len(options.files) == 1:
-            raise KinetixError(" ".join(session.log[before:]))
+            raise KinetixError(" ".join(session.log.since(mark)))
 
 
 def main() -> int:

@@ -19,6 +19,7 @@ from editor.commands.bodies import posed
 from editor.document import Document, Outcome
 from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
 from editor.jobs import Worker, WorkerSimulator
+from editor.journal import Journal
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
@@ -133,7 +134,7 @@ class Session:
         self.prompts: list[Prompt] = []
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []
-        self.log: list[str] = []
+        self.log = Journal()
         self.held: set[str] = set()
         """Keys that are down."""
         self.cursor: tuple[float, float] | None = None
@@ -307,7 +308,7 @@ class Session:
         seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
         self.toasts = [toast for toast in self.toasts if toast.text != text]
         self.toasts.append(Toast(text=text, kind=kind, until=self.time + seconds, action=action))
-        self.log.append(text)
+        self.log.add(text)
 
     def complain(self, text: str) -> None:
         """Say why something was not done."""
@@ -420,8 +421,8 @@ class Guard:
             warning = isinstance(error, CommandError)
             self._session.toast(str(error), "warning" if warning else "error")
         else:
-            LOG.error("unexpected error", exc_info=error)
             self._session.toast(f"Something went wrong: {error} (see the log)", "error")
-            self._session.log.append("".join(traceback.format_exception(error)))
+            if self._session.log.add("".join(traceback.format_exception(error))):
+                LOG.error("unexpected error", exc_info=error)
         self._session.document.discard_preview()
         return True

@@ -50,7 +50,8 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
             count = len(document.warnings)
             more = f" (and {count - 1} more, see the log)" if count > 1 else ""
             session.toast(f"{document.path.name}: {document.warnings[0]}{more}", "warning")
-            session.log += document.warnings[1:]
+            for warning in document.warnings[1:]:
+                session.log.add(warning)
         return True
     return False
 

@@ -22,7 +22,7 @@ class LogPanel(Panel):
 
     def draw(self, session: "Session") -> None:
         """Draw the lines."""
-        lines = [*session.worker.log, *session.log]
+        lines = [*session.worker.log.lines, *session.log.lines]
         if not lines:
             widgets.empty_state(Icons.log, "Nothing yet", "Messages of the app are kept here.")
             return

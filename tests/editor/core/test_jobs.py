@@ -112,7 +112,8 @@ def test_failures_keep_the_worker_alive():
     settle(worker)
     assert [job.error for job in jobs] == ["It does not fit.", "ValueError: surprise", "", ""]
     assert jobs[3].result == "fine"
-    assert len(worker.log) == 1 and "surprise" in worker.log[0]
+    (logged,) = worker.log.lines
+    assert "surprise" in logged
     worker.stop()
 
 

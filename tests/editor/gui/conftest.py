@@ -106,7 +106,7 @@ class Gui:
         self.host.frames(1, FocusEvent(focused=False))
 
     def open(self, path: Path | str) -> None:
-        assert file.open_path(self.session, path), self.session.log
+        assert file.open_path(self.session, path), self.session.log.lines
         self.frames(4)
 
 
