@@ -24,6 +24,7 @@ from editor.requests import (
     Restore,
     StartEpisode,
 )
+from editor.journal import Journal
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -106,7 +107,7 @@ class Worker:
         self._numbers = itertools.count()
         self._thread: threading.Thread | None = None
         self._stopping = False
-        self.log: list[str] = []
+        self.log = Journal()
         """Tracebacks of jobs that failed unexpectedly, for the log panel."""
 
     @property
@@ -206,8 +207,9 @@ class Worker:
         except KinetixError as error:
             job.error, job.state = str(error), JobState.FAILED
         except Exception as error:  # the worker must outlive any job
-            self.log.append(traceback.format_exc())
-            job.error, job.state = f"{type(error).__name__}: {error}", JobState.FAILED
+            self.log.add(traceback.format_exc())
+            first = str(error).partition("\n")[0]  # a compiler's message goes on for pages
+            job.error, job.state = f"{type(error).__name__}: {first}", JobState.FAILED
 
 
 class WorkerSimulator:
@@ -286,7 +288,8 @@ class WorkerSimulator:
         if isinstance(request, Advance):
             self._outstanding -= len(request.actions)
         if job.state is JobState.FAILED:
-            self._error = job.error
+            starting = isinstance(request, StartEpisode)
+            self._error = f"Play cannot start: {job.error}" if starting else job.error
         elif job.state is JobState.DONE and isinstance(request, StartEpisode):
             self._arrived.append(job.result)
         elif job.state is JobState.DONE and isinstance(request, Advance):

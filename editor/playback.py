@@ -91,6 +91,8 @@ class Playback:
         self.ring = Ring()
         self.perturbed = False
         """Whether the mouse pulled at a body in this episode."""
+        self.failure = ""
+        """Why the last episode could not start or go on; empty while all is well."""
         self._actions: list[Action] = []
         self._sent: list[Action] = []
         self._starting = False
@@ -231,7 +233,8 @@ class Playback:
             pull: What the mouse pulls at.
 
         Raises:
-            KinetixError: The simulation failed; playback is paused.
+            KinetixError: The simulation failed; playback is paused, or back in Edit when the
+                episode could not even start.
         """
         self._clock += elapsed
         self._take()
@@ -254,6 +257,7 @@ class Playback:
         assert self.level is not None
         self._forget()
         self._starting = True
+        self.failure = ""
         self.simulator.start(self.level, self.physics)
 
     def _forget(self) -> None:
@@ -270,8 +274,12 @@ class Playback:
     def _take(self) -> None:
         try:
             arrived = self.simulator.take()
-        except KinetixError:
-            self.mode = Mode.PAUSED
+        except KinetixError as error:
+            if self._starting:
+                self.stop()
+            else:
+                self.mode = Mode.PAUSED
+            self.failure = str(error)
             raise
         for snapshot in arrived:
             if self._starting:

@@ -177,6 +177,8 @@ class Ui:
         if job.state is JobState.DONE:
             self._toolbar.physics = job.result
             self.canvas.images.enabled = self.session.worker.idle
+        elif job.state is JobState.FAILED:
+            self.session.toast(f"Play could not be prepared: {job.error}", "error")
 
     def _follow_switches(self) -> None:
         """Bring a panel to the front when its key turns it on."""

@@ -131,9 +131,9 @@ class Replayer:
             worker.poll()
 
     def _open(self, event: Event) -> None:
-        toasts = len(self._session.log)
+        mark = self._session.log.serial
         if not file.open_path(self._session, event["file"]):
-            raise KinetixError(" ".join(self._session.log[toasts:]) or "cannot be opened")
+            raise KinetixError(" ".join(self._session.log.since(mark)) or "cannot be opened")
         self._frames(2)
 
     def _save(self, event: Event) -> None:
@@ -264,6 +264,9 @@ class Replayer:
             raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
         until = time.monotonic() + float(event.get("seconds", 60))
         while not _CONDITIONS[what](self._session):
+            if what in _PLAYED and self._session.editing:
+                reason = self._session.playback.failure or "nothing is played: the app is in Edit"
+                raise KinetixError(f"{what} cannot come: {reason}")
             if time.monotonic() > until:
                 raise KinetixError(f"not {what} after {event.get('seconds', 60)} s")
             self._step()
@@ -318,6 +321,8 @@ def _compiled(session: Session) -> bool:
     )
 
 
+_PLAYED: Final = frozenset({"playing", "ended"})
+"""What can only come while the app is out of Edit."""
 _CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
     "playing": _playing,
     "compiled": _compiled,

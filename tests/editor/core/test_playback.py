@@ -166,6 +166,19 @@ def test_a_failure_pauses_and_says_so(playback):
     assert playback.mode is Mode.PAUSED
 
 
+def test_what_cannot_start_leaves_play(playback):
+    playback.simulator.error = "The level is broken."
+    playback.play(a_level())
+    with pytest.raises(KinetixError, match="broken"):
+        playback.tick(0.1)
+    assert playback.mode is Mode.EDIT
+    assert not playback.waiting
+    assert playback.failure == "The level is broken."
+    playback.play(a_level())
+    playback.tick(0.1)
+    assert playback.mode is Mode.PLAYING and not playback.failure
+
+
 def test_a_slow_simulation_is_asked_for_no_more_than_it_can_do(playback):
     playback.play(a_level())
     playback.tick(0.0)

@@ -8,6 +8,7 @@ import pytest
 from editor.hosts.headless import HeadlessHost
 from editor.hosts.replay import Replayer, ReplayError
 from editor.jobs import Worker
+from editor.requests import Progress, Request
 from editor.session import Session
 from kinetix.level.codec import load_level, loads
 from kinetix.paths import levels_dir
@@ -94,7 +95,7 @@ def test_text_goes_to_the_field_that_has_the_keyboard(play):
         ('{"do":"key","key":"hyper"}', "unknown key 'hyper'"),
         ('{"do":"set","field":"density","value":2}', "nothing is selected"),
         ('{"do":"drag","from":[1,1]}', "'to' is missing"),
-        ('{"do":"wait_until","what":"playing","seconds":0.1}', "not playing"),
+        ('{"do":"wait_until","what":"playing","seconds":0.1}', "the app is in Edit"),
         ('{"do":"screenshot","file":"a.png"}', "draws no pixels"),
         ('{"do":"agent","dir":"a","slot":"a"}', "agents"),
     ],
@@ -103,6 +104,30 @@ def test_what_cannot_be_applied_ends_the_run_with_its_line(play, line, said):
     with pytest.raises(ReplayError, match=r"events\.jsonl:2: ") as caught:
         play('{"do":"wait","frames":1}', line)
     assert said in str(caught.value)
+
+
+def test_a_compile_that_fails_ends_the_wait_with_its_reason(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+    def fail(request: Request, progress: Progress) -> None:
+        raise RuntimeError(f"no memory left for {type(request).__name__}\nand pages of detail")
+
+    path = tmp_path / "events.jsonl"
+    path.write_text(
+        f'{OPEN}\n{{"do":"key","key":"space"}}\n'
+        '{"do":"wait_until","what":"playing","seconds":300}'
+    )
+    host = HeadlessHost(Session(worker=Worker(perform=fail)))
+    try:
+        with pytest.raises(ReplayError, match=r"events\.jsonl:3: .*no memory left for Start"):
+            Replayer(host, path).run()
+        assert host.session.editing
+        (toast,) = host.session.toasts
+        assert toast.kind == "error" and "pages" not in toast.text
+        assert "pages of detail" in host.session.worker.log.lines[0]
+    finally:
+        host.session.worker.stop()
+        host.close()
 
 
 def test_a_wrong_field_value_is_named(play):
