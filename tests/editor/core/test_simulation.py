@@ -252,3 +252,14 @@ def test_a_level_is_judged_without_a_plan(perform):
     assert report.noop_outcome == "won"
     assert 5 < report.noop_steps < 60
     assert report.random_solved == 1.0
+
+
+def test_the_names_shown_before_jax_is_loaded_are_the_engines():
+    from editor import physics
+    from editor.settings import Settings
+    from kinetix.engine.presets import DEFAULT, PRESETS
+    from kinetix.engine.solvers import SOLVERS
+
+    assert tuple(PRESETS) == physics.PRESETS
+    assert tuple(SOLVERS) == physics.SOLVERS
+    assert Settings().physics == DEFAULT
