@@ -62,6 +62,7 @@ def test_every_key_of_a_keyboard_is_known_to_imgui():
 def test_buttons_reach_imgui_and_wheel_twins_do_not(code, expected):
     context = imgui.create_context()
     io = imgui.get_io()
+    io.set_ini_filename("")
     io.display_size, io.delta_time = imgui.ImVec2(100, 100), 1 / 60
     io.backend_flags |= imgui.BackendFlags_.renderer_has_textures.value
     ours = translate(event(pygame.MOUSEBUTTONDOWN, button=code, pos=(5, 6)))
