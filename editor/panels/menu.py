@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from imgui_bundle import imgui
 
 from editor import actions, widgets
-from editor.actions import file
+from editor.actions import examples, file
 from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS, Icons
 from editor.settings import GRID_STEPS, Settings
@@ -62,14 +62,36 @@ class MenuBar:
             imgui.end_menu()
 
     def _examples(self, session: "Session") -> None:
-        """The levels that came with the app, by size."""
-        if imgui.begin_menu("Examples"):
+        """The levels that came with the app, by size, and the scenes of the accuracy suite."""
+        opened = imgui.begin_menu("Examples")
+        widgets.probe(session, "menu.examples")
+        if opened:
             for size in ("s", "m", "l"):
                 widgets.small(f"Size {size}")
                 for path in sorted((levels_dir() / size).glob("*.json")):
                     label = path.stem.replace("_", " ").capitalize()
                     if imgui.menu_item_simple(f"{label}###example-{size}-{path.stem}"):
                         session.queue(lambda path=path: _open(session, path))
+                    widgets.probe(session, f"menu.example.{path.stem}")
+            widgets.small("Known answers")
+            self._scenes(session)
+            imgui.end_menu()
+
+    def _scenes(self, session: "Session") -> None:
+        """Scenes of the accuracy suite, a menu for each class; imported when first looked at."""
+        from kinetix.scenes import SCENE_CLASSES
+
+        for group in SCENE_CLASSES:
+            opened = imgui.begin_menu(group.capitalize())
+            widgets.probe(session, f"menu.scenes.{group}")
+            if not opened:
+                continue
+            for scene in examples.scenes(group):
+                label = f"{scene.id}   {scene.name.capitalize()}###scene-{scene.id}"
+                if imgui.menu_item_simple(label):
+                    session.queue(lambda scene_id=scene.id: examples.open_scene(session, scene_id))
+                widgets.probe(session, f"menu.scene.{scene.id}")
+                widgets.tooltip(f"{scene.id}  {scene.name.capitalize()}", scene.note)
             imgui.end_menu()
 
     def _looks(self, session: "Session") -> None:

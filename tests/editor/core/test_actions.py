@@ -7,7 +7,7 @@ import re
 import pytest
 
 from editor import actions
-from editor.actions import ACTIONS, BY_ID, Context
+from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
 from editor.commands.fields import SetLevelField
 from editor.events import DropEvent, FocusEvent, QuitEvent
@@ -16,6 +16,7 @@ from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
 from kinetix.level.model import Body, Circle, Level, Limits, Polygon
 from kinetix.paths import levels_dir
+from kinetix.scenes import SCENE_CLASSES
 from tests.editor.core.helpers import SQUARE, Hand, a_level, a_session, texts
 
 EXPECTED = re.findall(
@@ -504,3 +505,18 @@ def test_selecting_everything_in_a_bundled_level_changes_nothing(tmp_path):
         assert dumps(session.document.level) == path.read_text(encoding="utf-8")
         actions.run(session, "file.save")
         assert copy.read_bytes() == path.read_bytes()
+
+
+def test_every_scene_of_the_suite_opens_as_a_clean_document(session):
+    listed = [scene for group in SCENE_CLASSES for scene in examples.scenes(group)]
+    assert len(listed) > 40
+    for scene in listed:
+        examples.open_scene(session, scene.id)
+        assert session.document.level.bodies and not session.document.dirty
+    assert len(session.tabs) == 1 + len(listed)
+
+
+def test_a_scene_without_a_level_says_so(session):
+    with session.guard():
+        examples.open_scene(session, "Z9")
+    assert "Z9" in session.toasts[-1].text and len(session.tabs) == 1

@@ -369,3 +369,16 @@ def test_a_level_opened_before_the_first_frame_is_shown_whole(make_gui):
     for corner in ((0.0, 0.0), (5.0, 5.0)):
         at = gui.screen(*corner)
         assert x < at[0] < x + width and y < at[1] < y + height
+
+
+def test_the_suites_scenes_are_examples(gui):
+    for name in ("menu.file", "menu.examples", "menu.scenes.joints", "menu.scene.D10"):
+        gui.click(name)
+        gui.frames(20)
+    document = gui.session.document
+    assert document.title == "Car" and document.path is None and not document.dirty
+    assert len(gui.level.joints) == 2
+    (low, high) = gui.host.ui.canvas.area
+    for body in gui.level.bodies[1:]:
+        x, y = gui.screen(*body.position)
+        assert low[0] < x < low[0] + high[0] and low[1] < y < low[1] + high[1]

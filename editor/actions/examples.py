@@ -1,0 +1,55 @@
+"""Opens what comes with the app: scenes of the accuracy suite as documents of their own."""
+
+import functools
+from typing import TYPE_CHECKING, Final
+
+from editor.document import Document
+from editor.picking import selection_box
+from editor.session import Session
+from kinetix.errors import CommandError
+
+if TYPE_CHECKING:
+    from kinetix.scenes import SuiteScene
+
+_SMALLEST: Final = 3.0
+"""Side of what is shown at least, so that a lone ball is not all that one sees [m]."""
+
+
+@functools.cache
+def scenes(group: str) -> tuple["SuiteScene", ...]:
+    """The scenes of a class that have a level to show."""
+    from kinetix.scenes import SCENES
+
+    return tuple(s for s in SCENES.values() if s.group == group and s.make_trials())
+
+
+def open_scene(session: Session, scene_id: str) -> None:
+    """Open the first trial of a scene in a new tab and look at what moves in it.
+
+    Args:
+        session: The app.
+        scene_id: Such as `D10`.
+
+    Raises:
+        CommandError: No scene has this id, or it has no level of its own.
+    """
+    from kinetix.scenes import SCENES
+
+    scene = SCENES.get(scene_id)
+    trials = () if scene is None else scene.make_trials()
+    if scene is None or not trials:
+        raise CommandError(f"The scene {scene_id} has no level to show.")
+    level = trials[0].level
+    if not level.description:
+        level = level.replace(description=scene.note)
+    session.open_tab(Document(level))
+    moving = tuple(body.id for body in level.bodies if not body.fixed)
+    box = selection_box(level, moving)
+    if box is None:
+        return
+    session.tab.fitted = True
+    middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
+    half = (max(box[2] - box[0], _SMALLEST) / 2, max(box[3] - box[1], _SMALLEST) / 2)
+    low = (middle[0] - half[0], middle[1] - half[1])
+    high = (middle[0] + half[0], middle[1] + half[1])
+    session.camera = session.camera.fitted(low, high, margin=60.0)
