@@ -1,5 +1,6 @@
 """The app on a real X server with real keys and a real mouse."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -12,6 +13,7 @@ import pytest
 
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir
+from tests.editor.hosts.processes import end, start
 
 pytestmark = [pytest.mark.xvfb, pytest.mark.usefixtures("x_server", "software_gl")]
 
@@ -19,13 +21,14 @@ pytestmark = [pytest.mark.xvfb, pytest.mark.usefixtures("x_server", "software_gl
 class Desktop:
     """An X server of our own with the app on it."""
 
-    def __init__(self, level: Path, home: dict[str, str]) -> None:
+    def __init__(self, level: Path, home: dict[str, str], ends: contextlib.ExitStack) -> None:
         read, write = os.pipe()
-        self._server = subprocess.Popen(
+        server = start(
             ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
             pass_fds=[write],
             stderr=subprocess.DEVNULL,
         )
+        ends.callback(end, server)
         os.close(write)
         with os.fdopen(read) as stream:
             number = stream.readline().strip()
@@ -35,12 +38,13 @@ class Desktop:
             "LIBGL_ALWAYS_SOFTWARE": "1",
             "LP_NUM_THREADS": "1",
         }
-        self.app = subprocess.Popen(
+        self.app = start(
             [sys.executable, "-m", "editor", "--size", "1200x760", "--scale", "1", str(level)],
             env=self._env,
             stderr=subprocess.PIPE,
-            text=True,
         )
+        # SDL makes a question of SIGTERM, as of the window's close button: it must be SIGKILL.
+        ends.callback(end, self.app)
 
     def do(self, *arguments: str) -> str:
         done = subprocess.run(
@@ -73,22 +77,38 @@ class Desktop:
             time.sleep(0.1)
         raise AssertionError("timed out")
 
-    def close(self) -> None:
-        for process in (self.app, self._server):
-            if process.poll() is None:
-                # SDL makes a question of SIGTERM, as of the window's close button.
-                process.kill()
-                process.wait(10)
-        self.app.stderr.close()
-
 
 @pytest.fixture
 def desktop(home, tmp_path):
     level = tmp_path / "mine.json"
     shutil.copy(levels_dir() / "l" / "rover_ridge.json", level)
-    desktop = Desktop(level, home)
-    yield desktop
-    desktop.close()
+    with contextlib.ExitStack() as ends:
+        yield Desktop(level, home, ends)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of a parent's end")
+def test_what_a_killed_test_run_started_ends_with_it():
+    code = (
+        "from tests.editor.hosts.processes import start; "
+        "print(start(['sleep', '300']).pid, flush=True); import time; time.sleep(300)"
+    )
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    child = int(run.stdout.readline())
+    process = Path(f"/proc/{child}/cmdline")
+
+    def command() -> str:
+        return process.read_text() if process.exists() else ""
+
+    deadline = time.monotonic() + 20
+    while "sleep\0" not in command()[:6] and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert command().startswith("sleep")
+    run.kill()
+    run.wait(10)
+    run.stdout.close()
+    while command() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not command()
 
 
 def test_draws_with_the_mouse_saves_with_the_keyboard_and_quits(desktop, tmp_path):
