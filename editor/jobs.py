@@ -13,6 +13,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from editor.journal import Journal
 from editor.recording import Action, Snapshot
 from editor.requests import (
     Advance,
@@ -24,7 +25,6 @@ from editor.requests import (
     Restore,
     StartEpisode,
 )
-from editor.journal import Journal
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 

@@ -1,4 +1,4 @@
-"""The app's messages for the log panel: the newest few hundred, repeats counted and not repeated."""
+"""The app's messages for the log panel: the newest few hundred, repeats counted."""
 
 import dataclasses
 from typing import Final
