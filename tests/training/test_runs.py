@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 
-import jax
 import numpy as np
 import pytest
 
@@ -276,10 +275,13 @@ def test_sfl_keeps_more_learnable_levels_than_it_samples():
         num_steps=8,
         total_timesteps=8 * 8 * 2,
         learnability_correction=False,
+        filter_levels=False,
     )
     trainer = make_trainer(config)
     _, metrics = trainer.update(trainer.start())
     assert float(metrics["sfl/buffer_learnability"]) > 2 * float(
         metrics["sfl/sampled_learnability"]
     )
-    assert jax.tree.all(jax.tree.map(lambda x: bool(np.isfinite(x).all()), dict(metrics)))
+    # Means of episodes are NaN here: none ends within so short a rollout.
+    losses = [value for name, value in metrics.items() if name.startswith("loss/")]
+    assert np.all(np.isfinite(losses))
