@@ -1,6 +1,8 @@
 """What all kinds of observation have in common, and what holds between them."""
 
 import dataclasses
+import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +13,7 @@ from kinetix.environment.env import KinetixEnv
 from kinetix.environment.inverse import state_from_entities, state_from_flat
 from kinetix.environment.observations import (
     OBSERVATIONS,
+    AbstractObservation,
     EntityObservations,
     FlatObservations,
     FlatPaddedObservations,
@@ -22,6 +25,12 @@ from kinetix.environment.spaces import Dict, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from tests.environment.conftest import assert_trees_close
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def seen(observations: AbstractObservation, state: EnvState) -> Any:
+    """The observation of a state, compiled once for each kind."""
+    return observations(state)
 
 
 @pytest.fixture(scope="module")
@@ -100,8 +109,8 @@ def test_published_widths(size: str, length: int) -> None:
 
 
 def test_flat_is_the_padded_form_without_padding(layout: Layout, moving: EnvState) -> None:
-    flat = FlatObservations(layout=layout)(moving)
-    padded = FlatPaddedObservations(layout=layout)(moving)
+    flat = seen(FlatObservations(layout=layout), moving)
+    padded = seen(FlatPaddedObservations(layout=layout), moving)
     widths = [len(layout.polygon)] * 2 + [len(layout.circle)] * 2
     widths += [len(layout.flat_joint), len(layout.flat_thruster)]
     rows = [row[:width] for row, width in zip(padded, widths, strict=True)]
@@ -112,10 +121,10 @@ def test_flat_is_the_padded_form_without_padding(layout: Layout, moving: EnvStat
 def test_entities_move_with_their_slots(moving: EnvState) -> None:
     """Permuting the slots permutes rows, masks and indices, and changes nothing else."""
     static = static_env_params_from_size("7,4,3,2", physics="drift")
-    state = expand_state(moving, static)
+    state = jax.jit(expand_state, static_argnums=1)(moving, static)
     observe = EntityObservations(layout=Layout.of(EnvParams(), static))
-    before = observe(state)
-    after = observe(permute_state(jax.random.key(4), state))
+    permuted = jax.jit(permute_state)(jax.random.key(4), state)
+    before, after = (jax.tree.map(np.asarray, seen(observe, each)) for each in (state, permuted))
     body_of = np.concatenate(
         [
             [int(np.argmax((before.polygons == row).all(axis=1))) for row in after.polygons],
@@ -142,8 +151,9 @@ def test_entities_move_with_their_slots(moving: EnvState) -> None:
 
 
 def test_contact_plane_in_one_direction_or_both(layout: Layout, moving: EnvState) -> None:
-    one_way = EntityObservations(layout=layout)(moving).attention_mask[3]
-    both_ways = EntityObservations(layout=layout, symmetric_contacts=True)(moving).attention_mask[3]
+    one_way = seen(EntityObservations(layout=layout), moving).attention_mask[3]
+    symmetric = EntityObservations(layout=layout, symmetric_contacts=True)
+    both_ways = seen(symmetric, moving).attention_mask[3]
     assert one_way.any()
     assert not (one_way & one_way.T).any()
     np.testing.assert_array_equal(both_ways, one_way | one_way.T)
@@ -151,14 +161,14 @@ def test_contact_plane_in_one_direction_or_both(layout: Layout, moving: EnvState
 
 def test_attention_can_be_left_out(layout: Layout, moving: EnvState) -> None:
     observations = EntityObservations(layout=layout, attention=False)
-    shown = observations(moving)
+    shown = seen(observations, moving)
     assert shown.attention_mask is None
     assert "attention_mask" not in observations.space.spaces
 
 
 def test_swapped_anchors_of_the_other_dialect(layout: Layout, moving: EnvState) -> None:
-    ours = EntityObservations(layout=layout)(moving).joints
-    theirs = EntityObservations(layout=layout, js_anchor_order=True)(moving).joints
+    ours = seen(EntityObservations(layout=layout), moving).joints
+    theirs = seen(EntityObservations(layout=layout, js_anchor_order=True), moving).joints
     np.testing.assert_array_equal(theirs[:, 2:4], ours[:, 4:6])
     np.testing.assert_array_equal(theirs[:, 4:6], ours[:, 2:4])
     np.testing.assert_array_equal(theirs[:, 6:], ours[:, 6:])
@@ -167,17 +177,17 @@ def test_swapped_anchors_of_the_other_dialect(layout: Layout, moving: EnvState) 
 def test_states_come_back_from_observations(
     layout: Layout, small_static: StaticEnvParams, moving: EnvState
 ) -> None:
-    entities = EntityObservations(layout=layout)(moving)
-    back = jax.jit(lambda seen: state_from_entities(seen, EnvParams(), small_static))(entities)
-    again = EntityObservations(layout=layout)(back)
+    entities = seen(EntityObservations(layout=layout), moving)
+    back = jax.jit(lambda obs: state_from_entities(obs, EnvParams(), small_static))(entities)
+    again = seen(EntityObservations(layout=layout), back)
     assert_trees_close(
         again._replace(attention_mask=again.attention_mask[:3]),
         entities._replace(attention_mask=entities.attention_mask[:3]),
     )
     assert (back.bodies.rotation >= 0).all()
-    flat = FlatObservations(layout=layout)(moving)
-    back = jax.jit(lambda seen: state_from_flat(seen, EnvParams(), small_static))(flat)
-    np.testing.assert_allclose(FlatObservations(layout=layout)(back), flat, atol=1e-5)
+    flat = seen(FlatObservations(layout=layout), moving)
+    back = jax.jit(lambda obs: state_from_flat(obs, EnvParams(), small_static))(flat)
+    np.testing.assert_allclose(seen(FlatObservations(layout=layout), back), flat, atol=1e-5)
     moves = np.asarray(moving.world.bodies.inverse_mass) > 0
     np.testing.assert_allclose(
         back.world.bodies.inverse_mass[moves], moving.world.bodies.inverse_mass[moves], rtol=1e-4
@@ -187,9 +197,9 @@ def test_states_come_back_from_observations(
 def test_expansion_changes_nothing_that_is_seen(layout: Layout, moving: EnvState) -> None:
     static = static_env_params_from_size("9,5,4,3", physics="drift")
     wide = Layout.of(EnvParams(), static)
-    state = expand_state(moving, static)
-    small = EntityObservations(layout=layout)(moving)
-    large = EntityObservations(layout=wide)(state)
+    state = jax.jit(expand_state, static_argnums=1)(moving, static)
+    small = seen(EntityObservations(layout=layout), moving)
+    large = seen(EntityObservations(layout=wide), state)
     np.testing.assert_array_equal(large.polygons[:5], small.polygons)
     np.testing.assert_array_equal(large.circles[:2], small.circles)
     np.testing.assert_array_equal(

@@ -80,12 +80,13 @@ def test_all_forms_of_a_state_rebuilt_from_an_observation(peer: Path, name: str,
     invert = jax.jit(lambda seen: state_from_entities(seen, EnvParams(), static))
     state = invert(EntityObservation(**entity))
     layout = Layout.of(EnvParams(), static)
-    again = EntityObservations(layout=layout)(state)
+    forms = (EntityObservations, FlatObservations, FlatPaddedObservations)
+    again, flat, padded = jax.jit(
+        lambda state: [observations(layout=layout)(state) for observations in forms]
+    )(state)
     for field in (*FIELDS, *EXACT):
         np.testing.assert_allclose(
             getattr(again, field), entity[field], atol=2e-5, rtol=2e-5, err_msg=field
         )
-    flat = FlatObservations(layout=layout)(state)
     np.testing.assert_allclose(flat, published["symbolic_flat"], atol=2e-5)
-    padded = FlatPaddedObservations(layout=layout)(state)
     np.testing.assert_allclose(padded, published["symbolic_flat_padded"], atol=2e-5)
