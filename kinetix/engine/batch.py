@@ -1,8 +1,8 @@
-"""From one world to many: `vmap(step)` runs the solvers' own batched kernel, worlds on the last axis.
+"""From one world to many: `vmap(step)` runs the solvers' own batched kernel, worlds last.
 
-A solver's arrays carry the worlds last, so that inner loops run over worlds instead of over a handful
-of bodies. `jax.custom_batching.custom_vmap` lets callers write for one world, batch with `vmap`
-(nested too) and still hit that kernel.
+A solver's arrays carry the worlds on the last axis, so that inner loops run over worlds instead of
+over a handful of bodies. `jax.custom_batching.custom_vmap` lets callers write for one world, batch
+with `vmap` (nested too) and still hit that kernel.
 """
 
 import functools
@@ -15,12 +15,12 @@ from jax.custom_batching import custom_vmap
 
 Tree = Any
 
-TILE = 128
-"""Worlds that are advanced together: few enough for a core's cache, many enough to fill its lanes."""
+TILE = 64
+"""Worlds that are advanced together: few enough for the cache, enough to fill a core's lanes."""
 
 
 def worlds_last(kernel: Callable[..., Tree]) -> Callable[..., Tree]:
-    """Give a kernel that works on arrays with a last axis of worlds the look of a one-world function.
+    """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
 
     Args:
         kernel: Takes pytrees whose arrays end in the axis `n`, returns the same kind.

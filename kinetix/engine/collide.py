@@ -40,7 +40,7 @@ class Points:
     separation: Float[Array, "c n"]
     """Gap along the normal [m]; negative when overlapping; `FAR` in an empty slot."""
     key: Int[Array, "c n"]
-    """Names the pair and the features; the same point has the same key in the next step; −1: empty."""
+    """Names the pair and the features; the same point keeps its key in the next step; −1: empty."""
 
 
 @pytree
@@ -80,7 +80,7 @@ def find_contacts(
     touching = []
     overflow = jnp.zeros(state.rotation.shape[-1], bool)
     first = 0
-    for (separation, extra), maker, room, count in zip(
+    for (separation, faces), maker, room, count in zip(
         store((scene.polygon_polygon(), scene.circle_polygon(), scene.circle_circle())),
         (scene.polygon_points, scene.circle_polygon_points, scene.circle_points),
         (slots.polygon_polygon, slots.circle_polygon, slots.circle_circle),
@@ -97,7 +97,7 @@ def find_contacts(
         near = pushes & (separation <= scene.margin[pairs])
         index, valid, full = store(compact(store(near), room))
         overflow |= full
-        kinds.append(maker(index, valid, separation, extra))
+        kinds.append(maker(index, valid, faces))
     points = store(jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *kinds))
     points, full = store(_tightest(points, slots.points, store))
     return Found(
@@ -108,7 +108,7 @@ def find_contacts(
 def compact(
     mask: Bool[Array, "q n"], room: int
 ) -> tuple[Int[Array, "k n"], Bool[Array, "k n"], Bool[Array, " n"]]:
-    """The rows where the mask holds, in order, in `room` slots; whether a slot is used; overflow."""
+    """Rows where the mask holds, in order, in `room` slots; whether a slot is used; overflow."""
     count = mask.shape[0]
     running = jnp.cumsum(mask, axis=0, dtype=jnp.int32)
     wanted = np.arange(1, room + 1)[:, None, None]
@@ -117,7 +117,7 @@ def compact(
 
 
 def _tightest(points: Points, room: int, store: Store) -> tuple[Points, Bool[Array, " n"]]:
-    """Squeeze the used slots together; where there are too many, those that are still open go first."""
+    """Squeeze the used slots together; of too many, those that are still open are left out."""
     if points.key.shape[0] <= room:
         return points, jnp.zeros(points.key.shape[-1], bool)
     used = points.key >= 0
@@ -241,7 +241,7 @@ class _Scene:
     ) -> tuple[Vec, Vec, Vec]:
         """Start, end and normal of an edge of each polygon."""
         corner_count = self.polygons.offsets.shape[1]
-        first = (polygon[:, None] if polygon.ndim == 1 else polygon) * corner_count
+        first = jnp.asarray(polygon[:, None] if polygon.ndim == 1 else polygon) * corner_count
         corners = flat(self.polygons.corners)
         start = take_vec(corners, first + edge)
         end = take_vec(corners, first + (edge + 1) % corner_count)
@@ -254,7 +254,7 @@ class _Scene:
         """Distance of a point from a polygon whose nearest face is known.
 
         Returns:
-            Signed distance, the nearest corner, whether a corner is nearest, and whether it is the end.
+            Signed distance, the nearest corner, whether a corner is nearest, whether it is the end.
         """
         along = Vec(x=normal.y, y=-normal.x)
         before = dot(along, offset - start) < 0
@@ -266,15 +266,14 @@ class _Scene:
     def _radius(self, circle: Int[Array, "k n"] | Int[np.ndarray, " k"]) -> Float[Array, "k n"]:
         radius = self.world.bodies.radius
         slot = circle - self.polygon_count
-        return radius[slot] if slot.ndim == 1 else take(radius, slot)
+        return radius[slot] if slot.ndim == 1 else take(radius, jnp.asarray(slot))
 
-    def circle_circle(self) -> tuple[Float[Array, "q n"], None]:
-        """Distance of the surfaces."""
+    def circle_circle(self) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
+        """Distance of the surfaces; circles have one face."""
         a, b, _ = self._kind(2)
-        return (
-            length(self.centre[b] - self.centre[a]) - self._radius(a) - self._radius(b),
-            None,
-        )
+        distance = length(self.centre[b] - self.centre[a])
+        gap = distance - self._radius(a) - self._radius(b)
+        return gap, jnp.zeros(gap.shape, jnp.int32)
 
     # Contact points of the near pairs of a kind.
 
@@ -308,10 +307,13 @@ class _Scene:
         )
 
     def circle_points(
-        self, index: Int[Array, "k n"], valid: Bool[Array, "k n"], separation: Array, extra: None
+        self,
+        index: Int[Array, "k n"],
+        valid: Bool[Array, "k n"],
+        faces: Int[Array, "q n"],
     ) -> Points:
         """One point for two circles; the normal is that of the moment when they will touch."""
-        del separation, extra
+        del faces
         a, b, pair = self._bodies(2, index)
         apart = take_vec(self.centre, b) - take_vec(self.centre, a)
         radius_a, radius_b = self._radius(a), self._radius(b)
@@ -322,7 +324,7 @@ class _Scene:
     def _round_contact(
         self, apart: Vec, a: Int[Array, "k n"], b: Int[Array, "k n"], radius: Float[Array, "k n"]
     ) -> tuple[Vec, Float[Array, "k n"]]:
-        """Normal and gap of a round surface: taken at the time of impact if one lies ahead in the step.
+        """Normal and gap of a round surface, at the time of impact if one lies ahead in the step.
 
         With them, gap + time·closing speed is zero exactly, so an oblique hit found a step early
         still gets the right normal.
@@ -343,11 +345,9 @@ class _Scene:
         self,
         index: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
-        separation: Array,
         edges: Int[Array, "q n"],
     ) -> Points:
         """One point: on the nearest face, or at the nearest corner."""
-        del separation
         a, b, pair = self._bodies(1, index)
         edge = take(edges, index)
         start, end, outward = self._edge_ends(b, edge)
@@ -367,11 +367,9 @@ class _Scene:
         self,
         index: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
-        separation: Array,
         faces: Int[Array, "q n"],
     ) -> Points:
         """Two clipped points on the reference face, or one where two corners are nearest."""
-        del separation
         a, b, pair = self._bodies(0, index)
         face = take(faces, index)
         swap = face >= 4
@@ -401,31 +399,26 @@ class _Scene:
             jnp.where(which % 2 == 1, own_corner[1], own_corner[0]),
             jnp.where(which >= 2, other_corner[1], other_corner[0]),
         )
-        made = []
-        for point, gap, name, live in (
-            (low, gap_low, key(own_corner[0], other_corner[1]), survives),
-            (high, gap_high, key(own_corner[1], other_corner[0]), survives & ~use_corner),
-        ):
-            if point is low:
-                live = live | use_corner
-                gap = jnp.where(use_corner, corner_gap, gap)
-                name = jnp.where(use_corner, corner_key, name)
-                direction = maths.where(use_corner, corner_normal, normal)
-                place = maths.where(use_corner, corner_point, point - normal * (0.5 * gap))
-            else:
-                direction, place = normal, point - normal * (0.5 * gap)
-            made.append(
-                self._points(
-                    a,
-                    b,
-                    direction * sign,
-                    place + to_b,
-                    gap,
-                    name,
-                    valid & live & (gap <= margin),
-                )
-            )
-        return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *made)
+        gap_first = jnp.where(use_corner, corner_gap, gap_low)
+        first_point = self._points(
+            a,
+            b,
+            maths.where(use_corner, corner_normal, normal) * sign,
+            maths.where(use_corner, corner_point, low - normal * (0.5 * gap_low)) + to_b,
+            gap_first,
+            jnp.where(use_corner, corner_key, key(own_corner[0], other_corner[1])),
+            valid & (survives | use_corner) & (gap_first <= margin),
+        )
+        second_point = self._points(
+            a,
+            b,
+            normal * sign,
+            high - normal * (0.5 * gap_high) + to_b,
+            gap_high,
+            key(own_corner[1], other_corner[0]),
+            valid & survives & ~use_corner & (gap_high <= margin),
+        )
+        return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), first_point, second_point)
 
     def _most_opposed(self, polygon: Int[Array, "k n"], normal: Vec) -> Int[Array, "k n"]:
         """The edge whose outward normal points most against the given one."""
@@ -480,7 +473,7 @@ def _corner_pair(
 
     Returns:
         Distance, direction from the reference to the incident corner, the point between them, which
-        corners (bit 0: end of the reference edge, bit 1: last of the incident one), and the verdict.
+        corners (bit 0: end of the reference edge, bit 1: last of the incident one), the verdict.
     """
     best = jnp.full(start.x.shape, FAR, start.x.dtype)
     which = jnp.zeros(start.x.shape, jnp.int32)

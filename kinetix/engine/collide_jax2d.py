@@ -1,4 +1,4 @@
-"""The peer's contact conventions, for the preset `jax2d` only: one depth for both points, no clipping.
+"""The peer's contact conventions, for the preset `jax2d` only: one depth, no clipping.
 
 Worlds are on the last axis. Contacts of a kind are listed in the order of `pairs.candidate_pairs`.
 """
@@ -49,7 +49,7 @@ def move_shapes(bodies: Bodies, state: State) -> Shapes:
     centre = vec(state.position[:polygons])
     vertices = rotate(jnp.cos(angle), jnp.sin(angle), local) + centre[:, None]
     count = bodies.vertex_count[:, None]
-    index = np.arange(corners)[None, :, None]
+    index = jnp.arange(corners)[None, :, None]
     last = index == count - 1
     rolled = Vec(x=jnp.roll(vertices.x, -1, axis=1), y=jnp.roll(vertices.y, -1, axis=1))
     following = maths.where(last, vertices[:, :1], rolled)
@@ -109,7 +109,7 @@ def circle_polygon(
 def polygon_polygon(
     a: Int[np.ndarray, " q"], b: Int[np.ndarray, " q"], shapes: Shapes
 ) -> tuple[Manifold, Manifold]:
-    """Contacts between polygons: the deeper point, and the second one where both corners overlap."""
+    """Contacts between polygons: the deeper point, and a second where both corners overlap."""
     separation_a, edge_a = _largest_separation(shapes, a, b)
     separation_b, edge_b = _largest_separation(shapes, b, a)
     swap = separation_a + REFERENCE_BIAS < separation_b
@@ -174,7 +174,7 @@ def _largest_separation(
 
 
 def _pick(array: Vec, index: Int[Array, "q n"]) -> Vec:
-    """Row `index` of the second axis, for each pair and world: a masked sum, which has no gather."""
+    """Row `index` of the second axis, for each pair and world."""
     mask = np.arange(array.x.shape[1])[None, :, None] == index[:, None]
     return Vec(
         x=jnp.sum(jnp.where(mask, array.x, 0), axis=1),

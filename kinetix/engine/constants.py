@@ -1,4 +1,7 @@
-"""Tolerances of the engine's own solvers: meaning, unit, what breaks. Solver settings live on the solvers."""
+"""Tolerances of the engine's own solvers: meaning, unit, what breaks.
+
+The settings of a solver live on the solver.
+"""
 
 SLOP = 5e-4
 """Overlap left alone [m]. Larger: visible sinking; zero: contacts open and close in turn."""
@@ -8,19 +11,19 @@ SPECULATIVE_DISTANCE = 0.02
 that speed up within the step; larger: more points to solve, ghost contacts at corners."""
 
 ACCELERATION_MARGIN = 0.01
-"""Added to the distance covered at the current speed, for what the step's own accelerations add [m]."""
+"""Added to the distance covered at the current speed, for the step's own accelerations [m]."""
 
 TOUCH_SLOP = 5e-3
 """Two bodies that push each other count as touching up to this separation [m]."""
 
 LINEAR_SLOP = 5e-4
-"""By how much one feature must beat another before a contact changes over [m]; keeps choices steady."""
+"""By how much a feature must beat another before a contact changes over [m]: steady choices."""
 
 PUSH_SPEED = 3.0
 """Overlaps are resolved no faster than this [m/s]. Larger: bodies pop out of each other."""
 
 CLOSED_DISTANCE = 1e-4
-"""A contact counts as closed below this separation [m]; only closed contacts act in the relax phase."""
+"""A contact counts as closed below this separation [m]; only closed ones act when relaxing."""
 
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""

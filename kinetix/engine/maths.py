@@ -1,4 +1,4 @@
-"""Plane vectors whose components are arrays of any (broadcastable) shape, worlds on the last axis."""
+"""Plane vectors whose components are arrays of any broadcastable shape, worlds last."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Shaped

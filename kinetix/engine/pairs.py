@@ -1,4 +1,4 @@
-"""Candidate pairs and the collision filter. Everything here is numpy, done once at trace or load time."""
+"""Candidate pairs and the collision filter: numpy, done once at trace or load time."""
 
 import functools
 

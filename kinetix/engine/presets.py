@@ -1,4 +1,4 @@
-"""The physics presets: names for a solver with settings, chosen by measurement (docs/physics.md)."""
+"""The physics presets: names for a solver with settings, chosen by measurement."""
 
 from kinetix.engine.solvers import SOLVERS, AbstractSolver, Direct, PgsBaumgarte
 from kinetix.engine.solvers.blocks import Admm
@@ -25,5 +25,7 @@ def solver_named(name: str) -> AbstractSolver:
     """
     solver = PRESETS.get(name) or SOLVERS.get(name)
     if solver is None:
-        raise KinetixError(f"unknown physics {name!r}: expected one of {', '.join([*PRESETS, *SOLVERS])}")
+        raise KinetixError(
+            f"unknown physics {name!r}: expected one of {', '.join([*PRESETS, *SOLVERS])}"
+        )
     return solver

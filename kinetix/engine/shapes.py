@@ -1,8 +1,7 @@
 """World geometry of the polygons, relative to their bodies' positions. Worlds on the last axis."""
 
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, Shaped
 
 from kinetix.engine import maths
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate
@@ -15,13 +14,16 @@ FAR = 1e6
 
 @pytree
 class Polygons:
-    """Turned polygons. Corners are relative to the body's position, which keeps digits far from the
-    origin; corners that do not exist repeat the first one."""
+    """Turned polygons.
+
+    Corners are relative to the body's position, which keeps digits far from the origin; corners
+    that do not exist repeat the first one.
+    """
 
     corners: Vec
     """(p, v, n)."""
     normals: Vec
-    """Outward normal of the edge from corner i to corner i + 1, (p, v, n); zero where there is none."""
+    """Outward normal of the edge from corner i to corner i + 1, (p, v, n); zero without one."""
     offsets: Float[Array, "p v n"]
     """normal · corner [m]; `FAR` where there is no edge."""
     radius: Float[Array, "p n"]
@@ -33,7 +35,7 @@ def turn_polygons(bodies: Bodies, rotation: Float[Array, "b n"]) -> Polygons:
     polygons, corner_count = bodies.vertices.shape[:2]
     angle = rotation[:polygons, None]
     local = Vec(x=bodies.vertices[:, :, 0], y=bodies.vertices[:, :, 1])
-    used = np.arange(corner_count)[None, :, None] < bodies.vertex_count[:, None]
+    used = jnp.arange(corner_count)[None, :, None] < bodies.vertex_count[:, None]
     local = maths.where(used, local, local[:, :1])
     corners = rotate(jnp.cos(angle), jnp.sin(angle), local)
     edge = Vec(x=jnp.roll(corners.x, -1, axis=1), y=jnp.roll(corners.y, -1, axis=1)) - corners
@@ -53,7 +55,7 @@ def flat(v: Vec) -> Vec:
     return Vec(x=v.x.reshape(-1, v.x.shape[-1]), y=v.y.reshape(-1, v.y.shape[-1]))
 
 
-def take(values: Float[Array, "rows n"], index: Int[Array, "k n"]) -> Float[Array, "k n"]:
+def take(values: Shaped[Array, "rows n"], index: Int[Array, "k n"]) -> Shaped[Array, "k n"]:
     """values[index[k, n], n]."""
     return jnp.take_along_axis(values, index, axis=0, mode="promise_in_bounds")
 

@@ -4,7 +4,7 @@ import dataclasses
 from typing import Final
 
 ARENA_BODIES: Final = 4
-"""Floor, left wall, right wall, ceiling: polygons 0–3, always fixed, never paired with each other."""
+"""Floor, left wall, right wall, ceiling: polygons 0–3, fixed, never paired with each other."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class Features:
     """What a scene uses; what it does not use is not compiled. The defaults leave everything in."""
 
     pairs: tuple[tuple[int, int], ...] | None = None
-    """The pairs (global indices, a < b) that can ever push each other; None: all candidate pairs."""
+    """The pairs (global indices, a < b) that can ever push each other; None: all candidates."""
     restitution: bool = True
     triangles: bool = True
     limits: bool = True

@@ -1,4 +1,4 @@
-"""The engine's pytrees: what a level fixes (`World`), what a step changes (`State`), what drives it (`Control`).
+"""The engine's pytrees: what a level fixes, what a step changes, what drives it.
 
 Shapes are written for one world. Inside the engine every array carries the worlds `n` on a further,
 last axis (see README.md beside this file). Bodies are listed polygons first, then circles; a body's
@@ -32,7 +32,7 @@ class Bodies:
     active: Bool[Array, " b"]
     """Whether the slot holds a body."""
     vertices: Float[Array, "p v 2"]
-    """Corners of the polygons in their own frame [m], clockwise; rows beyond the count are padding."""
+    """Corners of the polygons in their own frame [m], clockwise; padding beyond the count."""
     vertex_count: Int[Array, " p"]
     """How many corners count: 3 or 4."""
     radius: Float[Array, " r"]
@@ -119,7 +119,7 @@ class State:
     overflow: Bool[Array, ""]
     """Whether the last step met more contacts than the solver has room for."""
     cache: Any
-    """What the solver keeps from step to step (impulses for the warm start); a pytree of its own."""
+    """What the solver keeps from step to step, such as impulses; a pytree of its own."""
 
 
 @pytree
@@ -173,7 +173,7 @@ class Parameters:
 
 
 def default_parameters(**changes: float) -> Parameters:
-    """Parameters of every published level, as Python floats (weakly typed, so any precision works)."""
+    """Parameters of every published level, as Python floats (weakly typed: any precision works)."""
     values: dict[str, Any] = {
         "dt": 1 / 60,
         "base_friction": 0.4,
@@ -193,4 +193,5 @@ def default_parameters(**changes: float) -> Parameters:
         "baumgarte_limit": 5.0,
         "joint_stiffness": 0.6,
     }
-    return Parameters(**(values | changes))
+    values.update(changes)
+    return Parameters(**values)

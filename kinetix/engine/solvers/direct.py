@@ -1,13 +1,13 @@
-"""Our own method, the direct soft step: joints exactly, contacts by a block on what joints leave free.
+"""Our own method, the direct soft step: joints exactly, contacts by a pluggable block.
 
 A step has `substeps`; each is kick – solve – drift – kick – solve. The first solve (*bias*) also
 corrects positions; what it adds for that moves the bodies but is taken out of the velocities by the
 second (*relax*), so corrections cost no energy. Free flight is exact, jointed motion second order.
 
 Worlds are on the last axis.
-Source: Andersen (1983), RATTLE, for the split kick with a projection at both ends; Andrews, Teichmann
-& Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody Dynamics", for the stiffness of
-taut joints as inertia; Catto (2024), Solver2D, for biased and relaxed solves.
+Source: Andersen (1983), RATTLE, for the split kick with a projection at both ends; Andrews,
+Teichmann & Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody Dynamics", for the
+stiffness of taut joints as inertia; Catto (2024), Solver2D, for biased and relaxed solves.
 """
 
 import dataclasses
@@ -25,7 +25,7 @@ from kinetix.engine.pairs import pair_counts
 from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Admm, Cone
-from kinetix.engine.solvers.joint_system import JointSystem, joint_system, project
+from kinetix.engine.solvers.joint_system import JointSystem, Step, joint_system, project
 from kinetix.engine.solvers.rows import (
     Masses,
     Rows,
@@ -44,6 +44,8 @@ from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree
+
+DEFAULT_BLOCK = Admm()
 
 
 @pytree
@@ -98,7 +100,7 @@ class Direct(AbstractSolver):
 
     name: ClassVar[str] = "direct"
     substeps: int = 2
-    block: AbstractBlock = Admm()
+    block: AbstractBlock = DEFAULT_BLOCK
     joint_bias: float = 0.5
     """Share of a joint's position error that one substep takes away."""
     contact_bias: float = 0.2
@@ -109,8 +111,8 @@ class Direct(AbstractSolver):
     def slots_for(self, spec: SceneSpec) -> Slots:
         """Room for contacts in scenes of this capacity.
 
-        Measured on the published levels under random actions: at most 7, 9 and 17 points are near at
-        once in sizes s, m and l (99.9 %). A stack needs two points a polygon.
+        Measured on the published levels under random actions: at most 7, 9 and 17 points are near
+        at once in sizes s, m and l (99.9 %). A stack needs two points a polygon.
         """
         if self.slots is not None:
             return self.slots
@@ -134,8 +136,9 @@ class Direct(AbstractSolver):
         def zeros(count: int) -> Any:
             return np.zeros(count, np.float32)
 
+        empty_keys: Any = np.full(points, -1, np.int32)
         return DirectCache(
-            key=np.full(points, -1, np.int32),
+            key=empty_keys,
             bias_normal=zeros(points),
             bias_tangent=zeros(points),
             relax_normal=zeros(points),
@@ -154,13 +157,17 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
-        masses = store(_effective_masses(world, state, h))
+        this = Step(
+            world=world,
+            control=control,
+            parameters=parameters,
+            masses=store(_effective_masses(world, state, h)),
+            store=store,
+        )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
-        joints = joint_system(
-            world, position, state.rotation, velocity, control, parameters, masses, h / 2, store
-        )
-        system, gap = self._contact_system(world, state, found, joints, masses, parameters, store)
+        joints = joint_system(this, position, state.rotation, velocity, h / 2)
+        system, gap = self._contact_system(this, state, found, joints)
         bias_impulse, relax_impulse = store(_warm_start(state.cache, found))
         start = Phase(
             position=position,
@@ -175,23 +182,15 @@ class Direct(AbstractSolver):
         )
 
         def substep(phase: Phase, _: None) -> tuple[Phase, None]:
-            return self._substep(
-                world, phase, system, masses, control, parameters, spec, store
-            ), None
+            return self._substep(this, phase, system, spec), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
         return _finish(state, end, found, h, parameters)
 
     def _contact_system(
-        self,
-        world: World,
-        state: State,
-        found: Found,
-        joints: JointSystem,
-        masses: Masses,
-        parameters: Parameters,
-        store: Store,
+        self, step: Step, state: State, found: Found, joints: JointSystem
     ) -> tuple[ContactSystem, Float[Array, "m n"]]:
+        world, masses, store = step.world, step.masses, step.store
         points, bodies = found.points, world.bodies
         normal = points.normal
         tangent = Vec(x=normal.y, y=-normal.x)
@@ -218,7 +217,7 @@ class Direct(AbstractSolver):
             live=live,
             matrix=matrix,
             prepared=self.block.prepare(matrix),
-            friction=store(parameters.base_friction * friction),
+            friction=store(step.parameters.base_friction * friction),
             restitution=store(
                 jnp.minimum(take(bodies.restitution, a), take(bodies.restitution, b))
             ),
@@ -228,37 +227,26 @@ class Direct(AbstractSolver):
         )
         return system, gap
 
-    def _substep(
-        self,
-        world: World,
-        phase: Phase,
-        system: ContactSystem,
-        masses: Masses,
-        control: Control,
-        parameters: Parameters,
-        spec: SceneSpec,
-        store: Store,
-    ) -> Phase:
-        h = parameters.dt / self.substeps
+    def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
+        masses, store = step.masses, step.store
+        h = step.parameters.dt / self.substeps
         count = system.friction.shape[0]
         live, limit_live = system.live[:count], system.live[2 * count :]
 
         # Bias: half a kick, then velocities that also bring positions where they belong.
-        push = store(_acceleration(world, phase.rotation, control, parameters))
+        push = store(_acceleration(step, phase.rotation))
         before = store(speeds(system.rows, phase.velocity))
         velocity = store(_kick(phase.velocity, push, h / 2))
         bias = phase.joints.error * (self.joint_bias / h)
         nothing = jnp.zeros_like(phase.joint_impulse)
-        velocity, joint_impulse = project(phase.joints, velocity, masses, nothing, bias, store)
+        velocity, joint_impulse = project(step, phase.joints, velocity, nothing, bias)
         offset = store(speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count))
         cone = Cone(friction=system.friction, closed=live, limited=limit_live)
         bias_impulse = self.block.solve(
             system.prepared, system.matrix, offset, phase.bias_impulse, cone
         )
         velocity = store(apply(system.rows, bias_impulse, velocity, masses))
-        velocity, joint_impulse = project(
-            phase.joints, velocity, masses, joint_impulse, bias, store
-        )
+        velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
         # Drift.
         position, rotation, gap = store(
@@ -270,19 +258,19 @@ class Direct(AbstractSolver):
         )
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
-        velocity = store(
-            _kick(velocity, _acceleration(world, rotation, control, parameters), h / 2)
-        )
-        joints = joint_system(
-            world, position, rotation, velocity, control, parameters, masses, h / 2, store
-        )
-        velocity, relaxed = project(joints, velocity, masses, nothing, nothing, store)
+        velocity = store(_kick(velocity, _acceleration(step, rotation), h / 2))
+        joints = joint_system(step, position, rotation, velocity, h / 2)
+        velocity, relaxed = project(step, joints, velocity, nothing, nothing)
         closed = (bias_impulse > 0) | (gap <= constants.CLOSED_DISTANCE)
         cone = store(
-            cone.replace(closed=live & closed[:count], limited=limit_live & closed[2 * count :])
+            dataclasses.replace(
+                cone, closed=live & closed[:count], limited=limit_live & closed[2 * count :]
+            )
         )
         offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
-        offset -= self._bounce(system, before, phase.gap, push, bias_impulse, h, count, spec)
+        if spec.features.restitution:
+            bounce = self._bounce(system, before, phase.gap, push, bias_impulse, h)
+            offset = offset.at[:count].add(-bounce)
         total = self.block.solve(
             system.prepared,
             system.matrix,
@@ -291,7 +279,7 @@ class Direct(AbstractSolver):
             cone,
         )
         velocity = store(apply(system.rows, store(total - bias_impulse), velocity, masses))
-        velocity, relaxed = project(joints, velocity, masses, relaxed, nothing, store)
+        velocity, relaxed = project(step, joints, velocity, relaxed, nothing)
         return Phase(
             position=position,
             rotation=rotation,
@@ -323,16 +311,13 @@ class Direct(AbstractSolver):
         push: tuple[Vec, Float[Array, "b n"]],
         impulse: Float[Array, "m n"],
         h: Float[Array, " n"],
-        count: int,
-        spec: SceneSpec,
-    ) -> Float[Array, "m n"]:
+    ) -> Float[Array, "c n"]:
         """Speed with which contacts that closed in this substep leave.
 
-        The approach speed is that of the moment of touching, wherever in the substep it lies, so that
-        the energy after the bounce does not depend on it.
+        The approach speed is that of the moment of touching, wherever in the substep it lies, so
+        that the energy after the bounce does not depend on it.
         """
-        if not spec.features.restitution:
-            return jnp.zeros_like(before)
+        count = system.friction.shape[0]
         linear, angular = push
         closing = -speeds(system.rows, Velocity(linear=linear, angular=angular))[:count]
         free_fall = jnp.maximum(closing, 0)
@@ -341,15 +326,14 @@ class Direct(AbstractSolver):
         )
         threshold = 2 * h * jnp.sqrt(dot(linear, linear)).max(axis=0)
         bounces = (impulse[:count] > 0) & (speed > threshold) & (before[:count] < 0)
-        leaving = jnp.where(bounces, system.restitution * speed, 0)
-        return jnp.concatenate([leaving, jnp.zeros_like(before[count:])], axis=0)
+        return jnp.where(bounces, system.restitution * speed, 0)
 
 
 def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Masses:
     """Inverse masses with the stiffness of taut joints added to the inertia.
 
-    A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do not
-    see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
+    A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
+    not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
     """
     joints, bodies, cache = world.joints, world.bodies, state.cache
     inverse_inertia = bodies.inverse_inertia
@@ -391,11 +375,10 @@ def _limit_rows(
     return rows, acts, jnp.minimum(from_least, from_most)
 
 
-def _acceleration(
-    world: World, rotation: Float[Array, "b n"], control: Control, parameters: Parameters
-) -> tuple[Vec, Float[Array, "b n"]]:
+def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:
     """Gravity and thrust at a pose."""
-    linear, angular = actuators.thrust(world, rotation, control, parameters)
+    world = step.world
+    linear, angular = actuators.thrust(world, rotation, step.control, step.parameters)
     moves = (world.bodies.inverse_mass > 0).astype(rotation.dtype)
     return Vec(
         x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves
@@ -439,7 +422,8 @@ def _finish(
     joints = end.joint_impulse.shape[0] // 3
     pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
     index = np.arange(found.touching.shape[0])[:, None, None]
-    return state.replace(
+    return dataclasses.replace(
+        state,
         position=jnp.clip(unvec(end.position), -bound, bound),
         rotation=end.rotation,
         velocity=jnp.clip(unvec(end.velocity.linear), -speed, speed),

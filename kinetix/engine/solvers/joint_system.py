@@ -1,8 +1,8 @@
 """All joints of a world as one linear system, motors included. Worlds on the last axis.
 
-Each joint has three rows: the two coordinates of its anchors' gap, and the relative angle. The third
-row holds the angle of a weld; for a running motor it is a soft row whose compliance makes the torque
-follow the motor's law *after* all impulses of the phase; otherwise it is switched off.
+Each joint has three rows: the two coordinates of its anchors' gap, and the relative angle. The
+third row holds the angle of a weld; for a running motor it is a soft row whose compliance makes the
+torque follow the motor's law *after* all impulses of the phase; otherwise it is switched off.
 """
 
 import jax.numpy as jnp
@@ -49,33 +49,39 @@ class JointSystem:
     arm_b: Vec
 
 
+@pytree
+class Step:
+    """What stays the same for a whole step."""
+
+    world: World
+    control: Control
+    parameters: Parameters
+    masses: Masses
+    """Inverse masses that the solver uses."""
+    store: Store
+    """Keeps intermediate results."""
+
+
 def joint_system(
-    world: World,
+    step: Step,
     position: Vec,
     rotation: Float[Array, "b n"],
     velocity: Velocity,
-    control: Control,
-    parameters: Parameters,
-    masses: Masses,
     duration: Float[Array, " n"],
-    store: Store,
 ) -> JointSystem:
     """The joints at a pose.
 
     Args:
-        world: What the level fixes.
+        step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
         velocity: Of all bodies; tells how far the motors are from their target.
-        control: What drives the motors.
-        parameters: The motor law's constants.
-        masses: Inverse masses that the solver uses.
         duration: For how long the motors act in one solve [s].
-        store: Keeps intermediate results.
 
     Returns:
         The system, ready to be solved.
     """
+    world, masses, store = step.world, step.masses, step.store
     joints = world.joints
     a, b = joints.body_a, joints.body_b
     angle_a, angle_b = take(rotation, a), take(rotation, b)
@@ -101,7 +107,7 @@ def joint_system(
         & take(world.bodies.active, b)
         & (a != b)
     )
-    wanted, compliance = store(_motors(world, velocity, angle, control, parameters, duration))
+    wanted, compliance = store(_motors(step, velocity, angle, duration))
     turns = acts & (joints.fixed | (compliance > 0))
     live = jnp.concatenate([acts, acts, turns], axis=0)
     live, compliance = store((live, jnp.concatenate([zero, zero, compliance], axis=0)))
@@ -126,21 +132,20 @@ def joint_system(
 
 
 def _motors(
-    world: World,
+    step: Step,
     velocity: Velocity,
     angle: Float[Array, "j n"],
-    control: Control,
-    parameters: Parameters,
     duration: Float[Array, " n"],
 ) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
     """Target speed and compliance of each motor; compliance 0 where none runs.
 
-    The law is torque = −(strength/inertia)·tanh(k·error). Over the phase it is replaced by its secant
-    through the present error, taken at the error that *remains*: exact at rest, at stall and at full
-    speed, first order in between, stable at any strength.
+    The law is torque = −(strength/inertia)·tanh(k·error). Over the phase it is replaced by its
+    secant through the present error, taken at the error that *remains*: exact at rest, at stall and
+    at full speed, first order in between, stable at any strength.
     """
+    world, parameters = step.world, step.parameters
     joints, bodies = world.joints, world.bodies
-    action = control.motor
+    action = step.control.motor
     target = parameters.base_motor_speed * joints.motor_speed * action
     error = take(velocity.angular, joints.body_b) - take(velocity.angular, joints.body_a) - target
     inertia = take(bodies.inverse_inertia, joints.body_a) + take(
@@ -161,29 +166,28 @@ def _motors(
 
 
 def project(
+    step: Step,
     system: JointSystem,
     velocity: Velocity,
-    masses: Masses,
     impulse: Float[Array, "k n"],
     bias: Float[Array, "k n"],
-    store: Store,
 ) -> tuple[Velocity, Float[Array, "k n"]]:
     """The nearest velocities that satisfy all joints exactly.
 
     Args:
+        step: The worlds and their masses.
         system: The joints.
         velocity: Before.
-        masses: Inverse masses.
         impulse: What the rows have given in this phase so far (a soft row needs its total).
         bias: Speeds to add to what the rows see, to correct positions.
-        store: Keeps intermediate results.
 
     Returns:
         Velocities after, and the rows' total impulses.
     """
     if system.live.shape[0] == 0:
         return velocity, impulse
+    store = step.store
     residual = speeds(system.rows, velocity) - system.wanted + bias + system.compliance * impulse
     residual = store(jnp.where(system.live, residual, 0))
     gained = store(jnp.where(system.live, -matvec(system.solve, residual), 0))
-    return store((apply(system.rows, gained, velocity, masses), impulse + gained))
+    return store((apply(system.rows, gained, velocity, step.masses), impulse + gained))

@@ -72,9 +72,9 @@ class Contacts:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PgsBaumgarte(AbstractSolver):
-    """Projected Gauss–Seidel, Baumgarte bias, joints by a relaxed scalar mass (physics preset `jax2d`).
+    """Projected Gauss–Seidel, Baumgarte bias, joints by a relaxed scalar mass (preset `jax2d`).
 
-    Source: the behaviour of jax2d 1.0.1 (Matthews, Beukman, Lu & Foerster 2025), from its description.
+    Source: the behaviour of jax2d 1.0.1 (Matthews, Beukman, Lu & Foerster 2025).
     """
 
     name: ClassVar[str] = "pgs_baumgarte"
@@ -226,9 +226,11 @@ class PgsBaumgarte(AbstractSolver):
 
         if batches == 1:
             return solve(moving, impulses, 0)
-        return jax.lax.fori_loop(
-            0, batches, lambda batch, carry: solve(*carry, batch), (moving, impulses)
-        )
+
+        def next_batch(batch: Any, carry: tuple[Moving, Impulses]) -> tuple[Moving, Impulses]:
+            return solve(carry[0], carry[1], batch)
+
+        return jax.lax.fori_loop(0, batches, next_batch, (moving, impulses))
 
 
 class _Kinds:
@@ -265,7 +267,7 @@ class _Kinds:
             ),
         )
         return tuple(
-            manifold.replace(active=manifold.active & may_touch(world, pairs))
+            dataclasses.replace(manifold, active=manifold.active & may_touch(world, pairs))
             for manifold, pairs in zip(found, self.slots, strict=True)
         )
 
@@ -375,7 +377,8 @@ def _apply(
     def gather(to_a: Float[Array, "q n"], to_b: Float[Array, "q n"]) -> Float[Array, "b n"]:
         return jnp.asarray(on_b, to_b.dtype) @ to_b - jnp.asarray(on_a, to_a.dtype) @ to_a
 
-    return moving.replace(
+    return dataclasses.replace(
+        moving,
         velocity=moving.velocity
         + Vec(
             x=gather(impulse.x, impulse.x) * bodies.inverse_mass,
@@ -411,7 +414,8 @@ def _drive(world: World, moving: Moving, control: Control, parameters: Parameter
     twist = jnp.where(actuators.motor_runs(world, action), twist, 0)
     turned = onto_bodies(twist, joints.body_a, count) - onto_bodies(twist, joints.body_b, count)
     push, turn = actuators.thrust(world, moving.rotation, control, parameters)
-    return moving.replace(
+    return dataclasses.replace(
+        moving,
         velocity=moving.velocity + push * parameters.dt,
         omega=moving.omega + turned * bodies.inverse_inertia + turn * parameters.dt,
     )
@@ -445,7 +449,8 @@ def _warm_start(
         return onto_bodies(on_a, joints.body_a, count) - onto_bodies(on_b, joints.body_b, count)
 
     turn = net(cross(arms[0], impulse) + angular, cross(arms[1], impulse) + angular)
-    return moving.replace(
+    return dataclasses.replace(
+        moving,
         velocity=moving.velocity + Vec(x=net(x, x), y=net(y, y)) * bodies.inverse_mass,
         omega=moving.omega + turn * bodies.inverse_inertia,
     )
@@ -463,7 +468,7 @@ def _solve_joints(
         return moving, impulses
 
     def one(moving: Moving, joint: tuple) -> tuple[Moving, tuple]:
-        return _solve_joint(world, moving, *joint, parameters)
+        return _solve_joint(world, moving, joint[0], joint[1], parameters)
 
     moving, impulses = jax.lax.scan(one, moving, (world.joints, impulses))
     return moving, impulses
@@ -537,7 +542,8 @@ def _solve_joint(
     on = acts.astype(mass_a.dtype)
     velocity = (push * (on * mass_a), push * (-on * mass_b))
     nudge = (gap * (on * share * mass_a), gap * (-on * share * mass_b))
-    moving = moving.replace(
+    moving = dataclasses.replace(
+        moving,
         position=_add(moving.position, is_a, nudge[0], is_b, nudge[1]),
         velocity=_add(moving.velocity, is_a, velocity[0], is_b, velocity[1]),
         omega=moving.omega
@@ -595,7 +601,8 @@ def _finish(
         parameters.clip_angular_velocity,
     )
     deeper, _, mixed, circles = manifolds
-    return state.replace(
+    return dataclasses.replace(
+        state,
         position=jnp.clip(unvec(moving.position + moving.velocity * dt), -bound, bound),
         rotation=moving.rotation + moving.omega * dt,
         velocity=jnp.clip(unvec(moving.velocity), -speed, speed),

@@ -89,7 +89,7 @@ def stack(*rows: Rows) -> Rows:
 
 
 def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
-    """J_left M⁻¹ J_rightᵀ: the change of the left rows' speeds per unit of the right rows' impulses."""
+    """J_left M⁻¹ J_rightᵀ: change of the left rows' speeds per unit of the right rows' impulses."""
     i, j = (slice(None), None), (None, slice(None))
     straight = dot(left.direction[i], right.direction[j])
 

@@ -1,7 +1,7 @@
 """Contact block by the alternating direction method of multipliers.
 
 Source: Boyd et al. (2011), "Distributed Optimization and Statistical Learning via the Alternating
-Direction Method of Multipliers", with over-relaxation; on contact problems Carpentier et al. (2024).
+Direction Method of Multipliers", with over-relaxation; Carpentier et al. (2024) on contacts.
 """
 
 import dataclasses
@@ -23,8 +23,8 @@ class Admm(AbstractBlock):
     name: ClassVar[str] = "admm"
     iterations: int = 10
     penalty: float = 0.02
-    """ρ relative to the diagonal. 0.1 lets a box under a load of 1000 times its mass sink; 0.02 holds
-    it within 0.4 mm, and stacks of equal boxes come out better too."""
+    """ρ relative to the diagonal. 0.1 lets a box under a load of 1000 times its mass sink; 0.02
+    holds it within 0.4 mm, and stacks of equal boxes come out better too."""
     relaxation: float = 1.2
     """Over-relaxation. 1.6 converges faster on long stacks, but leaves a single contact with an
     error of 0.45 an iteration (an elastic ball then gains 3 % energy in 10 s; 1.2: 2e-6)."""

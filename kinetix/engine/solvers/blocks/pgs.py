@@ -41,7 +41,7 @@ class Pgs(AbstractBlock):
         speed = matvec(matrix, start) + offset
 
         def relax(
-            row: Int[Array, ""], impulse: Array, speed: Array, low: Array, high: Array
+            row: Int[Array, ""], impulse: Array, speed: Array, low: Array | float, high: Array
         ) -> tuple:
             old = impulse[row]
             column = jax.lax.dynamic_index_in_dim(matrix, row, 1, keepdims=False)

@@ -1,0 +1,57 @@
+"""One-world functions that hit a kernel with the worlds on the last axis."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from kinetix.engine.batch import TILE, worlds_last
+
+
+@pytest.fixture(scope="module")
+def function():
+    def kernel(matrix, vector, scale):
+        assert matrix.shape[-1] == vector.shape[-1] == scale.shape[-1]
+        return {"product": jnp.sum(matrix * vector[None], axis=1) * scale, "first": vector[0]}
+
+    return worlds_last(kernel)
+
+
+def reference(matrix, vector, scale):
+    return {"product": matrix @ vector * scale, "first": vector[0]}
+
+
+def arguments(*batch):
+    random = np.random.default_rng(0)
+    return (
+        random.normal(size=(*batch, 3, 4)).astype(np.float32),
+        random.normal(size=(*batch, 4)).astype(np.float32),
+    )
+
+
+def assert_equal(found, wanted):
+    for name, value in wanted.items():
+        np.testing.assert_allclose(found[name], value, rtol=1e-5, atol=1e-5)
+
+
+def test_alone(function):
+    matrix, vector = arguments()
+    assert_equal(function(matrix, vector, 2.0), reference(matrix, vector, 2.0))
+
+
+@pytest.mark.parametrize("count", [1, 3, TILE, TILE + 1, 3 * TILE + 7])
+def test_batched_with_a_shared_argument(function, count):
+    matrix, vector = arguments(count)
+    found = jax.vmap(function, in_axes=(0, 0, None))(matrix, vector, 2.0)
+    assert_equal(found, jax.vmap(reference, in_axes=(0, 0, None))(matrix, vector, 2.0))
+
+
+def test_nested(function):
+    matrix, vector = arguments(5, 7)
+    found = jax.jit(jax.vmap(jax.vmap(function, in_axes=(0, None, None)), in_axes=(0, 0, None)))(
+        matrix, vector[:, 0], 0.5
+    )
+    wanted = jax.vmap(jax.vmap(reference, in_axes=(0, None, None)), in_axes=(0, 0, None))(
+        matrix, vector[:, 0], 0.5
+    )
+    assert_equal(found, wanted)
