@@ -11,6 +11,7 @@ from editor.jobs import Worker
 from editor.requests import Progress, Request
 from editor.session import Session
 from kinetix.level.codec import load_level, loads
+from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 
 
@@ -137,6 +138,27 @@ def test_a_wrong_field_value_is_named(play):
             '{"do":"action","id":"edit.select_all"}',
             '{"do":"set","field":"density","value":-1}',
         )
+
+
+@pytest.mark.slow
+def test_from_an_empty_level_to_one_that_is_won(play, script, tmp_path):
+    """The path of somebody new, by mouse and keys alone: a car with motors, and a goal."""
+    session = play(*script("three_minutes.jsonl").read_text().splitlines())
+    states = {
+        name: json.loads((tmp_path / f"{name}.json").read_text())
+        for name in ("empty", "saved", "played", "stopped")
+    }
+    assert {"E101", "E102", "W201"} == set(states["empty"]["problems"])
+    assert states["saved"]["problems"] == [] and not states["saved"]["dirty"]
+    assert states["played"]["outcome"] == "won"
+    assert states["stopped"]["level_hash"] == states["saved"]["level_hash"]
+    level = load_level(tmp_path / "first_car.json")
+    assert validate(level) == ()
+    assert [joint.motor.on for joint in level.joints] == [True, True]
+    assert [body.role for body in level.bodies] == ["green", "none", "none", "blue"]
+    wheels = level.bodies[1:3]
+    assert [wheel.shape.radius for wheel in wheels] == pytest.approx([0.2, 0.2], abs=1e-5)
+    assert session.document.path == tmp_path / "first_car.json"
 
 
 @pytest.mark.slow
