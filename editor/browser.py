@@ -16,6 +16,7 @@ from editor.look import COLOURS, FONTS, SMALL, Icons, u32
 from editor.prompts import FileQuestion
 from editor.vectors import Painter, Placement, paint_level, poses_of
 from editor.widgets import px
+from editor.wording import counts
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.geometry import ARENA_WIDTH
@@ -180,10 +181,7 @@ class FileBrowser:
                 widgets.wrapped(level.name)
             if level.description:
                 widgets.small(level.description)
-            widgets.small(
-                f"{len(level.bodies)} shapes, {len(level.joints)} joints, "
-                f"{len(level.thrusters)} thrusters"
-            )
+            widgets.small(counts((*level.bodies, *level.joints, *level.thrusters)) or "Empty")
         imgui.end_child()
 
     def _footer(self, session: "Session", chosen: bool) -> tuple[bool, Path | None]:

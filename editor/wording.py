@@ -1,8 +1,11 @@
 """Words for entities: what menus, lists and messages call them."""
 
+from collections.abc import Sequence
 from typing import Final
 
-from kinetix.level.model import Body, Circle, Joint, Level, Record
+from kinetix.level.model import ArenaBody, Body, Circle, Joint, Level, Record, Thruster
+
+_NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
 
 ARENA_LABELS: Final = {
     "floor": "Floor",
@@ -26,6 +29,16 @@ def kind_name(record: Record) -> str:
     if isinstance(record, Joint):
         return "weld" if record.kind == "fixed" else "joint"
     return "thruster"
+
+
+def counts(records: Sequence[Record]) -> str:
+    """How many of each kind: `3 shapes, 1 joint`; nothing for none."""
+    parts = []
+    for kind, noun in _NOUNS.items():
+        count = sum(isinstance(record, kind) for record in records)
+        if count:
+            parts.append(f"{count} {noun}{'' if count == 1 else 's'}")
+    return ", ".join(parts)
 
 
 def describe(level: Level, entity_id: int | str) -> str:

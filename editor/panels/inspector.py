@@ -12,7 +12,7 @@ from editor.look import FONTS, Icons
 from editor.panels.base import Panel
 from editor.panels.fields import Editor, segments
 from editor.widgets import px
-from editor.wording import describe
+from editor.wording import counts, describe
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
@@ -35,7 +35,6 @@ ROLE_OPTIONS: Final = (
 )
 _COLLISION_OPTIONS: Final = (("normal", "Normal"), ("always", "Always"), ("ghost", "Ghost"))
 _ROLE_HINT = "Green must touch blue and must not touch red."
-_NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
 
 
 class Inspector(Panel):
@@ -77,7 +76,7 @@ class Inspector(Panel):
             if len(ids) == 1:
                 widgets.text(describe(level, ids[0]))
             else:
-                widgets.wrapped(_counts(records))
+                widgets.wrapped(counts(records))
         if len(ids) == 1 and isinstance(records[0], Joint):
             joint = records[0]
             self._ends(session, joint)
@@ -244,16 +243,6 @@ class Inspector(Panel):
                     widgets.row("Collides")
                     edit.options(session, "collision", _COLLISION_OPTIONS)
         widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
-
-
-def _counts(records: list[Record]) -> str:
-    """How many of each kind: `3 shapes, 1 joint`."""
-    parts = []
-    for kind, noun in _NOUNS.items():
-        count = sum(isinstance(record, kind) for record in records)
-        if count:
-            parts.append(f"{count} {noun}{'' if count == 1 else 's'}")
-    return ", ".join(parts)
 
 
 def role_segments(session: "Session", name: str, ids: tuple[EntityId, ...], current: Any) -> None:
