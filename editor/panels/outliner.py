@@ -41,6 +41,8 @@ class Outliner(Panel):
             "###outliner.filter", f"{Icons.search}  Filter", self._filter
         )
         widgets.probe(session, "outliner.filter")
+        # The rows scroll under the filter, which stays.
+        imgui.begin_child("rows")
         if not level.bodies:
             widgets.empty_state(
                 Icons.level, "No shapes yet", "Press R, C or T and drag on the canvas to draw one."
@@ -54,6 +56,7 @@ class Outliner(Panel):
             imgui.dummy((0, px(6)))
         self._arena(session, level)
         imgui.pop_style_var()
+        imgui.end_child()
 
     def _shows(self, words: str) -> bool:
         return self._filter.lower() in words.lower()
@@ -115,7 +118,7 @@ class Outliner(Panel):
         if hovered:
             session.highlighted = (entity,)
         if scroll and selected and entity == session.selection[-1]:
-            imgui.set_scroll_here_y(0.5)
+            _bring_into_view()
         draw = imgui.get_window_draw_list()
         middle = start.y + (height - imgui.get_text_line_height()) / 2
         hidden = entity in session.document.hidden
@@ -174,6 +177,14 @@ class Outliner(Panel):
             if self._shows(label):
                 role = getattr(level.arena, name).role
                 self._row(session, name, Icons.arena, label, _ROLE_COLOURS[role], False)
+
+
+def _bring_into_view() -> None:
+    """Scroll to the last widget unless it is seen whole already."""
+    top = imgui.get_window_pos().y
+    bottom = top + imgui.get_window_size().y
+    if imgui.get_item_rect_min().y < top or imgui.get_item_rect_max().y > bottom:
+        imgui.set_scroll_here_y(0.5)
 
 
 def _toggle(session: "Session", name: str, entity: int) -> None:
