@@ -72,7 +72,7 @@ class LevelPanel(Panel):
     def _description(self, session: "Session", level: Level) -> None:
         widgets.muted("Description")
         shown = self._texts.get("description", level.description)
-        height = imgui.get_text_line_height() * 3 + px(12)
+        height = imgui.get_text_line_height() * 4 + 2 * imgui.get_style().frame_padding.y
         flags = imgui.InputTextFlags_.word_wrap.value
         changed, new = imgui.input_text_multiline(
             "###level.description", shown, (-1, height), flags

@@ -87,8 +87,8 @@ class MenuBar:
             if not opened:
                 continue
             for scene in examples.scenes(group):
-                label = f"{scene.id}   {scene.name.capitalize()}###scene-{scene.id}"
-                if imgui.menu_item_simple(label):
+                label = f"{scene.name.capitalize()}###scene-{scene.id}"
+                if imgui.menu_item_simple(label, scene.id):
                     session.queue(lambda scene_id=scene.id: examples.open_scene(session, scene_id))
                 widgets.probe(session, f"menu.scene.{scene.id}")
                 widgets.tooltip(f"{scene.id}  {scene.name.capitalize()}", scene.note)

@@ -65,6 +65,10 @@ class Toasts:
             imgui.pop_text_wrap_pos()
             self._button(session, toast.action)
             imgui.same_line(0, px(10))
+            # The cross is higher than a line of text: their middles meet.
+            imgui.set_cursor_pos_y(
+                imgui.get_cursor_pos_y() - (px(20) - imgui.get_text_line_height()) / 2
+            )
             if widgets.icon_button(
                 session, f"toast.{number}.close", Icons.close, height=px(20), tint=COLOURS.faint
             ):
