@@ -29,6 +29,8 @@ RUNS = {
         "2",
         "--total-timesteps",
         "256",
+        "--physics",
+        "fast",
     ],
 }
 
