@@ -1,17 +1,26 @@
 """The one way to declare a JAX dataclass in this project."""
 
-import functools
 from typing import Any, TypeVar, dataclass_transform
 
 from flax import struct
 
 T = TypeVar("T")
 
-static = functools.partial(struct.field, pytree_node=False)
+
+def static(**options: Any) -> Any:
+    """A field that is part of the structure: compared and hashed, never traced.
+
+    Args:
+        **options: Those of `dataclasses.field`, such as `default`.
+
+    Returns:
+        The field.
+    """
+    return struct.field(pytree_node=False, **options)
 
 
 @dataclass_transform(
-    frozen_default=True, kw_only_default=True, field_specifiers=(struct.field, static)
+    frozen_default=True, kw_only_default=True, field_specifiers=(static,)
 )
 def pytree(cls: type[T]) -> type[T]:
     """Make a frozen, keyword-only dataclass that JAX treats as a pytree.
