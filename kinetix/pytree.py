@@ -19,9 +19,7 @@ def static(**options: Any) -> Any:
     return struct.field(pytree_node=False, **options)
 
 
-@dataclass_transform(
-    frozen_default=True, kw_only_default=True, field_specifiers=(static,)
-)
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(static,))
 def pytree(cls: type[T]) -> type[T]:
     """Make a frozen, keyword-only dataclass that JAX treats as a pytree.
 

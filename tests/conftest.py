@@ -1,6 +1,7 @@
 """What every test shares: strict JAX settings and a persistent compile cache."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -21,3 +22,15 @@ def peer() -> Path:
     if not PEER.is_dir():
         pytest.skip("the peer's data is not here")
     return PEER
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _bounded_memory():
+    """Compiled functions pile up over a whole run: drop them once the process has grown large."""
+    yield
+    statm = Path("/proc/self/statm")
+    if not statm.exists() or "jax" not in sys.modules:
+        return
+    resident = int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    if resident > 5 * 2**30:
+        sys.modules["jax"].clear_caches()
