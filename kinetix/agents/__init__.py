@@ -1,1 +1,1 @@
-"""Placeholder."""
+"""Networks, checkpoints, agents that play, and their evaluation."""
