@@ -27,7 +27,7 @@ class DebugPanel(Panel):
         if changed:
             session.view.debug_draw = on
         imgui.separator()
-        columns = max(1, int(imgui.get_content_region_avail().x / widgets.px(190)))
+        columns = max(1, int(imgui.get_content_region_avail().x / widgets.px(168)))
         if imgui.begin_table("layers", columns):
             for name, label in LAYERS.items():
                 imgui.table_next_column()

@@ -41,8 +41,10 @@ class Outliner(Panel):
             "###outliner.filter", f"{Icons.search}  Filter", self._filter
         )
         widgets.probe(session, "outliner.filter")
-        # The rows scroll under the filter, which stays.
-        imgui.begin_child("rows")
+        # The rows scroll under the filter, which stays; padding leaves them their round corners.
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(4), px(1)))
+        imgui.begin_child("rows", None, imgui.ChildFlags_.always_use_window_padding.value)
+        imgui.pop_style_var()
         if not level.bodies:
             widgets.empty_state(
                 Icons.level, "No shapes yet", "Press R, C or T and drag on the canvas to draw one."
