@@ -7,7 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "out"
-ASSETS = ROOT / "editor" / "assets"
+TOUR = ROOT / "editor" / "assets" / "tour.jsonl"
 EDITOR = [sys.executable, "-m", "editor"]
 
 
@@ -18,22 +18,6 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def agents() -> list[Path]:
-    """The bundled agents."""
-    return sorted(path.parent for path in (ROOT / "checkpoints").glob("*/agent.json"))
-
-
-def tour() -> Path:
-    """The script of the tour: with a part about agents when one is bundled."""
-    lines = (ASSETS / "tour.jsonl").read_text()
-    if agents():
-        part = (ASSETS / "tour_agent.jsonl").read_text()
-        lines += part.replace("AGENT", str(agents()[0].relative_to(ROOT)))
-    script = OUT / "tour.jsonl"
-    script.write_text(lines)
-    return script
-
-
 def film() -> int:
     """Run the tour offscreen and tell which pictures it made."""
     print(
@@ -42,7 +26,7 @@ def film() -> int:
     OUT.mkdir(exist_ok=True)
     for old in (*OUT.glob("tour*.png"), *OUT.glob("tour*.gif")):
         old.unlink()
-    status = subprocess.call([*EDITOR, "--offscreen", "--replay", str(tour())], cwd=ROOT)
+    status = subprocess.call([*EDITOR, "--offscreen", "--replay", str(TOUR)], cwd=ROOT)
     for path in sorted((*OUT.glob("tour*.png"), *OUT.glob("tour*.gif"))):
         print(path)
     return status
