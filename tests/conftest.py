@@ -1,5 +1,6 @@
 """What every test shares: strict JAX settings and a persistent compile cache."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -26,11 +27,17 @@ def peer() -> Path:
 
 @pytest.fixture(autouse=True, scope="module")
 def _bounded_memory():
-    """Compiled functions pile up over a whole run: drop them once the process has grown large."""
+    """Compiled functions pile up over a whole run: drop them once the process has grown large.
+
+    Each brings memory maps of its own, and a process may have 65 530 of them; one more, and reading
+    a compiled function from the cache crashes.
+    """
     yield
-    statm = Path("/proc/self/statm")
-    if not statm.exists() or "jax" not in sys.modules:
+    process = Path("/proc/self")
+    if not process.is_dir() or "jax" not in sys.modules:
         return
-    resident = int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-    if resident > 5 * 2**30:
+    resident = int((process / "statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    maps = (process / "maps").read_bytes().count(b"\n")
+    if resident > 4 * 2**30 or maps > 20_000:
         sys.modules["jax"].clear_caches()
+        gc.collect()
