@@ -198,8 +198,10 @@ class KinetixEnv:
         return self._observe(state)
 
     def _observe(self, state: EnvState) -> Any:
-        observe = worlds_last(jax.vmap(self.observations, in_axes=-1, out_axes=-1))
-        return observe(jax.lax.stop_gradient(state))
+        state = jax.lax.stop_gradient(state)
+        if not self.observations.worlds_last:
+            return self.observations(state)
+        return worlds_last(jax.vmap(self.observations, in_axes=-1, out_axes=-1))(state)
 
     def _fitted(self, state: EnvState) -> EnvState:
         return fitted(state, self.physics_engine)
@@ -223,6 +225,14 @@ class KinetixEnv:
 
     def _advance_many(self) -> Callable[..., Any]:
         """Step and observation as a function of one world that runs worlds-last when batched."""
+        if not self.observations.worlds_last:
+            advance = worlds_last(jax.vmap(self._advance, in_axes=-1, out_axes=-1))
+
+            def apart(state: EnvState, action: Any, params: EnvParams) -> Any:
+                played, *rest = advance(state, action, params)
+                return played, self.observations(dataclasses.replace(state, **played)), *rest
+
+            return apart
 
         def one(state: EnvState, action: Any, params: EnvParams) -> Any:
             played, *rest = self._advance(state, action, params)

@@ -11,7 +11,7 @@ from kinetix.environment.observations.features import Feature
 from kinetix.environment.observations.rows import GRAVITY_SCALE, gravity_feature
 from kinetix.environment.spaces import Box, Dict
 from kinetix.environment.state import EnvState
-from kinetix.render.pixels import make_render_pixels
+from kinetix.render.pixels import make_render_pixels_rl
 
 MAX_GRAVITY = 100.0
 """Largest gravity that a level can have [m/s²]."""
@@ -31,6 +31,7 @@ class PixelObservations(AbstractObservation):
     """The picture of the level, `screen_dim // downscale` pixels, one frame."""
 
     name: ClassVar[str] = "pixels"
+    worlds_last: ClassVar[bool] = False
 
     @property
     def space(self) -> Dict:
@@ -53,8 +54,8 @@ class PixelObservations(AbstractObservation):
 
     def __call__(self, state: EnvState) -> PixelObservation:
         """The picture of one state."""
-        render = make_render_pixels(self.layout.env_params, self.layout.static_env_params)
+        render = make_render_pixels_rl(self.layout.env_params, self.layout.static_env_params)
         return PixelObservation(
-            image=render(state) / 255.0,
+            image=render(state),
             global_info=jnp.nan_to_num(gravity_feature(state)[None]),
         )
