@@ -132,11 +132,11 @@ class Motion:
             distance = np.linalg.norm(self.position[chosen, i] - self.position[chosen, j], axis=-1)
             return distance - first.radius - second.radius
         if isinstance(first, Circle):
-            return _outside(self.corners(j)[chosen], self.position[chosen, i]) - first.radius
+            return outside(self.corners(j)[chosen], self.position[chosen, i]) - first.radius
         if isinstance(second, Circle):
-            return _outside(self.corners(i)[chosen], self.position[chosen, j]) - second.radius
+            return outside(self.corners(i)[chosen], self.position[chosen, j]) - second.radius
         a, b = self.corners(i)[chosen], self.corners(j)[chosen]
-        return np.maximum(_most_apart(a, b), _most_apart(b, a))
+        return np.maximum(most_apart(a, b), most_apart(b, a))
 
 
 def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -159,14 +159,14 @@ def _normals(corners: np.ndarray) -> np.ndarray:
     return normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
 
 
-def _most_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def most_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Largest separation along the normals of a: negative when no edge of a parts them."""
     away = np.einsum("kvd,kwd->kvw", _normals(a), b)
     own = np.einsum("kvd,kvd->kv", _normals(a), a)
     return (away.min(axis=2) - own).max(axis=1)
 
 
-def _outside(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
+def outside(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Distance of a point to a convex polygon; negative inside."""
     offset = point[:, None] - corners
     inner = np.einsum("kvd,kvd->kv", _normals(corners), offset).max(axis=1)

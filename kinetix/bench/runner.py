@@ -32,7 +32,12 @@ def precision(binary64: bool) -> Iterator[None]:
 
 
 def run_trials(
-    trials: Sequence[Trial], solver: AbstractSolver, *, binary64: bool = False, every: int = 1
+    trials: Sequence[Trial],
+    solver: AbstractSolver,
+    *,
+    binary64: bool = False,
+    every: int = 1,
+    like: Sequence[Trial] = (),
 ) -> list[Motion]:
     """Record every trial; all are padded to one capacity and stepped together.
 
@@ -41,19 +46,26 @@ def run_trials(
         solver: The method and its settings.
         binary64: Whether to compute in binary64 instead of binary32.
         every: Record only each so-manieth step; the motions then have a `dt` as much longer.
+        like: Further trials that capacity and features have to cover, for comparing the runs.
     """
     with precision(binary64):
-        return _run(trials, solver, binary64, every)
+        return _run(trials, spec_for([*trials, *like], solver), solver, binary64, every)
 
 
-def _run(
-    trials: Sequence[Trial], solver: AbstractSolver, binary64: bool, every: int
-) -> list[Motion]:
+def spec_for(trials: Sequence[Trial], solver: AbstractSolver) -> SceneSpec:
+    """Exactly what the trials need together."""
     capacity = functools.reduce(Capacity.union, (needed_capacity(t.level) for t in trials))
     spec = SceneSpec(capacity=capacity)
     scenes = [compile_level(trial.level, spec=spec, solver=solver) for trial in trials]
     features = features_union([features_of(scene) for scene in scenes], capacity)
-    spec = SceneSpec(capacity=capacity, features=features)
+    return SceneSpec(capacity=capacity, features=features)
+
+
+def _run(
+    trials: Sequence[Trial], spec: SceneSpec, solver: AbstractSolver, binary64: bool, every: int
+) -> list[Motion]:
+    capacity = spec.capacity
+    scenes = [compile_level(trial.level, spec=spec, solver=solver) for trial in trials]
     worlds = [
         _switched_off(scene.world) if trial.inactive else scene.world
         for trial, scene in zip(trials, scenes, strict=True)
