@@ -110,4 +110,6 @@ def test_system_packages_are_named_in_one_place():
     assert {"libegl1", "libgl1", "libgl1-mesa-dri", "xvfb"} <= listed
     others = [ROOT / "Makefile", ROOT / ".ci" / "run", ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
     for path in [*others, *(ROOT / "scripts").glob("*.sh"), *(ROOT / "scripts").glob("*.py")]:
-        assert [package for package in listed if package in path.read_text()] == [], path
+        # One of the test marks is called as the package that it needs.
+        text = path.read_text().replace("| `xvfb` |", "")
+        assert [package for package in listed if package in text] == [], path
