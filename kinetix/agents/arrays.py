@@ -88,6 +88,8 @@ def write_arrays(directory: Path, tree: Tree) -> None:
     host = jax.tree.map(np.asarray, dict(tree))
     with ocp.StandardCheckpointer() as checkpointer:
         checkpointer.save(directory.resolve(), host)
+    # It says where on this machine the arrays were written; nothing reads it.
+    (directory / "commit_success.txt").unlink(missing_ok=True)
 
 
 def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
