@@ -71,8 +71,9 @@ def _card_house() -> tuple[Trial, ...]:
         stage.box(0.02, 0.4, x - 0.09359, y + 0.18549, -lean)
         stage.box(0.02, 0.4, x + 0.09359, y + 0.18549, lean)
 
-    frame(-0.18, 0.0)
-    frame(0.18, 0.0)
+    # A frame is .374 m wide at its feet, so at ±.18 m the inner cards would overlap by 13 mm.
+    frame(-0.19, 0.0)
+    frame(0.19, 0.0)
     stage.box(0.4, 0.02, 0.0, 0.38098)
     frame(0.0, 0.39098)
     return (Trial(level=stage.level(), duration=5.0),)
