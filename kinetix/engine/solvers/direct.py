@@ -269,7 +269,7 @@ class Direct(AbstractSolver):
         )
         offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
         if spec.features.restitution:
-            bounce = self._bounce(system, before, phase.gap, push, bias_impulse, h)
+            bounce = self._bounce(system, before, phase.gap, push, closed[:count], h)
             offset = offset.at[:count].add(-bounce)
         total = self.block.solve(
             system.prepared,
@@ -309,7 +309,7 @@ class Direct(AbstractSolver):
         before: Float[Array, "m n"],
         gap: Float[Array, "m n"],
         push: tuple[Vec, Float[Array, "b n"]],
-        impulse: Float[Array, "m n"],
+        closed: Bool[Array, "c n"],
         h: Float[Array, " n"],
     ) -> Float[Array, "c n"]:
         """Speed with which contacts that closed in this substep leave.
@@ -325,7 +325,7 @@ class Direct(AbstractSolver):
             jnp.maximum(0, before[:count] ** 2 + 2 * free_fall * jnp.maximum(gap[:count], 0))
         )
         threshold = 2 * h * jnp.sqrt(dot(linear, linear)).max(axis=0)
-        bounces = (impulse[:count] > 0) & (speed > threshold) & (before[:count] < 0)
+        bounces = closed & (speed > threshold) & (before[:count] < 0)
         return jnp.where(bounces, system.restitution * speed, 0)
 
 
