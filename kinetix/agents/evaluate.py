@@ -13,29 +13,23 @@ from typing import Any, Final
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.agents.player import Player, Policy
-from kinetix.agents.results import LevelResult
-from kinetix.agents.shapes import observations_of_card
+from kinetix.agents.environments import capacity_for, environment_for
+from kinetix.agents.episodes import BATCH, Episodes, advance, episode_keys, start
+from kinetix.agents.player import Player
+from kinetix.agents.results import EpisodeResult, LevelResult, OutcomeName
 from kinetix.engine.spec import Capacity
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
-from kinetix.errors import CheckpointError
 from kinetix.level.codec import level_hash, load_document
 from kinetix.level.compile import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
-from kinetix.pytree import pytree
 
 ATTEMPTS: Final = 20
 """Attempts a level of the published protocol."""
-BATCH: Final = 128
-"""Episodes that run at once. Always the same number, so that rounding does not depend on how many
-levels are asked for."""
-_SEGMENT: Final = 32
+SEGMENT: Final = 32
 """Environment steps between two reports of progress."""
 
 
@@ -74,32 +68,22 @@ class Settings:
     """Take the likeliest action instead of drawing one."""
 
 
-@pytree
-class _Episodes:
-    """A batch of episodes on their way."""
-
-    state: EnvState
-    observation: Any
-    carry: Any
-    keys: Array
-    begins: Bool[Array, " n"]
-    over: Bool[Array, " n"]
-    solved: Bool[Array, " n"]
-    returns: Float[Array, " n"]
-    lengths: Int[Array, " n"]
-
-
 def evaluate(
-    player: Player, levels: Sequence[NamedLevel], settings: Settings | None = None
+    player: Player,
+    levels: Sequence[NamedLevel],
+    settings: Settings | None = None,
+    *,
+    segment: int = SEGMENT,
 ) -> Iterator[Progress]:
     """Play every level several times.
 
-    Closing the generator cancels; at most `_SEGMENT` environment steps of one batch are wasted.
+    Closing the generator cancels; at most `segment` environment steps of one batch are wasted.
 
     Args:
         player: Who plays; actions are drawn from its policy unless `settings.deterministic`.
         levels: What it plays; levels of one capacity are played together.
         settings: Attempts, seed, physics.
+        segment: Environment steps between two reports; changes no result.
 
     Yields:
         Progress; the last one has every level's result.
@@ -111,7 +95,7 @@ def evaluate(
     settings = settings or Settings()
     prepared = [_prepare(player, level) for level in levels]
     total = len(levels) * settings.attempts
-    outcomes: dict[int, list[tuple[bool, float, int]]] = defaultdict(list)
+    outcomes: dict[int, list[EpisodeResult]] = defaultdict(list)
     finished = 0
     for capacity, members in _by_capacity(prepared).items():
         env = environment_for(player, capacity, physics=settings.physics)
@@ -119,27 +103,128 @@ def evaluate(
         jobs = [(index, attempt) for index in members for attempt in range(settings.attempts)]
         for first in range(0, len(jobs), BATCH):
             chosen = jobs[first : first + BATCH]
-            # Rows that are left over repeat the first job and are over at once.
-            rows = [*chosen, *[chosen[0]] * (BATCH - len(chosen))]
-            state = jax.tree.map(lambda *x: np.stack(x), *(states[index] for index, _ in rows))
-            seeds = [prepared[index].key for index, _ in rows]
-            keys = _keys(seeds, [attempt for _, attempt in rows], settings.seed)
-            episodes = _start(env, player.policy, state, keys, np.arange(BATCH) >= len(chosen))
+            rows = [(states[index], prepared[index].key, attempt) for index, attempt in chosen]
+            episodes = _begin(env, player, rows, settings.seed)
             while not bool(jnp.all(episodes.over)):
                 over = int(jnp.sum(episodes.over[: len(chosen)]))
                 yield _progress(finished + over, total, levels, outcomes, settings)
-                episodes = _advance(
+                episodes = advance(
                     env,
                     player.policy,
                     player.params,
                     episodes,
+                    segment,
                     deterministic=settings.deterministic,
                 )
             finished += len(chosen)
-            solved, returns, lengths = _numpy((episodes.solved, episodes.returns, episodes.lengths))
+            told = episode_results(episodes)
             for row, (index, _) in enumerate(chosen):
-                outcomes[index].append((bool(solved[row]), float(returns[row]), int(lengths[row])))
+                outcomes[index].append(told[row])
     yield _progress(finished, total, levels, outcomes, settings)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RecordedStep:
+    """One moment of a recorded episode, as numpy arrays."""
+
+    state: EnvState
+    carry: Any
+    """The player's memory after this moment's step, one row."""
+    action: np.ndarray | None
+    """The unified action that led here; None at the start."""
+    reward: float
+    distance: float
+    """[m]"""
+    info: dict[str, np.ndarray]
+    """What the policy said: `logits`, `value`, `entropy`; empty for scripted players."""
+    result: EpisodeResult | None
+    """How the episode ended, at its last moment."""
+
+
+def record(
+    player: Player, level: NamedLevel, attempt: int, settings: Settings | None = None
+) -> Iterator[RecordedStep]:
+    """Play one episode of an evaluation again, moment by moment: the same to the bit.
+
+    It runs in a batch of the same size through the same compiled code, so it costs as much as the
+    whole batch did.
+
+    Args:
+        player: Who played.
+        level: Which level.
+        attempt: Which attempt, from 0.
+        settings: Of the evaluation.
+
+    Raises:
+        CheckpointError: The player cannot play the level.
+        LevelError: The level is bad.
+    """
+    settings = settings or Settings()
+    prepared = _prepare(player, level)
+    env = environment_for(player, prepared.capacity, physics=settings.physics)
+    state = _numpy(level_state(level.source, env.static_env_params))
+    episodes = _begin(env, player, [(state, prepared.key, attempt)], settings.seed)
+    yield _moment(env, episodes, first=True)
+    while not bool(episodes.over[0]):
+        episodes = advance(
+            env,
+            player.policy,
+            player.params,
+            episodes,
+            1,
+            deterministic=settings.deterministic,
+        )
+        yield _moment(env, episodes, first=False)
+
+
+def _begin(
+    env: KinetixEnv, player: Player, rows: Sequence[tuple[EnvState, int, int]], seed: int
+) -> Episodes:
+    """A batch of (first state, the level's number, attempt); rows that are left over are over."""
+    # They repeat the first row, which costs nothing extra: the batch has its size anyway.
+    filled = [*rows, *[rows[0]] * (BATCH - len(rows))]
+    states, levels, attempts = zip(*filled, strict=True)
+    keys = episode_keys(levels, attempts, seed)
+    over = np.arange(BATCH) >= len(rows)
+    return start(env, player.policy, player.params, states, keys, over)
+
+
+def _moment(env: KinetixEnv, episodes: Episodes, *, first: bool) -> RecordedStep:
+    row = jax.tree.map(lambda x: np.asarray(x[0]), (episodes.state, episodes.carry, episodes.last))
+    state, carry, last = row
+    over = bool(episodes.over[0])
+    return RecordedStep(
+        state=state,
+        carry=jax.tree.map(lambda x: x[None], carry),
+        action=None if first else np.asarray(env.actions.unified(last.action)),
+        reward=float(last.reward),
+        distance=float(last.distance),
+        info={} if first else dict(last.info),
+        result=episode_results(episodes)[0] if over else None,
+    )
+
+
+def episode_results(episodes: Episodes) -> list[EpisodeResult]:
+    """How every episode of a batch ended, or stands."""
+    columns = _numpy(
+        (episodes.solved, episodes.lost, episodes.broken, episodes.returns, episodes.lengths)
+    )
+    return [
+        EpisodeResult(
+            outcome=_outcome(bool(solved), bool(lost), bool(broken)),
+            total_reward=float(reward),
+            length=int(length),
+        )
+        for solved, lost, broken, reward, length in zip(*columns, strict=True)
+    ]
+
+
+def _outcome(solved: bool, lost: bool, broken: bool) -> OutcomeName:
+    if solved:
+        return "won"
+    if broken:
+        return "broken"
+    return "lost" if lost else "timeout"
 
 
 def _numpy(tree: Any) -> Any:
@@ -155,25 +240,20 @@ class _Prepared:
 
 
 def _prepare(player: Player, level: NamedLevel) -> _Prepared:
-    capacity, key = _capacity_and_key(level.source)
-    own = player.card.capacity
-    if own is not None and not player.card.plays_any_capacity:
-        fixed = Capacity(
-            polygons=own.polygons,
-            circles=own.circles,
-            joints=own.joints,
-            thrusters=own.thrusters,
-        )
-        if not fixed.covers(capacity):
-            raise CheckpointError(
-                f"agent {player.card.name!r} sees exactly {_sizes(fixed)}, which is too small for "
-                f"{level.name} with {_sizes(capacity)}"
-            )
-        capacity = fixed
+    capacity, key = capacity_and_key(level.source)
+    capacity = capacity_for(player.card, capacity, level=level.name)
     return _Prepared(level=level, capacity=capacity, key=key)
 
 
-def _capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
+def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
+    """Sizes of a level, and the number that identifies its content: it seeds its episodes.
+
+    Args:
+        source: A file or bundled name, a document, or a state.
+
+    Raises:
+        LevelError: The file is bad.
+    """
     if isinstance(source, EnvState):
         leaves = jax.tree.leaves((source.world, source.labels, source.physics.position))
         key = functools.reduce(lambda crc, x: zlib.crc32(np.asarray(x).tobytes(), crc), leaves, 0)
@@ -186,10 +266,6 @@ def _capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
     return capacity, int(level_hash(level)[:8], 16)
 
 
-def _sizes(capacity: Capacity) -> str:
-    return ", ".join(f"{value} {name}" for name, value in dataclasses.asdict(capacity).items())
-
-
 def _by_capacity(prepared: Sequence[_Prepared]) -> dict[Capacity, list[int]]:
     groups: dict[Capacity, list[int]] = defaultdict(list)
     for index, level in enumerate(prepared):
@@ -197,125 +273,16 @@ def _by_capacity(prepared: Sequence[_Prepared]) -> dict[Capacity, list[int]]:
     return groups
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
-def _start(
-    env: KinetixEnv, policy: Policy, state: EnvState, keys: Array, over: Bool[Array, " n"]
-) -> _Episodes:
-    return _Episodes(
-        state=state,
-        observation=jax.vmap(env.get_obs)(state),
-        carry=policy.init_carry(BATCH),
-        keys=keys,
-        begins=jnp.ones(BATCH, bool),
-        over=over,
-        solved=jnp.zeros(BATCH, bool),
-        returns=jnp.zeros(BATCH),
-        lengths=jnp.zeros(BATCH, jnp.int32),
-    )
-
-
-@functools.partial(jax.jit, static_argnums=(0, 1), static_argnames="deterministic")
-def _advance(
-    env: KinetixEnv, policy: Policy, params: Any, episodes: _Episodes, *, deterministic: bool
-) -> _Episodes:
-    """`_SEGMENT` environment steps of every episode; those that are over count no more."""
-
-    def step(episodes: _Episodes, _: None) -> tuple[_Episodes, None]:
-        keys = jax.vmap(jax.random.fold_in)(episodes.keys, episodes.lengths)
-        action, carry, __ = policy.decide(
-            params,
-            episodes.carry,
-            episodes.observation,
-            keys,
-            episodes.begins,
-            deterministic=deterministic,
-        )
-        stepped = jax.vmap(env.step)(keys, episodes.state, action)
-        observation, state, reward, done, info = stepped
-        running = ~episodes.over
-        return dataclasses.replace(
-            episodes,
-            state=state,
-            observation=observation,
-            carry=carry,
-            begins=jnp.zeros_like(episodes.begins),
-            over=episodes.over | done,
-            solved=episodes.solved | (running & done & info["GoalR"]),
-            returns=episodes.returns + jnp.where(running, reward, 0.0),
-            lengths=episodes.lengths + running,
-        ), None
-
-    return jax.lax.scan(step, episodes, length=_SEGMENT)[0]
-
-
-def _keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:
-    """A key for every episode, from the level's content, the attempt and the seed alone."""
-
-    @jax.jit
-    @jax.vmap
-    def fold(level: Array, attempt: Array) -> Array:
-        base = jax.random.PRNGKey(seed)
-        return jax.random.fold_in(jax.random.fold_in(base, level), attempt)
-
-    return fold(jnp.asarray(levels, jnp.uint32), jnp.asarray(attempts, jnp.uint32))
-
-
-def environment_for(
-    player: Player, capacity: Capacity, *, physics: str, auto_reset: bool = False
-) -> KinetixEnv:
-    """The environment that a player expects: its bindings, frame skip, step and observation.
-
-    Args:
-        player: Who will play.
-        capacity: Sizes of the levels.
-        physics: Physics preset or solver.
-        auto_reset: Whether episodes go on by themselves.
-    """
-    card = player.card
-    sizes = card.capacity
-    bindings: Any = (
-        {}
-        if sizes is None
-        else {
-            "num_motor_bindings": sizes.motor_bindings,
-            "num_thruster_bindings": sizes.thruster_bindings,
-        }
-    )
-    static_env_params = static_env_params_of(
-        capacity, frame_skip=card.environment.frame_skip, physics=physics, **bindings
-    )
-    env_params = EnvParams(
-        dt=card.environment.dt, dense_reward_scale=card.environment.dense_reward_scale
-    )
-    env: Any = make_kinetix_env(
-        action_type=card.action.type,
-        observation_type=card.observation.type,
-        env_params=env_params,
-        static_env_params=static_env_params,
-        auto_reset=auto_reset,
-    )
-    observations = observations_of_card(card, env_params, static_env_params)
-    return dataclasses.replace(env, observations=observations)
-
-
 def _progress(
     done: int,
     total: int,
     levels: Sequence[NamedLevel],
-    outcomes: dict[int, list[tuple[bool, float, int]]],
+    outcomes: dict[int, list[EpisodeResult]],
     settings: Settings,
 ) -> Progress:
-    results = []
-    for index, level in enumerate(levels):
-        episodes = outcomes.get(index, [])
-        if len(episodes) == settings.attempts:
-            results.append(
-                LevelResult(
-                    level=level.name,
-                    attempts=settings.attempts,
-                    solved=sum(solved for solved, _, _ in episodes),
-                    mean_return=float(np.mean([value for _, value, _ in episodes])),
-                    mean_length=float(np.mean([length for _, _, length in episodes])),
-                )
-            )
+    results = [
+        LevelResult.of(level.name, outcomes[index])
+        for index, level in enumerate(levels)
+        if len(outcomes.get(index, ())) == settings.attempts
+    ]
     return Progress(done=done, total=total, results=tuple(results))

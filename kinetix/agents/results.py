@@ -3,12 +3,26 @@
 import dataclasses
 import math
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, Literal, TypeAlias
+
+OutcomeName: TypeAlias = Literal["won", "lost", "timeout", "broken"]
+"""Green touched blue; green touched red; neither in time; the physics gave no numbers any more."""
 
 _WILSON_Z: Final = 1.959964
 """Standard normal quantile of a 95 % interval."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class EpisodeResult:
+    """How one attempt ended."""
+
+    outcome: OutcomeName
+    total_reward: float
+    """Sum of the rewards, the distance reward included."""
+    length: int
+    """Environment steps."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -23,6 +37,32 @@ class LevelResult:
     """Mean reward of an episode, the distance reward included."""
     mean_length: float
     """Mean number of environment steps."""
+    episodes: tuple[EpisodeResult, ...] = ()
+    """The attempts one by one, in their order."""
+
+    @classmethod
+    def of(cls, level: str, episodes: Sequence[EpisodeResult]) -> "LevelResult":
+        """The result of some attempts.
+
+        Args:
+            level: What the level is called.
+            episodes: At least one.
+        """
+        count = len(episodes)
+        return cls(
+            level=level,
+            attempts=count,
+            solved=sum(episode.outcome == "won" for episode in episodes),
+            mean_return=math.fsum(episode.total_reward for episode in episodes) / count,
+            mean_length=sum(episode.length for episode in episodes) / count,
+            episodes=tuple(episodes),
+        )
+
+    @property
+    def failures(self) -> str:
+        """Why attempts failed, the commonest reason first: "12 timeout, 3 lost"; empty if none."""
+        counts = Counter(e.outcome for e in self.episodes if e.outcome != "won")
+        return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
 
     @property
     def solve_rate(self) -> float:

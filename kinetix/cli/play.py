@@ -27,7 +27,7 @@ def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.evaluate import environment_for
+    from kinetix.agents.environments import environment_for
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.environment.episode import play_episode
     from kinetix.environment.reset import level_state

@@ -100,7 +100,7 @@ def run(command: Render) -> int:
 def _moments(command: Render) -> Iterator[Moment]:
     """The episode as far as it is asked for, its start included."""
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.evaluate import environment_for
+    from kinetix.agents.environments import environment_for
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.environment.reset import level_state
     from kinetix.level.codec import load_document

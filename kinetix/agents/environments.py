@@ -1,0 +1,82 @@
+"""The environment that a player expects, and the sizes that it can play."""
+
+import dataclasses
+from typing import Any
+
+from kinetix.agents.card import AgentCard
+from kinetix.agents.player import Player
+from kinetix.agents.shapes import observations_of_card
+from kinetix.engine.spec import Capacity
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.errors import CheckpointError
+
+
+def environment_for(
+    player: Player, capacity: Capacity, *, physics: str, auto_reset: bool = False
+) -> KinetixEnv:
+    """The environment that a player expects: its bindings, frame skip, step and observation.
+
+    Args:
+        player: Who will play.
+        capacity: Sizes of the levels.
+        physics: Physics preset or solver.
+        auto_reset: Whether episodes go on by themselves.
+    """
+    card = player.card
+    sizes = card.capacity
+    bindings: Any = (
+        {}
+        if sizes is None
+        else {
+            "num_motor_bindings": sizes.motor_bindings,
+            "num_thruster_bindings": sizes.thruster_bindings,
+        }
+    )
+    static_env_params = static_env_params_of(
+        capacity, frame_skip=card.environment.frame_skip, physics=physics, **bindings
+    )
+    env_params = EnvParams(
+        dt=card.environment.dt, dense_reward_scale=card.environment.dense_reward_scale
+    )
+    env: Any = make_kinetix_env(
+        action_type=card.action.type,
+        observation_type=card.observation.type,
+        env_params=env_params,
+        static_env_params=static_env_params,
+        auto_reset=auto_reset,
+    )
+    observations = observations_of_card(card, env_params, static_env_params)
+    return dataclasses.replace(env, observations=observations)
+
+
+def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity:
+    """The sizes at which an agent plays a level: the level's, or the agent's only ones.
+
+    Args:
+        card: The agent.
+        capacity: Sizes of the level.
+        level: What the level is called, for the sentence.
+
+    Raises:
+        CheckpointError: The agent sees one size only and the level is larger.
+    """
+    own = card.capacity
+    if own is None or card.plays_any_capacity:
+        return capacity
+    fixed = Capacity(
+        polygons=own.polygons,
+        circles=own.circles,
+        joints=own.joints,
+        thrusters=own.thrusters,
+    )
+    if not fixed.covers(capacity):
+        raise CheckpointError(
+            f"agent {card.name!r} sees exactly {_sizes(fixed)}, which is too small for "
+            f"{level} with {_sizes(capacity)}"
+        )
+    return fixed
+
+
+def _sizes(capacity: Capacity) -> str:
+    return ", ".join(f"{value} {name}" for name, value in dataclasses.asdict(capacity).items())

@@ -1,0 +1,183 @@
+"""A batch of episodes on their way: the one way in which players are measured and recorded.
+
+The batch always has the same number of rows and one compiled function advances it by any number of
+steps, so an episode is the same to the bit whoever asks for it: alone, among others, all at once or
+step by step.
+"""
+
+import dataclasses
+import functools
+from collections.abc import Sequence
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.agents.player import Policy
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
+
+BATCH: Final = 128
+"""Episodes that run at once. Always the same number, so that rounding does not depend on how many
+levels are asked for."""
+
+
+@pytree
+class LastStep:
+    """What the last step of each episode was like."""
+
+    action: Any
+    """The player's own form of action."""
+    reward: Float[Array, " n"]
+    distance: Float[Array, " n"]
+    """[m]"""
+    info: dict[str, Array]
+    """What the policy says besides: `logits`, `value`, `entropy`; empty for scripted ones."""
+
+
+@pytree
+class Episodes:
+    """A batch of episodes on their way."""
+
+    state: EnvState
+    observation: Any
+    carry: Any
+    keys: Array
+    begins: Bool[Array, " n"]
+    over: Bool[Array, " n"]
+    solved: Bool[Array, " n"]
+    lost: Bool[Array, " n"]
+    """Green touched red."""
+    broken: Bool[Array, " n"]
+    """The physics gave no numbers any more."""
+    returns: Float[Array, " n"]
+    lengths: Int[Array, " n"]
+    last: LastStep
+
+
+def start(
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    states: Sequence[EnvState],
+    keys: Array,
+    over: Bool[np.ndarray, " n"],
+) -> Episodes:
+    """Begin a batch.
+
+    Args:
+        env: Where.
+        policy: Who chooses.
+        params: The player's.
+        states: `BATCH` first states, as numpy arrays.
+        keys: A key a row, from `episode_keys`.
+        over: Rows that shall not count.
+    """
+    state = jax.tree.map(lambda *x: np.stack(x), *states)
+    return _start(env, policy, params, state, keys, over)
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def _start(
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    state: EnvState,
+    keys: Array,
+    over: Bool[Array, " n"],
+) -> Episodes:
+    observation = jax.vmap(env.get_obs)(state)
+    carry, no = policy.init_carry(BATCH), jnp.zeros(BATCH, bool)
+    shapes = jax.eval_shape(policy.decide, params, carry, observation, keys, no)
+    action, _, info = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes)
+    return Episodes(
+        state=state,
+        observation=observation,
+        carry=carry,
+        keys=keys,
+        begins=jnp.ones(BATCH, bool),
+        over=over,
+        solved=no,
+        lost=no,
+        broken=no,
+        returns=jnp.zeros(BATCH),
+        lengths=jnp.zeros(BATCH, jnp.int32),
+        last=LastStep(action=action, reward=jnp.zeros(BATCH), distance=jnp.zeros(BATCH), info=info),
+    )
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1), static_argnames="deterministic")
+def advance(
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    episodes: Episodes,
+    steps: Int[Array, ""] | int,
+    *,
+    deterministic: bool = False,
+) -> Episodes:
+    """Some environment steps of every episode; those that are over count no more.
+
+    Args:
+        env: Where.
+        policy: Who chooses.
+        params: The player's.
+        episodes: Where they are.
+        steps: How many steps; any number runs the same compiled code.
+        deterministic: Take the likeliest action instead of drawing one.
+    """
+
+    def step(_: Array, episodes: Episodes) -> Episodes:
+        keys = jax.vmap(jax.random.fold_in)(episodes.keys, episodes.lengths)
+        action, carry, said = policy.decide(
+            params,
+            episodes.carry,
+            episodes.observation,
+            keys,
+            episodes.begins,
+            deterministic=deterministic,
+        )
+        stepped = jax.vmap(env.step)(keys, episodes.state, action)
+        observation, state, reward, done, info = stepped
+        running = ~episodes.over
+        ended = running & done
+        return dataclasses.replace(
+            episodes,
+            state=state,
+            observation=observation,
+            carry=carry,
+            begins=jnp.zeros_like(episodes.begins),
+            over=episodes.over | done,
+            solved=episodes.solved | (ended & info["GoalR"]),
+            lost=episodes.lost | (ended & info["terminated"] & ~info["GoalR"]),
+            broken=episodes.broken | (ended & info["nan"]),
+            returns=episodes.returns + jnp.where(running, reward, 0.0),
+            lengths=episodes.lengths + running,
+            last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),
+        )
+
+    return jax.lax.fori_loop(0, jnp.asarray(steps, jnp.int32), step, episodes)
+
+
+def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:
+    """A key for every episode, from the level's content, the attempt and the seed alone.
+
+    The action of step t (from 0) is drawn with `fold_in(key, t)`.
+
+    Args:
+        levels: A number a level, from its content.
+        attempts: As many numbers of attempts.
+        seed: Of the whole evaluation.
+    """
+
+    numbers = jnp.asarray(levels, jnp.uint32), jnp.asarray(attempts, jnp.uint32)
+    return _fold(jax.random.PRNGKey(seed), *numbers)
+
+
+@jax.jit
+@functools.partial(jax.vmap, in_axes=(None, 0, 0))
+def _fold(base: Array, level: Array, attempt: Array) -> Array:
+    return jax.random.fold_in(jax.random.fold_in(base, level), attempt)

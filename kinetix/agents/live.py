@@ -1,0 +1,106 @@
+"""One episode that is watched while it happens: an agent decides, or somebody takes over."""
+
+import dataclasses
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from kinetix.agents.intention import intention
+from kinetix.agents.player import Policy
+from kinetix.environment.actions import ContinuousActions
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
+
+
+@pytree
+class Thought:
+    """What went on in a player when it chose an action."""
+
+    action: Float[Array, " u"]
+    """The unified action that was played: the player's, or the hand's."""
+    own_action: Float[Array, " u"]
+    """The unified action that the player chose."""
+    intention: Float[Array, " u"]
+    """Its expected unified action; the chosen one for scripted players."""
+    value: Float[Array, ""]
+    """What it expects of the future; 0 for scripted players."""
+    entropy: Float[Array, ""]
+    """Of its policy [nat]; 0 for scripted players."""
+    sane: Bool[Array, ""]
+    """Whether all that the network said are numbers."""
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1), static_argnames="deterministic")
+def play_step(  # noqa: PLR0913 - everything that one step of a watched episode depends on
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    state: EnvState,
+    carry: Any,
+    begins: Bool[Array, ""],
+    key: Array,
+    hand: Float[Array, " u"],
+    by_hand: Bool[Array, ""],
+    *,
+    deterministic: bool = False,
+) -> tuple[EnvState, Any, Thought, dict[str, Array]]:
+    """One environment step of one episode.
+
+    The player decides in every step, so that its memory goes on while somebody else drives.
+
+    Args:
+        env: Where; without auto-reset.
+        policy: Who chooses.
+        params: The player's.
+        state: Where the episode is.
+        carry: The player's memory, a batch of one.
+        begins: Whether this is the first step: the memory starts anew.
+        key: For the player's draw; `fold_in(episode key, step)` for the draws of an evaluation.
+        hand: A unified action from elsewhere.
+        by_hand: Whether that one is played.
+        deterministic: Take the likeliest action instead of drawing one.
+
+    Returns:
+        The next state, the player's memory, its thought, and `info` with `reward` and `done`.
+    """
+    observation = jax.tree.map(lambda x: x[None], env.get_obs(state))
+    actions, carry, said = policy.decide(
+        params, carry, observation, key[None], begins[None], deterministic=deterministic
+    )
+    own = env.actions.unified(jax.tree.map(lambda x: x[0], actions))
+    played = jnp.where(by_hand, hand, own)
+    # What is played is given in the form that both can say; the control that follows is the same.
+    unified = ContinuousActions(
+        motor_bindings=env.actions.motor_bindings, thruster_bindings=env.actions.thruster_bindings
+    )
+    _, state, reward, done, info = dataclasses.replace(env, actions=unified).step(
+        key, state, played
+    )
+    thought = _thought(env, said, own, played)
+    return state, carry, thought, info | {"reward": reward, "done": done}
+
+
+def _thought(env: KinetixEnv, said: dict[str, Array], own: Array, played: Array) -> Thought:
+    if not said:
+        nothing = jnp.zeros(())
+        return Thought(
+            action=played,
+            own_action=own,
+            intention=own,
+            value=nothing,
+            entropy=nothing,
+            sane=jnp.ones((), bool),
+        )
+    logits, value, entropy = said["logits"][0], said["value"][0], said["entropy"][0]
+    return Thought(
+        action=played,
+        own_action=own,
+        intention=intention(env.actions, logits),
+        value=value,
+        entropy=entropy,
+        sane=jnp.all(jnp.isfinite(logits)) & jnp.isfinite(value),
+    )
