@@ -18,6 +18,7 @@ from editor.recording import Action, Snapshot
 from editor.requests import (
     Advance,
     Cancelled,
+    Casting,
     Perform,
     Progress,
     Pull,
@@ -51,6 +52,8 @@ class Job:
         """How far it is, 0 … 1, or None when unknown."""
         self.message = ""
         """What it does at the moment."""
+        self.partial: Any = None
+        """What is known so far, where the job tells."""
         self.result: Any = None
         self.error = ""
         """One sentence, when it failed."""
@@ -74,6 +77,10 @@ class Job:
         self.fraction, self.message = fraction, message
         if self._cancel.is_set():
             raise Cancelled
+
+    def share(self, partial: Any) -> None:
+        """Hand on what is known so far; called by the worker's thread."""
+        self.partial = partial
 
     @property
     def cancelled(self) -> bool:
@@ -215,9 +222,12 @@ class Worker:
 class WorkerSimulator:
     """The simulator that playback talks to: asks the worker, hands on what arrives."""
 
-    def __init__(self, worker: Worker) -> None:
+    def __init__(self, worker: Worker, slot: str = "a") -> None:
         self._worker = worker
+        self._slot = slot
         self._run = 0
+        self._pending: set[Job] = set()
+        self._dropped: set[Job] = set()
         self._outstanding = 0
         self._arrived: list[Snapshot] = []
         self._error = ""
@@ -231,43 +241,54 @@ class WorkerSimulator:
         """Steps that were asked for and have not arrived."""
         return self._outstanding
 
-    def start(self, level: Level, physics: str) -> None:
+    def start(self, level: Level, physics: str, casting: Casting | None = None) -> None:
         """Go to a level's first state; its snapshot arrives first."""
         self.stop()
         request = StartEpisode(
-            run=self._run, level=level, physics=physics, keep_contacts=self.keep_contacts
+            run=self._run,
+            level=level,
+            physics=physics,
+            keep_contacts=self.keep_contacts,
+            casting=casting,
+            slot=self._slot,
         )
-        self.job = self._worker.submit(
-            request, title="Preparing the simulation", urgent=True, done=self._done
-        )
+        self.job = self._submit(request, "Preparing the simulation")
 
-    def advance(self, actions: tuple[Action, ...], pull: Pull | None = None) -> None:
+    def advance(self, actions: tuple[Action | None, ...], pull: Pull | None = None) -> None:
         """Play one environment step for each action."""
         self._outstanding += len(actions)
-        self._worker.submit(
-            Advance(run=self._run, actions=actions, pull=pull, keep_contacts=self.keep_contacts),
-            title="Simulating",
-            urgent=True,
-            done=self._done,
+        request = Advance(
+            run=self._run,
+            actions=actions,
+            pull=pull,
+            keep_contacts=self.keep_contacts,
+            slot=self._slot,
         )
+        self._submit(request, "Simulating")
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from an earlier snapshot of this episode."""
-        self._worker.submit(
-            Restore(run=self._run, snapshot=snapshot),
-            title="Stepping back",
-            urgent=True,
-            done=self._done,
-        )
+        self._submit(Restore(run=self._run, snapshot=snapshot, slot=self._slot), "Stepping back")
+
+    def _submit(self, request: Request, title: str) -> Job:
+        job = self._worker.submit(request, title=title, urgent=True, done=self._done)
+        self._pending.add(job)
+        return job
 
     def stop(self) -> None:
         """Drop everything that was asked for."""
-        for job in self._worker.jobs:
-            if isinstance(job.request, StartEpisode | Advance | Restore):
-                job.cancel()
+        self.drop()
         self._run += 1
+        self._error = ""
+
+    def drop(self) -> None:
+        """Drop the steps that were asked for; the episode stays."""
+        for job in self._pending:
+            job.cancel()
+        self._dropped |= self._pending
+        self._pending.clear()
         self._outstanding = 0
-        self._arrived, self._error = [], ""
+        self._arrived = []
 
     def take(self) -> Sequence[Snapshot]:
         """Snapshots that arrived since the last call.
@@ -283,6 +304,10 @@ class WorkerSimulator:
 
     def _done(self, job: Job) -> None:
         request = job.request
+        self._pending.discard(job)
+        if job in self._dropped:
+            self._dropped.discard(job)
+            return
         if not isinstance(request, StartEpisode | Advance | Restore) or request.run != self._run:
             return
         if isinstance(request, Advance):

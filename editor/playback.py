@@ -13,8 +13,9 @@ from editor.recording import (
     Ring,
     Snapshot,
     Trace,
+    channels_of,
 )
-from editor.requests import Pull
+from editor.requests import Casting, Pull
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -47,12 +48,15 @@ class Simulator(Protocol):
         """Steps that were asked for and have not arrived."""
         ...
 
-    def start(self, level: Level, physics: str) -> None:
+    def start(self, level: Level, physics: str, casting: Casting | None = None) -> None:
         """Go to a level's first state; its snapshot arrives first."""
         ...
 
-    def advance(self, actions: tuple[Action, ...], pull: Pull | None = None) -> None:
-        """Play one environment step for each action; after the episode's end nothing arrives."""
+    def advance(self, actions: tuple[Action | None, ...], pull: Pull | None = None) -> None:
+        """Play one environment step for each action; after the episode's end nothing arrives.
+
+        None in the place of an action leaves the choice to the agent that was cast.
+        """
         ...
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -61,6 +65,10 @@ class Simulator(Protocol):
 
     def stop(self) -> None:
         """Drop everything that was asked for."""
+        ...
+
+    def drop(self) -> None:
+        """Drop the steps that were asked for; the episode stays."""
         ...
 
     def take(self) -> Sequence[Snapshot]:
@@ -88,13 +96,23 @@ class Playback:
         """The level being played."""
         self.snapshot: Snapshot | None = None
         """What is on show."""
+        self.casting: Casting | None = None
+        """The agent that plays, or None when a person does."""
+        self.player = ""
+        """What the agent is called."""
+        self.episode = 0
+        """Rises with every episode that starts."""
+        self.running = False
+        """In a replay: whether it moves on by itself."""
+        self.loop: tuple[int, int] | None = None
+        """The part of a replay that is shown again and again, first and last index."""
         self.ring = Ring()
         self.perturbed = False
         """Whether the mouse pulled at a body in this episode."""
         self.failure = ""
         """Why the last episode could not start or go on; empty while all is well."""
         self._actions: list[Action] = []
-        self._sent: list[Action] = []
+        self._sent: list[Action | None] = []
         self._starting = False
         self._accumulator = 0.0
         self._ended_for = 0.0
@@ -102,6 +120,8 @@ class Playback:
         self._rate: list[tuple[float, int]] = []
         self._replay: Trace | None = None
         self._replay_index = 0
+        self._live = False
+        self._branch: Snapshot | None = None
 
     @property
     def active(self) -> bool:
@@ -124,9 +144,39 @@ class Playback:
         return self.snapshot.outcome if self.snapshot else None
 
     @property
+    def frame_skip(self) -> int:
+        """Engine steps in one environment step of this episode."""
+        return self.snapshot.frame_skip if self.snapshot else FRAME_SKIP
+
+    @property
+    def engine_step(self) -> int:
+        """Engine steps of the snapshot on show."""
+        return self.step_count * self.frame_skip
+
+    @property
     def step_seconds(self) -> float:
         """Real time of one environment step at the present speed [s]."""
-        return FRAME_SKIP / ENGINE_STEPS_PER_SECOND / self.speed
+        return self.frame_skip / ENGINE_STEPS_PER_SECOND / self.speed
+
+    @property
+    def replay_index(self) -> int:
+        """Which moment of the trace is on show: the last one unless it is a replay."""
+        if self.mode is Mode.REPLAY:
+            return self._replay_index
+        return max(len(self.ring) - 1, 0)
+
+    @property
+    def moments(self) -> tuple[Snapshot, ...]:
+        """All moments that can be looked at, oldest first."""
+        if self.mode is Mode.REPLAY and self._replay is not None:
+            return self._replay.snapshots
+        return self.ring.snapshots
+
+    @property
+    def can_branch(self) -> bool:
+        """Whether the episode can be played on from the moment on show."""
+        shown = self.snapshot
+        return self.mode is Mode.REPLAY and shown is not None and shown.outcome is None
 
     @property
     def real_time_factor(self) -> float:
@@ -134,7 +184,7 @@ class Playback:
         if len(self._rate) < 2:
             return 0.0
         (first, low), (last, high) = self._rate[0], self._rate[-1]
-        simulated = (high - low) * FRAME_SKIP / ENGINE_STEPS_PER_SECOND
+        simulated = (high - low) * self.frame_skip / ENGINE_STEPS_PER_SECOND
         return simulated / (last - first) if last > first else 0.0
 
     @property
@@ -146,27 +196,47 @@ class Playback:
         if not snapshots:
             return None
         actions = tuple(self._actions[len(self._actions) - len(snapshots) + 1 :])
+        casting = self.casting
         return Trace(
-            physics=self.physics, perturbed=self.perturbed, snapshots=snapshots, actions=actions
+            physics=self.physics,
+            perturbed=self.perturbed,
+            snapshots=snapshots,
+            actions=actions,
+            player=self.player,
+            seed=casting.seed if casting else 0,
+            attempt=casting.attempt if casting else 0,
+            deterministic=casting.deterministic if casting else False,
         )
 
-    def play(self, level: Level) -> None:
-        """Start an episode of a level from its first state."""
-        self.level = level
+    def play(self, level: Level, casting: Casting | None = None, *, player: str = "") -> None:
+        """Start an episode of a level from its first state.
+
+        Args:
+            level: The level.
+            casting: The agent that plays; None: a person.
+            player: What the agent is called.
+        """
+        self.level, self.casting, self.player = level, casting, player
         self._begin()
         self.mode = Mode.PLAYING
 
     def pause(self) -> None:
-        """Pause, or go on."""
-        if self.mode is Mode.PLAYING:
+        """Pause, or go on; a replay that has come to its end begins again."""
+        if self.mode is Mode.REPLAY:
+            self.running = not self.running
+            self._accumulator = 0.0
+            if self.running and self._replay_index + 1 >= len(self.moments):
+                self.scrub(0)
+        elif self.mode is Mode.PLAYING:
             self.mode = Mode.PAUSED
         elif self.mode is Mode.PAUSED:
             self.mode = Mode.PLAYING
             self._accumulator = 0.0
 
-    def step(self, action: Action = NOOP, pull: Pull | None = None) -> None:
+    def step(self, action: Action | None = NOOP, pull: Pull | None = None) -> None:
         """Play one environment step and stay paused; in a replay, show the next moment."""
         if self.mode is Mode.REPLAY:
+            self.running = False
             self.scrub(self._replay_index + 1)
         elif self.mode in (Mode.PLAYING, Mode.PAUSED) and not self._starting:
             self.mode = Mode.PAUSED
@@ -175,6 +245,7 @@ class Playback:
     def step_back(self) -> None:
         """Go back one environment step and pause; in a replay, show the moment before."""
         if self.mode is Mode.REPLAY:
+            self.running = False
             self.scrub(self._replay_index - 1)
             return
         if self.mode not in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED):
@@ -190,7 +261,7 @@ class Playback:
 
     def reset(self) -> None:
         """Start the episode anew; a paused one stays paused."""
-        if self.mode in (Mode.EDIT, Mode.REPLAY):
+        if self.mode is Mode.EDIT:
             return
         self._begin()
         self.mode = Mode.PAUSED if self.mode is Mode.PAUSED else Mode.PLAYING
@@ -199,22 +270,70 @@ class Playback:
         """Back to editing; the document is as it was."""
         self.simulator.stop()
         self.mode = Mode.EDIT
-        self.level = self.snapshot = self._replay = None
+        self.level = self.snapshot = self.casting = None
+        self.player = ""
         self._starting = False
         self._forget()
 
-    def replay(self, trace: Trace, level: Level) -> None:
-        """Show a recorded episode, read-only."""
+    def replay(
+        self, trace: Trace, level: Level, casting: Casting | None = None, *, player: str = ""
+    ) -> None:
+        """Show a recorded episode, read-only.
+
+        Args:
+            trace: The episode.
+            level: Its level.
+            casting: The agent that goes on when it is branched from; None: a person.
+            player: What the agent is called.
+        """
         self.simulator.stop()
+        self._starting = False
+        self._forget()
+        self.episode += 1
+        self.failure = ""
         self._replay, self.level, self.mode = trace, level, Mode.REPLAY
+        self.casting, self.player = casting, player or trace.player
         self.scrub(0)
 
+    def look_back(self) -> None:
+        """Make a replay of the episode under way; `branch` goes on with it."""
+        trace = self.trace
+        if self.mode not in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED) or trace is None:
+            return
+        self._replay, self._live, self.mode = trace, True, Mode.REPLAY
+        self._replay_index, self.running, self.loop = len(trace.snapshots) - 1, False, None
+
     def scrub(self, index: int) -> None:
-        """Show the moment `index` of the replay; outside, the nearest one."""
+        """Show the moment `index`; an episode under way becomes a replay, as does one that ended.
+
+        Outside, the nearest moment is shown.
+        """
+        if self.mode is not Mode.REPLAY:
+            self.look_back()
         if self._replay is None:
             return
         self._replay_index = min(max(index, 0), len(self._replay.snapshots) - 1)
         self.snapshot = self._replay.snapshots[self._replay_index]
+
+    def branch(self) -> None:
+        """Play on from the moment of the replay on show; paused until told to go."""
+        shown, trace = self.snapshot, self._replay
+        if not self.can_branch or shown is None or trace is None or self.level is None:
+            return
+        index = self._replay_index
+        live, physics = self._live, trace.physics
+        self._sent, self._rate = [], []
+        self._replay, self._live, self.running, self.loop = None, False, False, None
+        self.ring.keep(trace.snapshots[: index + 1])
+        self._actions = list(trace.actions[:index])
+        self.perturbed = trace.perturbed
+        self.mode = Mode.PAUSED
+        if live:
+            self.simulator.drop()
+            self.simulator.restore(shown)
+        else:
+            self._branch, self._starting, self.physics = shown, True, physics
+            self.simulator.start(self.level, physics, self.casting)
 
     def slower(self) -> None:
         """Halve the speed, down to 1/16."""
@@ -224,12 +343,13 @@ class Playback:
         """Double the speed, up to 8."""
         self.speed = min((s for s in SPEEDS if s > self.speed), default=SPEEDS[-1])
 
-    def tick(self, elapsed: float, action: Action = NOOP, pull: Pull | None = None) -> None:
+    def tick(self, elapsed: float, action: Action | None = NOOP, pull: Pull | None = None) -> None:
         """Let time pass: ask for the steps that are due and take what has arrived.
 
         Args:
             elapsed: Wall time since the last tick [s].
-            action: What the held keys drive now; every step asked for in this tick gets it.
+            action: What the held keys drive now; every step asked for in this tick gets it. None
+                leaves it to the agent.
             pull: What the mouse pulls at.
 
         Raises:
@@ -237,6 +357,9 @@ class Playback:
                 episode could not even start.
         """
         self._clock += elapsed
+        if self.mode is Mode.REPLAY:
+            self._run_replay(elapsed)
+            return
         self._take()
         if self.mode is Mode.PLAYING and not self._starting:
             backlog = max(BACKLOG_SECONDS, self.step_seconds) + elapsed
@@ -253,20 +376,40 @@ class Playback:
             if self._ended_for >= 1.0:
                 self.reset()
 
+    def _run_replay(self, elapsed: float) -> None:
+        """Move on in a recording; the loop, or the end, decides where it turns back or stops."""
+        if not self.running or self._replay is None:
+            return
+        self._accumulator += elapsed
+        count = len(self._replay.snapshots)
+        first, last = self.loop if self.loop is not None else (0, count - 1)
+        while self._accumulator >= self.step_seconds - 1e-6:
+            self._accumulator -= self.step_seconds
+            if self._replay_index < last:
+                self.scrub(self._replay_index + 1)
+            elif self.loop is not None:
+                self.scrub(first)
+            else:
+                self.running = False
+                return
+
     def _begin(self) -> None:
         assert self.level is not None
         self._forget()
+        self.episode += 1
         self._starting = True
         self.failure = ""
-        self.simulator.start(self.level, self.physics)
+        self.simulator.start(self.level, self.physics, self.casting)
 
     def _forget(self) -> None:
+        self._replay, self._replay_index, self._live, self._branch = None, 0, False, None
+        self.running, self.loop = False, None
         self.ring.clear()
         self._actions, self._sent, self._rate = [], [], []
         self._accumulator = self._ended_for = 0.0
         self.perturbed = False
 
-    def _send(self, actions: tuple[Action, ...], pull: Pull | None) -> None:
+    def _send(self, actions: tuple[Action | None, ...], pull: Pull | None) -> None:
         self._sent += actions
         self.perturbed = self.perturbed or pull is not None
         self.simulator.advance(actions, pull)
@@ -279,14 +422,20 @@ class Playback:
                 self.stop()
             else:
                 self.mode = Mode.PAUSED
+                self._sent = []
             self.failure = str(error)
             raise
         for snapshot in arrived:
             if self._starting:
                 self._starting = False
                 self._accumulator = 0.0
+                branch, self._branch = self._branch, None
+                if branch is not None:
+                    self.simulator.restore(branch)
+                    continue
             elif self._sent:
-                self._actions.append(self._sent.pop(0))
+                sent = self._sent.pop(0)
+                self._actions.append(channels_of(snapshot.action) if sent is None else sent)
             self.snapshot = snapshot
             self.ring.push(snapshot)
             if snapshot.outcome is not None:
@@ -294,6 +443,6 @@ class Playback:
                 self._sent = []
                 self._ended_for = 0.0
                 break
-        if arrived:
+        if arrived and arrived[-1].step >= (self._rate[-1][1] if self._rate else 0):
             self._rate.append((self._clock, arrived[-1].step))
         self._rate = [(t, n) for t, n in self._rate if t >= self._clock - 1.0]

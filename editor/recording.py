@@ -2,6 +2,7 @@
 
 import collections
 import dataclasses
+from collections.abc import Sequence
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
@@ -32,6 +33,24 @@ class ContactPoint:
     body_a: int | str
     body_b: int | str
     """Ids, or names of arena bodies."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Mind:
+    """What went on in an agent in the step before."""
+
+    intention: tuple[float, ...]
+    """Expected action: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
+    own_action: tuple[float, ...]
+    """What it chose, whether or not a person drove."""
+    value: float
+    """What it expects of the future."""
+    entropy: float
+    """Of its policy [nat]."""
+    by_hand: bool = False
+    """Whether a person drove instead."""
+    scripted: bool = False
+    """Whether there is no network: value and entropy mean nothing."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -73,8 +92,16 @@ class Snapshot:
     """How the episode ended, or None while it runs."""
     milliseconds: float = 0.0
     """What the step took to compute."""
+    action: tuple[float, ...] = ()
+    """What was played in the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
+    mind: Mind | None = None
+    """What the agent thought; None where none plays, and at the start."""
+    frame_skip: int = FRAME_SKIP
+    """Engine steps in one environment step of this episode."""
     state: Any = None
     """The simulator's own state as numpy arrays: only the simulator reads it."""
+    memory: Any = None
+    """The agent's memory after the step before, likewise."""
 
 
 class Ring:
@@ -111,6 +138,11 @@ class Ring:
         self._states.pop()
         return self._states[-1]
 
+    def keep(self, snapshots: Sequence["Snapshot"]) -> None:
+        """Hold exactly these, oldest first."""
+        self._states.clear()
+        self._states.extend(snapshots)
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Trace:
@@ -122,6 +154,12 @@ class Trace:
     snapshots: tuple[Snapshot, ...]
     actions: tuple[Action, ...]
     """One a step: `actions[k]` led from `snapshots[k]` to `snapshots[k + 1]`."""
+    player: str = ""
+    """Who played: an agent's name, or empty for a person."""
+    seed: int = 0
+    """Of the agent's draws, with `attempt` and `deterministic`."""
+    attempt: int = 0
+    deterministic: bool = False
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The trace as arrays with time first, as an `.npz` file holds it."""
@@ -137,4 +175,20 @@ class Trace:
             "outcome": np.array(self.snapshots[-1].outcome or ""),
             "physics": np.array(self.physics),
             "perturbed": np.array(self.perturbed),
+            "player": np.array(self.player),
+            "seed": np.array(self.seed, np.int64),
+            "attempt": np.array(self.attempt, np.int64),
+            "value": np.array([s.mind.value if s.mind else np.nan for s in self.snapshots]),
+            "entropy": np.array([s.mind.entropy if s.mind else np.nan for s in self.snapshots]),
         }
+
+
+def channels_of(unified: Sequence[float]) -> Action:
+    """The multi-discrete action nearest to a unified one.
+
+    Args:
+        unified: −1 … 1 per motor binding, 0 … 1 per thruster binding; the last two are thrusters'.
+    """
+    motors, thrusters = unified[:-2], unified[-2:]
+    signs = [1 if value > 0 else 2 if value < 0 else 0 for value in motors]
+    return (*signs, *(int(value > 0.5) for value in thrusters))

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
 
 from editor.recording import Snapshot, Trace
+from kinetix.agents.results import LevelResult
 from kinetix.level.model import Level
 
 MUTATIONS: Final = (
@@ -42,6 +43,190 @@ class Pull:
     """Put the body there instead of pulling (while paused)."""
 
 
+SCRIPTED: Final = ("noop", "random")
+"""Agents that need no folder (a test keeps them those of `kinetix.agents`)."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AgentRef:
+    """Which agent is meant."""
+
+    path: str
+    """Its folder or training run, or the name of a scripted one."""
+    stamp: str = ""
+    """Which state of the folder was loaded; another stamp is another agent."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Casting:
+    """An agent and the draws that it gets: the same casting gives the same episode."""
+
+    agent: AgentRef
+    seed: int = 0
+    attempt: int = 0
+    """As in an evaluation: attempt k under a seed has the same draws in both."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AgentSummary:
+    """What the window shows of an agent."""
+
+    ref: AgentRef
+    name: str
+    description: str
+    observation: str
+    action: str
+    network: str
+    """In words: `entity transformer, 2 layers of 128, actor 5 × 128`."""
+    parameters: int
+    recurrent: bool
+    capacity: tuple[int, int, int, int] | None
+    """Polygons with the arena, circles, joints, thrusters that it was trained with."""
+    any_size: bool
+    """Whether it plays levels of any size."""
+    physics: str
+    """What it was trained under."""
+    frame_skip: int
+    steps: int | None
+    """Environment steps of training, where it says."""
+    training: str
+    """Algorithm and the like, one line."""
+    folder: str
+    """Where its arrays are: of a training run the newest checkpoint."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LoadAgent:
+    """Read an agent from its folder. Gives an `AgentSummary`."""
+
+    path: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Rehearse:
+    """Compile what an agent needs to play a level, so that Play starts at once. Gives nothing."""
+
+    level: Level
+    physics: str
+    casting: Casting
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class EvaluatedLevel:
+    """A level of an evaluation."""
+
+    name: str
+    source: str | Level
+    """A file, or the document as it stands."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Evaluate:
+    """Play every agent on every level; shares each `Standing`, gives the last one."""
+
+    agents: tuple[AgentRef, ...]
+    levels: tuple[EvaluatedLevel, ...]
+    attempts: int
+    seed: int
+    physics: str
+    deterministic: bool
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Score:
+    """How an agent did on a level."""
+
+    agent: int
+    """Index into the agents that were asked for."""
+    result: LevelResult
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Standing:
+    """How far an evaluation is."""
+
+    done: int
+    """Episodes."""
+    total: int
+    scores: tuple[Score, ...]
+    errors: tuple[tuple[int, str], ...] = ()
+    """Agents that could not play, and why."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class OpenEpisode:
+    """Play one attempt of an evaluation again, the same to the bit. Gives an `Opened`."""
+
+    level: EvaluatedLevel
+    casting: Casting
+    physics: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Opened:
+    """An episode to look at."""
+
+    level: Level
+    trace: Trace
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Observe:
+    """What an agent is shown of a moment. Gives an `AgentView`."""
+
+    level: Level
+    state: Any
+    """A snapshot's `state`, or None for the first state of the level."""
+    agent: AgentRef | None
+    """Whose form of observation; None: the entity form."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ViewTable:
+    """One array of an observation with named columns."""
+
+    name: str
+    columns: tuple[tuple[str, str, str], ...]
+    """Name, unit, meaning."""
+    rows: tuple[str, ...]
+    """What each row is about."""
+    values: Float[np.ndarray, "r c"]
+    active: tuple[bool, ...]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AgentView:
+    """The picture and the numbers that an agent could see."""
+
+    pixels: UInt8[np.ndarray, "h w 3"]
+    """Rows from the top."""
+    observation: str
+    tables: tuple[ViewTable, ...]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ReadRun:
+    """Look at a training run's folder. Gives a `RunNews`."""
+
+    path: str
+    after: int = 0
+    """Rows of metrics that are known already."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RunNews:
+    """What is new in a training run."""
+
+    rows: tuple[dict[str, float], ...]
+    """Metrics, one row an update."""
+    total: int
+    """Rows in all; fewer than were known before: the run was set back."""
+    newest: int | None
+    """Environment steps of the newest complete checkpoint."""
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class WarmUp:
     """Import JAX and compile the step for the named sizes, so that Play starts at once."""
@@ -60,6 +245,10 @@ class StartEpisode:
     physics: str
     keep_contacts: bool = False
     """Whether snapshots carry contact points (debug drawing)."""
+    casting: Casting | None = None
+    """Who plays; None: hands alone, through `Advance`."""
+    slot: str = "a"
+    """Episodes of different slots run beside each other."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -67,9 +256,11 @@ class Advance:
     """Play environment steps, one for each action. Gives a tuple of `Snapshot`."""
 
     run: int
-    actions: tuple[tuple[int, ...], ...]
+    actions: tuple[tuple[int, ...] | None, ...]
+    """None leaves the choice to the agent that was cast."""
     pull: Pull | None = None
     keep_contacts: bool = False
+    slot: str = "a"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -78,6 +269,7 @@ class Restore:
 
     run: int
     snapshot: Snapshot
+    slot: str = "a"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -150,10 +342,18 @@ class ExportFilm:
     stride: int = 1
     """Every how many environment steps a picture is taken."""
     palette: str = "kinetix"
+    overlay: bool = False
+    """Write step, controls, value and outcome on the pictures."""
 
 
 Request: TypeAlias = (
     WarmUp
+    | LoadAgent
+    | Rehearse
+    | Evaluate
+    | OpenEpisode
+    | Observe
+    | ReadRun
     | StartEpisode
     | Advance
     | Restore
@@ -202,6 +402,10 @@ class Progress(Protocol):
         Raises:
             Cancelled: The user cancelled the job.
         """
+        ...
+
+    def share(self, partial: Any) -> None:
+        """Hand on what is known so far; the window may read it at any time."""
         ...
 
 

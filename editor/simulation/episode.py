@@ -11,8 +11,10 @@ import numpy as np
 from jaxtyping import Array
 
 from editor.commands.rigid import component
-from editor.recording import OutcomeName, Snapshot
+from editor.controls import NOOP
+from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot
 from editor.requests import Advance, Pull, StartEpisode
+from editor.simulation.cast import AgentDriver, Step
 from editor.simulation.contacts import contact_points, deepest, touching_bodies
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
@@ -20,13 +22,12 @@ from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_pa
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
 from kinetix.level.geometry import body_mass
-from kinetix.level.model import MOTOR_BINDINGS, Level
+from kinetix.level.model import THRUSTER_BINDINGS, Level
 from kinetix.level.sizes import capacity_of
 from kinetix.level.slots import body_slots
 
-MOTOR_VALUES: Final = (0.0, 1.0, -1.0)
-"""What the classes 0, 1, 2 of a motor channel mean."""
 PULL_RATE: Final = 8.0
 """A pulled point wants to close this share of its distance to the mouse per second [1/s]."""
 PULL_SPEED: Final = 15.0
@@ -64,7 +65,8 @@ def static_params(capacity: Capacity, physics: str) -> StaticEnvParams:
 def _step(env: KinetixEnv, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
     _, state, reward, done, info = env.step(jax.random.key(0), state, action)
     wanted = {name: info[name] for name in ("GoalR", "distance", "terminated", "nan")}
-    return state, wanted | {"reward": reward, "done": done}
+    unified = env.actions.unified(action)
+    return state, wanted | {"reward": reward, "done": done, "unified": unified}
 
 
 def start_state(level: Level, physics: str) -> EnvState:
@@ -86,6 +88,27 @@ def warm_up(capacity: Capacity, physics: str) -> None:
     jax.block_until_ready(_step(env, jax.tree.map(jnp.asarray, state), action))
 
 
+class HandDriver:
+    """A person who plays one episode: every action comes from outside."""
+
+    frame_skip = FRAME_SKIP
+    memory = None
+
+    def __init__(self, capacity: Capacity, physics: str) -> None:
+        self.capacity = capacity
+        self.env = environment(capacity, physics)
+
+    def remember(self, memory: Any) -> None:
+        """Nothing to remember."""
+
+    def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
+        """One environment step; see `AgentDriver.step`."""
+        del step
+        action = jnp.asarray(NOOP if hand is None else hand, jnp.int32)
+        state, info = _step(self.env, state, action)
+        return Step(state=state, info=info, unified=info["unified"])
+
+
 class Episode:
     """A level being played."""
 
@@ -94,23 +117,27 @@ class Episode:
         self._level = request.level
         self._contacts = request.keep_contacts
         capacity = capacity_of(request.level)
-        self._env = environment(capacity, request.physics)
-        slots = body_slots(request.level, capacity)
-        self._slots = np.array([slots[body.id] for body in request.level.bodies], np.int32)
-        self._capacity = capacity
-        masses = [body_mass(body, request.level.inertia_model) for body in request.level.bodies]
-        self._mass = np.array(masses, np.float64).reshape(-1, 2)
-        self._free = np.array([not body.fixed for body in request.level.bodies], bool)
-        self._state = start_state(request.level, request.physics)
+        casting = request.casting
+        self._driver = (
+            HandDriver(capacity, request.physics)
+            if casting is None
+            else AgentDriver(request.level, capacity, request.physics, casting)
+        )
+        self._view = LevelView(request.level, self._driver.capacity)
+        state = level_state(request.level, self._driver.env.static_env_params)
+        self._state = jax.tree.map(jnp.asarray, state)
         self._ended = False
-        zeros = np.zeros(6, np.int32)
-        state = jax.device_get(self._state)
-        self.snapshot = self._told(state, zeros, None, 0.0)
+        self.snapshot = self._view.first(jax.device_get(self._state), self._driver.frame_skip)
         # The first step of a new size compiles here, behind the progress bar, not in the game.
-        jax.block_until_ready(_step(self._env, self._state, jnp.asarray(zeros)))
+        jax.block_until_ready(self._driver.step(self._state, 0, NOOP).state)
+        self._driver.remember(None)
 
     def advance(self, request: Advance) -> tuple[Snapshot, ...]:
-        """Play steps until the episode ends; a snapshot each."""
+        """Play steps until the episode ends; a snapshot each.
+
+        Raises:
+            KinetixError: The agent, or the physics under it, gave something that is no number.
+        """
         snapshots, pull = [], request.pull
         self._contacts = request.keep_contacts
         for action in request.actions:
@@ -118,53 +145,123 @@ class Episode:
                 break
             start = time.perf_counter()
             if pull is not None:
-                self._state = pulled(self._state, self._slots, self._level, pull)
-            values = np.array(action, np.int32)
-            self._state, info = _step(self._env, self._state, jnp.asarray(values))
-            state, told = jax.device_get((self._state, info))
+                self._state = pulled(self._state, self._view.slots, self._level, pull)
+            taken = self._driver.step(self._state, self.snapshot.step, action)
+            told: Step = jax.device_get(taken)
             milliseconds = (time.perf_counter() - start) * 1e3
-            self.snapshot = self._told(state, values, told, milliseconds)
+            mind = self._mind(told, by_hand=action is not None)
+            self._state = taken.state
+            self.snapshot = self._view.after(
+                self.snapshot,
+                told,
+                mind=mind,
+                memory=self._driver.memory,
+                milliseconds=milliseconds,
+                contacts=self._contacts,
+            )
             self._ended = self.snapshot.outcome is not None
             snapshots.append(self.snapshot)
         return tuple(snapshots)
 
+    def _mind(self, told: Step, *, by_hand: bool) -> Mind | None:
+        if not isinstance(self._driver, AgentDriver):
+            return None
+        step = self.snapshot.step + 1
+        mind = self._driver.mind(told.thought, by_hand=by_hand, step=step)
+        if bool(told.info["nan"]):
+            raise KinetixError(
+                f"The physics broke down at step {step}: something in the level is no number any "
+                "more."
+            )
+        return mind
+
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from an earlier snapshot."""
         self._state = jax.tree.map(jnp.asarray, snapshot.state)
+        self._driver.remember(snapshot.memory)
         self._ended = snapshot.outcome is not None
         self.snapshot = snapshot
 
-    def _told(
-        self, state: EnvState, action: np.ndarray, info: Any, milliseconds: float
+
+class LevelView:
+    """Tells states of a level in the order of its entities."""
+
+    def __init__(self, level: Level, capacity: Capacity, slots: np.ndarray | None = None) -> None:
+        """Look at a level.
+
+        Args:
+            level: The level.
+            capacity: Sizes of the states.
+            slots: Where each body is in the states; None: where compiling puts it.
+        """
+        if slots is None:
+            found = body_slots(level, capacity)
+            slots = np.array([found[body.id] for body in level.bodies], np.int32)
+        self.slots = slots
+        self._level = level
+        self._capacity = capacity
+        masses = [body_mass(body, level.inertia_model) for body in level.bodies]
+        self._mass = np.array(masses, np.float64).reshape(-1, 2)
+        self._free = np.array([not body.fixed for body in level.bodies], bool)
+
+    def first(self, state: EnvState, frame_skip: int) -> Snapshot:
+        """The snapshot of a first state."""
+        unified = np.zeros(len(NOOP), np.float32)
+        told = self._told(state, unified, frame_skip)
+        return dataclasses.replace(
+            told, action=(), distance=goal_distance(self._level, told.position)
+        )
+
+    def after(
+        self,
+        before: Snapshot,
+        step: Step,
+        *,
+        mind: Mind | None = None,
+        memory: Any = None,
+        milliseconds: float = 0.0,
+        contacts: bool = False,
     ) -> Snapshot:
+        """The snapshot after a step."""
+        info = step.info
+        reward = float(info["reward"])
+        told = dataclasses.replace(
+            self._told(step.state, np.asarray(step.unified), before.frame_skip),
+            reward=reward,
+            total_reward=before.total_reward + reward,
+            distance=float(info["distance"]),
+            outcome=outcome_of(info),
+            milliseconds=milliseconds,
+            mind=mind,
+            memory=memory,
+        )
+        if not contacts:
+            return told
+        pairs = touching_bodies(
+            self._level, self._capacity, np.asarray(step.state.physics.touching)
+        )
+        points = contact_points(self._level, told, pairs)
+        return dataclasses.replace(
+            told, contacts=points, touching=pairs, penetration=deepest(points)
+        )
+
+    def _told(self, state: EnvState, unified: np.ndarray, frame_skip: int) -> Snapshot:
         level, physics = self._level, state.physics
-        position = np.asarray(physics.position)[self._slots]
-        velocity = np.asarray(physics.velocity)[self._slots]
-        angle = np.asarray(physics.rotation)[self._slots]
-        spin = np.asarray(physics.angular_velocity)[self._slots]
-        reward = 0.0 if info is None else float(info["reward"])
-        told = Snapshot(
+        position = np.asarray(physics.position)[self.slots]
+        velocity = np.asarray(physics.velocity)[self.slots]
+        spin = np.asarray(physics.angular_velocity)[self.slots]
+        return Snapshot(
             step=int(state.timestep),
             position=position,
-            angle=angle,
+            angle=np.asarray(physics.rotation)[self.slots],
             velocity=velocity,
             angular_velocity=spin,
-            motor=motor_drives(level, action),
-            thruster=thruster_drives(level, action),
-            reward=reward,
-            total_reward=reward if info is None else self.snapshot.total_reward + reward,
-            distance=goal_distance(level, position) if info is None else float(info["distance"]),
-            outcome=None if info is None else outcome_of(info),
-            milliseconds=milliseconds,
+            motor=motor_drives(level, unified),
+            thruster=thruster_drives(level, unified),
+            action=tuple(unified.tolist()),
+            frame_skip=frame_skip,
             state=state,
             **self._energies(position, velocity, spin),
-        )
-        if not self._contacts:
-            return told
-        pairs = touching_bodies(level, self._capacity, np.asarray(physics.touching))
-        contacts = contact_points(level, told, pairs)
-        return dataclasses.replace(
-            told, contacts=contacts, touching=pairs, penetration=deepest(contacts)
         )
 
     def _energies(
@@ -190,20 +287,19 @@ def outcome_of(info: Any) -> OutcomeName | None:
     return "lost" if info["terminated"] or info["nan"] else "timeout"
 
 
-def motor_drives(level: Level, action: np.ndarray) -> np.ndarray:
+def motor_drives(level: Level, unified: np.ndarray) -> np.ndarray:
     """What drives each joint's motor, −1 … 1; 0 where there is none."""
     drives = np.zeros(len(level.joints), np.float32)
     for k, joint in enumerate(level.joints):
         if joint.kind == "revolute" and joint.motor is not None and joint.motor.on:
-            channel = int(action[joint.motor.binding])
-            drives[k] = 1.0 if joint.motor.auto else MOTOR_VALUES[channel]
+            drives[k] = 1.0 if joint.motor.auto else unified[joint.motor.binding]
     return drives
 
 
-def thruster_drives(level: Level, action: np.ndarray) -> np.ndarray:
+def thruster_drives(level: Level, unified: np.ndarray) -> np.ndarray:
     """What drives each thruster, 0 … 1."""
-    channels = [MOTOR_BINDINGS + thruster.binding for thruster in level.thrusters]
-    return np.array([float(action[channel] == 1) for channel in channels], np.float32)
+    first = len(unified) - THRUSTER_BINDINGS
+    return np.array([unified[first + t.binding] for t in level.thrusters], np.float32)
 
 
 def goal_distance(level: Level, position: np.ndarray) -> float:

@@ -1,6 +1,7 @@
 """From requests to what does them."""
 
 import sys
+import threading
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -9,19 +10,28 @@ import jax
 from editor.requests import (
     Advance,
     CheckDynamics,
+    Evaluate,
     ExportFilm,
     ExportPicture,
+    LoadAgent,
     Mutate,
+    Observe,
+    OpenEpisode,
     Progress,
     RandomLevel,
+    ReadRun,
+    Rehearse,
     RenderState,
     Request,
     Restore,
     StartEpisode,
     WarmUp,
 )
+from editor.simulation.cast import load
 from editor.simulation.episode import Episode, warm_up
+from editor.simulation.evaluating import open_episode, read_run, run_evaluation
 from editor.simulation.levels import check_dynamics, drawn, mutated
+from editor.simulation.observing import observe
 from editor.simulation.pictures import export_film, export_picture, render_state
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
@@ -34,13 +44,13 @@ SWITCH_SECONDS: Final = 1e-3
 
 
 class _Bridge:
-    """What lasts between requests: the episode that is being played."""
+    """What lasts between requests: the episodes that are being played, by slot."""
 
     def __init__(self) -> None:
         sys.setswitchinterval(SWITCH_SECONDS)
         if getattr(jax.config, "jax_compilation_cache_dir", None) is None:
             jax.config.update("jax_compilation_cache_dir", str(cache_dir() / "jax"))
-        self._episode: Episode | None = None
+        self._episodes: dict[str, Episode] = {}
         self._does: dict[type, Callable[[Any, Progress], Any]] = {
             WarmUp: self._warm_up,
             StartEpisode: self._start,
@@ -52,6 +62,12 @@ class _Bridge:
             CheckDynamics: check_dynamics,
             ExportPicture: lambda request, _: export_picture(request),
             ExportFilm: export_film,
+            LoadAgent: lambda request, _: load(request.path),
+            Rehearse: self._rehearse,
+            Evaluate: run_evaluation,
+            OpenEpisode: open_episode,
+            Observe: lambda request, _: observe(request),
+            ReadRun: lambda request, _: read_run(request),
         }
 
     def perform(self, request: Request, progress: Progress) -> Any:
@@ -67,24 +83,33 @@ class _Bridge:
 
     def _start(self, request: StartEpisode, progress: Progress) -> Any:
         progress.report(None, "Compiling the level")
-        self._episode = Episode(request)
-        return self._episode.snapshot
+        episode = self._episodes[request.slot] = Episode(request)
+        return episode.snapshot
+
+    def _rehearse(self, request: Rehearse, progress: Progress) -> None:
+        progress.report(None, "Compiling the agent")
+        start = StartEpisode(
+            run=0, level=request.level, physics=request.physics, casting=request.casting
+        )
+        Episode(start)
 
     def _advance(self, request: Advance, progress: Progress) -> Any:
         del progress
-        return self._of(request.run).advance(request)
+        return self._of(request).advance(request)
 
     def _restore(self, request: Restore, progress: Progress) -> None:
         del progress
-        self._of(request.run).restore(request.snapshot)
+        self._of(request).restore(request.snapshot)
 
-    def _of(self, run: int) -> Episode:
-        if self._episode is None or self._episode.run != run:
+    def _of(self, request: Advance | Restore) -> Episode:
+        episode = self._episodes.get(request.slot)
+        if episode is None or episode.run != request.run:
             raise KinetixError("The episode was given up meanwhile.")
-        return self._episode
+        return episode
 
 
 _BRIDGES: list[_Bridge] = []
+_FIRST = threading.Lock()
 
 
 def perform(request: Request, progress: Progress) -> Any:
@@ -97,6 +122,7 @@ def perform(request: Request, progress: Progress) -> Any:
     Raises:
         KinetixError: It cannot be done; the sentence says why.
     """
-    if not _BRIDGES:
-        _BRIDGES.append(_Bridge())
+    with _FIRST:  # there are two workers
+        if not _BRIDGES:
+            _BRIDGES.append(_Bridge())
     return _BRIDGES[0].perform(request, progress)

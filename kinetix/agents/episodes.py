@@ -172,7 +172,6 @@ def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> A
         attempts: As many numbers of attempts.
         seed: Of the whole evaluation.
     """
-
     numbers = jnp.asarray(levels, jnp.uint32), jnp.asarray(attempts, jnp.uint32)
     return _fold(jax.random.PRNGKey(seed), *numbers)
 

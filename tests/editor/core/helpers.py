@@ -50,11 +50,12 @@ class FakeSimulator:
         self.delayed = False
         self.ends_at = 256
         self.error = ""
+        self.agent_action = (2, 0, 0, 0, 0, 0)
         self.outstanding = 0
         self.keep_contacts = False
 
-    def start(self, level, physics):
-        self.level, self.physics = level, physics
+    def start(self, level, physics, casting=None):
+        self.level, self.physics, self.casting = level, physics, casting
         count = len(level.bodies)
         position = np.array([body.position for body in level.bodies], np.float32).reshape(count, 2)
         self.state = Snapshot(
@@ -74,11 +75,14 @@ class FakeSimulator:
             if self.state.outcome is not None:
                 break
             step = self.state.step + 1
+            if action is None:
+                action = self.agent_action
             drift = np.array([0.01 * action[0], -0.003 * step], np.float32)
             self.state = dataclasses.replace(
                 self.state,
                 step=step,
                 position=self.state.position + drift,
+                action=(float(action[0] == 1) - float(action[0] == 2), 0.0, 0.0, 0.0, 0.0, 0.0),
                 outcome="timeout" if step >= self.ends_at else None,
             )
             self.waiting.append(self.state)
@@ -88,6 +92,9 @@ class FakeSimulator:
         self.state = snapshot
 
     def stop(self):
+        self.waiting, self.outstanding = [], 0
+
+    def drop(self):
         self.waiting, self.outstanding = [], 0
 
     def take(self):

@@ -1,0 +1,206 @@
+"""Evaluations in the background, their episodes opened again, training runs looked at."""
+
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from editor.recording import Mind, Snapshot, Trace, channels_of
+from editor.requests import (
+    SCRIPTED,
+    Evaluate,
+    Opened,
+    OpenEpisode,
+    Progress,
+    ReadRun,
+    RunNews,
+    Score,
+    Standing,
+)
+from editor.simulation.cast import Step, mind_of, player_of
+from editor.simulation.episode import LevelView
+from kinetix.agents.checkpoint import steps_of_run
+from kinetix.agents.environments import capacity_for, environment_for
+from kinetix.agents.evaluate import (
+    NamedLevel,
+    RecordedStep,
+    Settings,
+    capacity_and_key,
+    evaluate,
+    record,
+)
+from kinetix.agents.intention import intention
+from kinetix.agents.player import Player
+from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
+from kinetix.level.model import Level, Polygon
+from kinetix.training.logging import read_metrics
+
+_SEGMENT = 4
+"""Environment steps between two looks at whether the evaluation was cancelled: 128 episodes of
+size l take some 60 ms a step with a transformer on two cores."""
+
+
+def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
+    """Play every agent on every level; see `Evaluate`.
+
+    An agent that cannot play one of the levels is reported and left out; the others go on.
+
+    Raises:
+        KinetixError: A level is bad.
+    """
+    settings = Settings(
+        attempts=request.attempts,
+        seed=request.seed,
+        physics=request.physics,
+        deterministic=request.deterministic,
+    )
+    levels = [NamedLevel(name=level.name, source=level.source) for level in request.levels]
+    each = len(levels) * request.attempts
+    total = each * len(request.agents)
+    scores: tuple[Score, ...] = ()
+    errors: list[tuple[int, str]] = []
+    standing = Standing(done=0, total=total, scores=())
+    for number, ref in enumerate(request.agents):
+        now: tuple[Score, ...] = ()
+        try:
+            player = player_of(ref)
+            progress.report(number / len(request.agents), f"Compiling for {player.card.name}")
+            for step in evaluate(player, levels, settings, segment=_SEGMENT):
+                now = tuple(Score(agent=number, result=result) for result in step.results)
+                done = number * each + step.done
+                standing = Standing(
+                    done=done, total=total, scores=scores + now, errors=tuple(errors)
+                )
+                progress.share(standing)
+                progress.report(done / total, f"{done} of {total} episodes")
+        except KinetixError as error:
+            errors.append((number, str(error)))
+        scores += now
+    if errors and not scores:
+        raise KinetixError(errors[0][1])
+    return Standing(done=total, total=total, scores=scores, errors=tuple(errors))
+
+
+def open_episode(request: OpenEpisode, progress: Progress) -> Opened:
+    """Play one attempt of an evaluation again and keep every moment.
+
+    Raises:
+        KinetixError: The agent cannot be loaded or cannot play the level; the level is bad.
+    """
+    casting, source = request.casting, request.level.source
+    player = player_of(casting.agent)
+    level = source if isinstance(source, Level) else load_level(source)
+    settings = Settings(
+        attempts=casting.attempt + 1,
+        seed=casting.seed,
+        physics=request.physics,
+        deterministic=casting.deterministic,
+    )
+    named = NamedLevel(name=request.level.name, source=source)
+    capacity, _ = capacity_and_key(source)
+    capacity = capacity_for(player.card, capacity, level=request.level.name)
+    env = environment_for(player, capacity, physics=request.physics)
+    progress.report(None, "Compiling the episode")
+    recorder = _Recorder(level, capacity, env, player)
+    for step in record(player, named, casting.attempt, settings):
+        recorder.take(step)
+        done = len(recorder.snapshots)
+        progress.report(done / level.max_timesteps, f"Step {done - 1}")
+    snapshots = tuple(recorder.snapshots)
+    return Opened(
+        level=level,
+        trace=Trace(
+            physics=request.physics,
+            perturbed=False,
+            snapshots=snapshots,
+            actions=tuple(channels_of(snapshot.action) for snapshot in snapshots[1:]),
+            player=player.card.name,
+            seed=casting.seed,
+            attempt=casting.attempt,
+            deterministic=casting.deterministic,
+        ),
+    )
+
+
+class _Recorder:
+    """Makes snapshots of recorded steps."""
+
+    def __init__(self, level: Level, capacity: Capacity, env: KinetixEnv, player: Player) -> None:
+        self.snapshots: list[Snapshot] = []
+        self._level, self._capacity = level, capacity
+        self._env = env
+        self._scripted = player.card.name in SCRIPTED
+        self._frame_skip = player.card.environment.frame_skip
+        self._view: LevelView | None = None
+        self._intention = jax.jit(lambda logits: intention(env.actions, logits))
+
+    def take(self, step: RecordedStep) -> None:
+        """Add a moment."""
+        if self._view is None:
+            slots = slots_in(step.state, self._level, self._capacity)
+            self._view = LevelView(self._level, self._capacity, slots)
+            self.snapshots.append(self._view.first(step.state, self._frame_skip))
+            return
+        assert step.action is not None
+        result = step.result
+        outcome = None if result is None else result.outcome
+        info: dict[str, Any] = {
+            "reward": np.float32(step.reward),
+            "distance": np.float32(step.distance),
+            "done": result is not None,
+            "GoalR": outcome == "won",
+            "terminated": outcome in ("won", "lost"),
+            "nan": outcome == "broken",
+        }
+        stepped = Step(state=step.state, info=info, unified=step.action)
+        self.snapshots.append(
+            self._view.after(
+                self.snapshots[-1], stepped, mind=self._mind(step), memory=step.carry, contacts=True
+            )
+        )
+
+    def _mind(self, step: RecordedStep) -> Mind:
+        if not step.info:
+            return mind_of(step.action, step.action, 0.0, 0.0, scripted=True)
+        return mind_of(
+            self._intention(jnp.asarray(step.info["logits"])),
+            step.action,
+            float(step.info["value"]),
+            float(step.info["entropy"]),
+        )
+
+
+def slots_in(state: EnvState, level: Level, capacity: Capacity) -> np.ndarray:
+    """Where the bodies of a document are in a state that came from its file.
+
+    A kinetix-env file may leave slots empty; reading it as a document closes the gaps and keeps
+    the order of each kind.
+    """
+    active = np.asarray(state.world.bodies.active)
+    polygons = [k for k in range(ARENA_BODIES, capacity.polygons) if active[k]]
+    circles = [k for k in range(capacity.polygons, capacity.bodies) if active[k]]
+    slots = []
+    for body in level.bodies:
+        slots.append((polygons if isinstance(body.shape, Polygon) else circles).pop(0))
+    return np.array(slots, np.int32)
+
+
+def read_run(request: ReadRun) -> RunNews:
+    """What is new in a training run.
+
+    Raises:
+        KinetixError: There is no such folder.
+    """
+    run = Path(request.path)
+    if not run.is_dir():
+        raise KinetixError(f"{run}: expected the folder of a training run, found none")
+    rows = read_metrics(run)
+    steps = steps_of_run(run)
+    first = request.after if request.after <= len(rows) else 0
+    return RunNews(rows=tuple(rows[first:]), total=len(rows), newest=steps[-1] if steps else None)
