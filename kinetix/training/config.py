@@ -92,6 +92,8 @@ class PpoConfig:
     """Normalise observations by their running mean and variance."""
     full_minibatch_shuffle: bool = False
     """Shuffle single steps, not whole environments, into minibatches."""
+    permute_state_during_training: bool = False
+    """Put the entities of every level into other slots of their kind whenever it is played."""
 
     filter_levels: bool = True
     """Leave out random levels that are won by doing nothing, where levels are chosen."""
@@ -177,6 +179,15 @@ class SflConfig(PpoConfig):
     """Episodes a level in the mode `episodes`."""
     learnability_correction: bool = True
     """p(1 − p)·n/(n + 1) instead of p(1 − p), for n finished episodes."""
+    train_on_buffer: bool = False
+    """Take all levels from a fixed set of random ones instead of drawing ever new ones."""
+    train_buffer_size: int = 8192
+    """Size of that set."""
+    put_eval_levels_in_buffer: bool = False
+    """Let the evaluation levels take the last places of the buffer; results on them are then no
+    longer those of unseen levels."""
+    log_learnability_before_after: bool = False
+    """Play the buffer's levels once more before and after they are trained on, for the metrics."""
 
     def check(self) -> None:
         """See `PpoConfig.check`."""
@@ -187,6 +198,10 @@ class SflConfig(PpoConfig):
             raise KinetixError(
                 f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
                 f"{self.batch_size * self.num_batches} levels that are scored"
+            )
+        if self.train_buffer_size < 1:
+            raise KinetixError(
+                f"train_buffer_size: expected at least 1, got {self.train_buffer_size}"
             )
 
 

@@ -31,7 +31,7 @@ class TrainingEvaluation:
         self._settings = Settings(
             attempts=config.eval_num_attempts, seed=config.seed, physics=config.physics
         )
-        self._hand_designed = _hand_designed(config)
+        self._hand_designed = evaluation_levels(config) if config.eval_freq else []
         self._sampled = _sampled(setup)
 
     def __call__(self, agent: Agent) -> dict[str, float]:
@@ -73,10 +73,12 @@ def _each(results: Sequence[LevelResult]) -> dict[str, float]:
     return metrics | {f"eval_aggregate/solve_rate_{name}": rate for name, rate in groups.items()}
 
 
-def _hand_designed(config: PpoConfig) -> list[NamedLevel]:
-    """The levels that were asked for, else those trained on, else the bundled ones that fit."""
-    if config.eval_freq == 0:
-        return []
+def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
+    """The levels that were asked for, else those trained on, else the bundled ones that fit.
+
+    Args:
+        config: The configuration.
+    """
     sources = config.eval_levels or config.levels
     levels = gather_levels(sources or [levels_dir()])
     room = static_env_params_from_size(config.size).capacity

@@ -31,6 +31,7 @@ from kinetix.environment.params import (
     static_env_params_from_size,
     with_parity,
 )
+from kinetix.environment.rearrange import permute_state
 from kinetix.environment.reset import (
     make_reset_fn_empty,
     make_reset_fn_list_of_levels,
@@ -87,6 +88,17 @@ class Setup:
             steps=config.level_filter_n_steps if chosen and not config.dummy_env else 0,
             ratio=config.level_filter_sample_ratio,
         )
+
+    def arranged(self, levels: EnvState, key: Array) -> EnvState:
+        """Stored levels as they are to be played: with entities in other slots, if so configured.
+
+        Args:
+            levels: The levels, on the first axis.
+            key: Draws the arrangements.
+        """
+        if not self.config.permute_state_during_training:
+            return levels
+        return jax.vmap(permute_state)(jax.random.split(key, levels.timestep.shape[0]), levels)
 
     def start_learner(self, key: Array, teacher: Agent | None) -> Learner:
         """Fresh parameters, or those of an agent to be fine-tuned, and a fresh optimiser.
@@ -172,7 +184,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     env: Any = make_kinetix_env(
         action_type=config.action_type,
         observation_type=config.observation_type,
-        reset_fn=_reset_function(config, env_params, static_env_params, ued),
+        reset_fn=_shuffled(config, _reset_function(config, env_params, static_env_params, ued)),
         env_params=env_params,
         static_env_params=static_env_params,
         keep_terminal_observation=config.bootstrap_on_timeout,
@@ -195,6 +207,18 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         card=card,
         ued=ued,
     )
+
+
+def _shuffled(config: PpoConfig, reset_fn: ResetFunction) -> ResetFunction:
+    """The reset function, with entities in other slots each time, if so configured."""
+    if not config.permute_state_during_training:
+        return reset_fn
+
+    def reset(key: Array) -> EnvState:
+        level_key, order_key = jax.random.split(key)
+        return permute_state(order_key, reset_fn(level_key))
+
+    return reset
 
 
 def _card(

@@ -141,9 +141,10 @@ class Replay:
         return following, metrics
 
     def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
-        key, draw_key, step_key = jax.random.split(state.key, 3)
+        key, draw_key, order_key, step_key = jax.random.split(state.key, 4)
         buffer, index = draw(state.buffer, draw_key, self.config.num_train_envs, self.config)
-        levels = jax.tree.map(lambda x: x[index], buffer.levels)
+        stored = jax.tree.map(lambda x: x[index], buffer.levels)
+        levels = self.setup.arranged(stored, order_key)
         state = dataclasses.replace(state, key=key)
         state, played, metrics = self._play(state, levels, step_key, learning=True)
         best = jnp.maximum(best_return(played), buffer.max_return[index])

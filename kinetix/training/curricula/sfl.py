@@ -13,13 +13,16 @@ from jaxtyping import Array, Float, Int
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
 from kinetix.environment.params import EnvParams
-from kinetix.environment.state import EnvState
+from kinetix.environment.reset import level_state
+from kinetix.environment.state import EnvState, stack_states
+from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
 from kinetix.training.config import SflConfig
 from kinetix.training.curricula.tally import Tally, count_ends, learnability, play_tally, sfl_score
+from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
-from kinetix.training.setup import make_setup
+from kinetix.training.setup import Setup, make_setup
 
 
 @pytree
@@ -42,6 +45,8 @@ class SflState:
     chosen: Chosen
     age: Int[Array, ""]
     """Updates since the buffer was filled."""
+    pool: EnvState | None
+    """What all levels are drawn from, where that is a fixed set."""
 
 
 class Sfl:
@@ -59,8 +64,11 @@ class Sfl:
         self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
         self._teacher = teacher
         self._drawn = int(config.sampled_envs_ratio * config.num_train_envs)
+        self._extra = _evaluation_states(config, self.setup)
         self._start = jax.jit(self._first_state)
         self._score_batch = jax.jit(self._one_batch)
+        self._include = jax.jit(self._with_evaluation_levels)
+        self._play_again = jax.jit(self._replayed)
         self._train = jax.jit(self._one_update)
 
     def start(self) -> SflState:
@@ -68,10 +76,14 @@ class Sfl:
         return self._start()
 
     def _first_state(self) -> SflState:
-        key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
-        size = self.config.num_to_save
+        config = self.config
+        key, learner_key, level_key, pool_key = jax.random.split(jax.random.PRNGKey(config.seed), 4)
+        size = config.num_to_save
         levels = jax.vmap(self.setup.reset_fn)(jax.random.split(level_key, size))
         none = jnp.zeros(size, jnp.int32)
+        pool = None
+        if config.train_on_buffer:
+            pool = self.setup.fresh_levels(pool_key, config.train_buffer_size)
         return SflState(
             learner=self.setup.start_learner(learner_key, self._teacher),
             statistics=self.setup.start_statistics(self._teacher),
@@ -81,7 +93,8 @@ class Sfl:
                 tally=Tally(episodes=none, solved=none),
                 score=jnp.full(size, -jnp.inf),
             ),
-            age=jnp.asarray(self.config.buffer_update_frequency, jnp.int32),
+            age=jnp.asarray(config.buffer_update_frequency, jnp.int32),
+            pool=pool,
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
@@ -95,9 +108,39 @@ class Sfl:
         """
         report: dict[str, Array] = {}
         if self._drawn and int(state.age) >= self.config.buffer_update_frequency:
-            state, report = self._fill(state)
+            state, report = self._refill(state)
         state, metrics = self._train(state)
         return state, report | metrics
+
+    def _refill(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
+        """Fill the buffer; if so configured, measure what training on the last one has changed."""
+        if not self.config.log_learnability_before_after:
+            return self._fill(state)
+        after = {}
+        if bool(jnp.isfinite(state.chosen.score).any()):
+            state, after = self._measure(state, "after")
+        state, report = self._fill(state)
+        state, before = self._measure(state, "before")
+        return state, report | before | after
+
+    def _measure(self, state: SflState, when: str) -> tuple[SflState, dict[str, Array]]:
+        """Play the buffer's levels without learning from them.
+
+        The counts by which they were chosen cannot serve here: the best of many noisy scores are
+        too good to be true.
+        """
+        key, play_key = jax.random.split(state.key)
+        means = self._play_again(state.chosen, state.learner, state.statistics, play_key)
+        metrics = {f"sfl/{name}_{when}": value for name, value in means.items()}
+        return dataclasses.replace(state, key=key), metrics
+
+    def _replayed(
+        self, chosen: Chosen, learner: Learner, statistics: Normalisation | None, key: Array
+    ) -> dict[str, Array]:
+        tally = self._tally(chosen.levels, learner, statistics, key)
+        scores = learnability(tally, correction=self.config.learnability_correction)
+        rate = tally.solved / jnp.maximum(tally.episodes, 1)
+        return {"learnability": jnp.mean(scores), "solve_rate": jnp.mean(rate)}
 
     def _fill(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
         """Score `num_batches` batches and keep the best of all."""
@@ -107,7 +150,9 @@ class Sfl:
         )
         seen = []
         for batch_key in keys:
-            chosen, mean = self._score_batch(chosen, state.learner, state.statistics, batch_key)
+            chosen, mean = self._score_batch(
+                chosen, state.learner, state.statistics, state.pool, batch_key
+            )
             seen.append(mean)
         config = self.config
         kept = learnability(chosen.tally, correction=config.learnability_correction)
@@ -115,25 +160,54 @@ class Sfl:
             "sfl/buffer_learnability": jnp.mean(kept),
             "sfl/sampled_learnability": jnp.mean(jnp.stack(seen)),
         }
+        if self._extra is not None:
+            chosen = self._include(chosen, self._extra)
         age = jnp.zeros_like(state.age)
         return dataclasses.replace(state, key=key, chosen=chosen, age=age), report
 
-    def _one_batch(
-        self, chosen: Chosen, learner: Learner, statistics: Normalisation | None, key: Array
-    ) -> tuple[Chosen, Array]:
+    def _with_evaluation_levels(self, chosen: Chosen, extra: EnvState) -> Chosen:
+        """The buffer with these levels in its last places; what is scored least lies there."""
+        count = extra.timestep.shape[0]
+        put = lambda old, new: old.at[-count:].set(new.astype(old.dtype))  # noqa: E731 (used twice)
+        nothing = jnp.zeros(count, jnp.int32)
+        return Chosen(
+            levels=jax.tree.map(put, chosen.levels, extra),
+            tally=jax.tree.map(put, chosen.tally, Tally(episodes=nothing, solved=nothing)),
+            score=chosen.score.at[-count:].set(0.0),
+        )
+
+    def _tally(
+        self,
+        levels: EnvState,
+        learner: Learner,
+        statistics: Normalisation | None,
+        key: Array,
+    ) -> Tally:
+        """How often the present policy solves levels."""
         config = self.config
-        level_key, play_key = jax.random.split(key)
-        levels = self.setup.fresh_levels(level_key, config.batch_size)
         by_episodes = config.learnability_mode == "episodes"
-        tally = play_tally(
+        return play_tally(
             self.setup.game,
             learner.params,
             levels,
-            play_key,
+            key,
             EnvParams().max_timesteps if by_episodes else config.rollout_steps,
             statistics=statistics,
             episodes=config.rollout_episodes if by_episodes else None,
         )
+
+    def _one_batch(
+        self,
+        chosen: Chosen,
+        learner: Learner,
+        statistics: Normalisation | None,
+        pool: EnvState | None,
+        key: Array,
+    ) -> tuple[Chosen, Array]:
+        config = self.config
+        level_key, play_key = jax.random.split(key)
+        levels = self._fresh(pool, level_key, config.batch_size)
+        tally = self._tally(levels, learner, statistics, play_key)
         correction = config.learnability_correction
         fresh = Chosen(levels=levels, tally=tally, score=sfl_score(tally, correction=correction))
         both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), chosen, fresh)
@@ -143,9 +217,11 @@ class Sfl:
 
     def _one_update(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
         setup, config, learner = self.setup, self.config, state.learner
-        key, pick_key, fresh_key, begin_key, play_key, learn_key = jax.random.split(state.key, 6)
+        key, pick_key, fresh_key, order_key, begin_key, play_key, learn_key = jax.random.split(
+            state.key, 7
+        )
         picked = jax.random.randint(pick_key, (self._drawn,), 0, config.num_to_save)
-        levels = self._levels(state.chosen.levels, picked, fresh_key)
+        levels = setup.arranged(self._levels(state, picked, fresh_key), order_key)
         playing = begin(setup.game, begin_key, config.num_train_envs, levels)
         _, played = rollout(
             setup.game,
@@ -164,18 +240,40 @@ class Sfl:
             key=key,
             chosen=dataclasses.replace(state.chosen, tally=tally),
             age=state.age + 1,
+            pool=state.pool,
         )
         return following, episode_means(played.trajectory) | losses
 
-    def _levels(self, buffer: EnvState, picked: Array, key: Array) -> EnvState:
+    def _levels(self, state: SflState, picked: Array, key: Array) -> EnvState:
         """The picked levels of the buffer, then fresh ones for the other environments."""
         count = self.config.num_train_envs - self._drawn
         parts = []
         if self._drawn:
-            parts.append(jax.tree.map(lambda x: x[picked], buffer))
+            parts.append(jax.tree.map(lambda x: x[picked], state.chosen.levels))
         if count:
-            parts.append(self.setup.fresh_levels(key, count))
+            parts.append(self._fresh(state.pool, key, count))
         return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
+
+    def _fresh(self, pool: EnvState | None, key: Array, count: int) -> EnvState:
+        """Levels that nothing has chosen: new ones, or any of the fixed set."""
+        if pool is None:
+            return self.setup.fresh_levels(key, count)
+        index = jax.random.randint(key, (count,), 0, self.config.train_buffer_size)
+        return jax.tree.map(lambda x: x[index], pool)
+
+
+def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
+    """The evaluation levels as states, where they are to be trained on too."""
+    if not config.put_eval_levels_in_buffer:
+        return None
+    levels = evaluation_levels(config)
+    if not 0 < len(levels) <= config.num_to_save:
+        raise KinetixError(
+            f"put_eval_levels_in_buffer: {len(levels)} evaluation levels do not fit a buffer of "
+            f"num_to_save = {config.num_to_save}"
+        )
+    states = [level_state(level.source, setup.env.static_env_params) for level in levels]
+    return stack_states(states)
 
 
 def _add(tally: Tally, picked: Int[Array, " d"], trajectory: Trajectory) -> Tally:
