@@ -1,0 +1,75 @@
+"""Write the bundled levels anew: `python -m scripts.build_levels [NAME …]`.
+
+A level whose content did not change keeps its recorded solution; a level without one is tagged
+`unsolved` until `kinetix solve --write` finds one.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Final
+
+from kinetix.level.codec import level_hash, load_level, save_level
+from kinetix.level.model import Level, SizeName
+from kinetix.level.validate import validate
+from kinetix.paths import levels_dir
+from scripts.library import (
+    large_flight,
+    large_machines,
+    large_vehicles,
+    large_walkers,
+    medium,
+    small,
+)
+from scripts.library.draft import Draft
+
+SIZES: Final[dict[SizeName, dict[str, Callable[[], Draft]]]] = {
+    "s": small.LEVELS,
+    "m": medium.LEVELS,
+    "l": {
+        **large_vehicles.LEVELS,
+        **large_flight.LEVELS,
+        **large_machines.LEVELS,
+        **large_walkers.LEVELS,
+    },
+}
+UNSOLVED: Final = "unsolved"
+
+
+def built() -> Iterator[tuple[str, Level]]:
+    """Every level of the library by its name, such as `s/hang_on`, without solution."""
+    for size, levels in SIZES.items():
+        for name, build in levels.items():
+            title = name.replace("_", " ").capitalize()
+            description = " ".join((build.__doc__ or "").split())
+            yield f"{size}/{name}", build().level(title, description, size)
+
+
+def with_proof(level: Level, path: Path) -> Level:
+    """The level with the solution that its file records, or tagged `unsolved`."""
+    old = load_level(path) if path.exists() else None
+    if old and old.solution and level_hash(old) == level_hash(level):
+        return level.replace(solution=old.solution)
+    return level.replace(tags=(*level.tags, UNSOLVED))
+
+
+def main(names: list[str]) -> int:
+    """Write the named levels, or all.
+
+    Returns:
+        1 when a level has a problem, which is then named; 0 otherwise.
+    """
+    bad = 0
+    for name, level in built():
+        if names and name not in names:
+            continue
+        path = levels_dir() / f"{name}.json"
+        save_level(with_proof(level, path), path)
+        for issue in validate(level):
+            print(f"{name}: {issue.code} {issue.path}: {issue.message}", file=sys.stderr)
+            bad = 1
+    return bad
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

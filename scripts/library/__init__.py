@@ -1,0 +1,1 @@
+"""The bundled levels, one function each: `scripts/build_levels.py` writes them to `levels/`."""
