@@ -1,16 +1,23 @@
-"""Search for actions that win a level; exit status 1 when none are found in the given time."""
+"""Search for actions that win levels; exit status 1 unless some are found for each of them."""
 
 import dataclasses
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import LevelError
-from kinetix.level.codec import load_document, resolve_path, save_level
+from kinetix.level.codec import load_document, save_level
+from kinetix.level.model import Level, Solution
+from kinetix.level.sets import SetLevel, gather_levels
+from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
 
 if TYPE_CHECKING:
+    from kinetix.environment.env import KinetixEnv
     from kinetix.environment.search import SearchProgress
 
 _OPEN_START = ("E104", "E105")
@@ -19,60 +26,99 @@ _OPEN_START = ("E104", "E105")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Solve:
-    """Search for actions that win a level."""
+    """Search for actions that win levels."""
 
-    level: Annotated[str, Positional]
-    """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
+    levels: Annotated[Positional[tuple[str, ...]], tyro.conf.arg(metavar="LEVEL|DIR …")]
+    """Level files, names of bundled levels (s/…, m/…, l/…), or folders (every level below)."""
     physics: str = "balanced"
     """Physics preset or solver."""
     seed: int = 0
     """Seed of the search."""
     seconds: float = 60.0
-    """How long to search."""
+    """How long to search for each level; where there are many, compilation comes on top."""
     write: bool = False
     """Record the actions in the level's file."""
+    unsolved: bool = False
+    """Leave out levels that record a solution already."""
 
 
 def run(command: Solve) -> int:
     """Search, tell what was found, and record it when asked to.
 
     Returns:
-        0 when the level was won, 1 otherwise.
+        0 when every level was won, 1 otherwise.
 
     Raises:
-        LevelError: The level is bad, cannot be played, or its format cannot hold a solution.
+        LevelError: A level is bad, cannot be played, or its format cannot hold a solution.
     """
-    loaded = load_document(command.level)
-    path = resolve_path(command.level)
-    if command.write and loaded.format != "kinetix-level":
+    if not command.levels:
+        raise LevelError("expected levels: files, names such as s/first_flight, or folders")
+    chosen = [
+        each
+        for each in gather_levels(command.levels)
+        if not (command.unsolved and each.level.solution)
+    ]
+    for each in chosen:
+        _check(each, write=command.write)
+    found = [_solve(each, command, env) for each, env in _with_environments(chosen, command)]
+    return 0 if all(found) else 1
+
+
+def _check(each: SetLevel, *, write: bool) -> None:
+    """Refuse a level that is no task, or whose file cannot take a solution."""
+    for issue in validate(each.level):
+        if issue.code in _OPEN_START:
+            raise LevelError(f"{each.path or each.name}: {issue.path}: {issue.message}")
+    if write and each.path is None:
+        raise LevelError(f"{each.name}: this level stands inside a level set, not in a file")
+    if write and each.path and load_document(each.path).format != "kinetix-level":
         raise LevelError(
-            f"{path}: a file of the format {loaded.format} cannot hold a solution; "
+            f"{each.path}: a file of the format kinetix-env cannot hold a solution; "
             "turn it into a native level with `kinetix convert`"
         )
-    for issue in validate(loaded.level):
-        if issue.code in _OPEN_START:
-            raise LevelError(f"{path}: {issue.path}: {issue.message}")
+
+
+def _with_environments(
+    chosen: list[SetLevel], command: Solve
+) -> Iterator[tuple[SetLevel, "KinetixEnv"]]:
+    """Each level with an environment to search it in; levels of one size share theirs."""
     # Imported here, so that a wrong command line or a bad level fails before JAX loads.
+    from kinetix.environment.search import solving_env
+
+    sizes = dict.fromkeys(capacity_of(each.level) for each in chosen)
+    for size in sizes:
+        alike = [each for each in chosen if capacity_of(each.level) == size]
+        env = solving_env([each.level for each in alike], physics=command.physics)
+        yield from ((each, env) for each in alike)
+
+
+def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
     from kinetix.environment.search import solve_level
 
+    level = each.level
     solution = solve_level(
-        loaded.level,
+        level,
         physics=command.physics,
         seed=command.seed,
         seconds=command.seconds,
         report=_show,
+        env=env,
     )
     if solution is None:
-        print(f"{loaded.level.name}: no solution found in {command.seconds:g} s", file=sys.stderr)
-        return 1
+        print(f"{level.name}: no solution found in {command.seconds:g} s", file=sys.stderr)
+        return False
     steps = sum(repeat for repeat, _ in solution.actions)
-    print(f"{loaded.level.name}: won after {steps} steps under {solution.physics}")
-    if command.write:
-        # What is solved is no longer unsolved.
-        tags = tuple(tag for tag in loaded.level.tags if tag != "unsolved")
-        save_level(loaded.level.replace(solution=solution, tags=tags), path)
-        print(f"recorded in {path}")
-    return 0
+    print(f"{level.name}: won after {steps} steps under {solution.physics}", flush=True)
+    if command.write and each.path:
+        _record(level, solution, each.path)
+    return True
+
+
+def _record(level: Level, solution: Solution, path: Path) -> None:
+    # What is solved is no longer unsolved.
+    tags = tuple(tag for tag in level.tags if tag != "unsolved")
+    save_level(level.replace(solution=solution, tags=tags), path)
+    print(f"recorded in {path}", flush=True)
 
 
 def _show(progress: "SearchProgress") -> None:

@@ -8,7 +8,7 @@ adds fresh ones. That needs no training and solves levels of moderate difficulty
 import dataclasses
 import functools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import jax
@@ -22,9 +22,9 @@ from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
-from kinetix.level.compile import features_of
+from kinetix.level.compile import features_of, features_union
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level, Solution
-from kinetix.level.sizes import capacity_of
+from kinetix.level.sets import common_capacity
 
 Plans = Int[np.ndarray, "n k 6"]
 """One multi-discrete action per plan and environment step."""
@@ -37,6 +37,8 @@ FRESH: Final = 64
 """Plans a round that owe nothing to earlier ones."""
 HOLD: Final = (2, 48)
 """Fewest and most environment steps for which a control is held (1/30 s each)."""
+ROWS: Final = 512
+"""Plans are padded to a multiple of so many steps."""
 LOST: Final = 10.0
 """How many metres of distance a loss is worth when plans are ranked."""
 
@@ -73,6 +75,7 @@ def solve_level(
     seed: int = 0,
     seconds: float = 60.0,
     report: Callable[[SearchProgress], None] = lambda progress: None,
+    env: KinetixEnv | None = None,
 ) -> Solution | None:
     """Search for a solution of a level.
 
@@ -82,6 +85,7 @@ def solve_level(
         seed: Same seed, same search (but for where the time runs out).
         seconds: How long to search; the round that is on when time is up is finished.
         report: Called after each round.
+        env: One of `solving_env` that covers this level; by default it is made for this one alone.
 
     Returns:
         Actions from the start to the winning step, or None.
@@ -90,7 +94,8 @@ def solve_level(
         KinetixError: The physics is unknown.
     """
     started = time.perf_counter()
-    env, start = solving_env(level, physics=physics)
+    env = env or solving_env([level], physics=physics)
+    start = level_state(level, env.static_env_params)
     random = np.random.default_rng(seed)
     channels = channels_in_use(level)
     plans = random_plans(random, BATCH, level.max_timesteps, channels)
@@ -119,17 +124,23 @@ def solve_level(
         plans = np.concatenate([_varied(random, elite, BATCH - FRESH, channels), fresh])
 
 
-def solving_env(level: Level, *, physics: str) -> tuple[KinetixEnv, EnvState]:
-    """An environment specialised on one level, which ends its episodes, and the start in it.
+def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
+    """An environment for searching these levels, which ends its episodes.
 
-    Hundreds of plans pay for the compilation: what the level cannot do is not computed.
+    It computes what at least one of them can do. For one level that is least work a step; for
+    many, one compilation serves them all.
+
+    Raises:
+        KinetixError: The physics is unknown.
     """
-    static = static_env_params_of(capacity_of(level), physics=physics, features=features_of(level))
+    capacity = common_capacity(levels)
+    features = features_union((features_of(level, capacity=capacity) for level in levels), capacity)
+    static = static_env_params_of(capacity, physics=physics, features=features)
     env = make_kinetix_env(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
     )
     assert isinstance(env, KinetixEnv)
-    return env, level_state(level, static)
+    return env
 
 
 def channels_in_use(level: Level) -> tuple[int, ...]:
@@ -194,7 +205,10 @@ def _runs(actions: Int[np.ndarray, "k 6"]) -> tuple[tuple[int, Any], ...]:
 
 
 def _play(env: KinetixEnv, start: EnvState, plans: Plans) -> _Outcome:
-    won, lost, steps, distance = (np.asarray(x) for x in _rollout(env, start, jnp.asarray(plans)))
+    # Levels of different time limits share a compilation; their own limits end the episodes.
+    missing = -plans.shape[1] % ROWS
+    padded = np.pad(plans, ((0, 0), (0, missing), (0, 0)))
+    won, lost, steps, distance = (np.asarray(x) for x in _rollout(env, start, jnp.asarray(padded)))
     return _Outcome(won=won, steps=steps, score=distance + LOST * lost, distance=distance)
 
 
