@@ -1,0 +1,82 @@
+"""`kinetix solve`: which levels are tried, what is recorded; the search stands in for itself."""
+
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+from kinetix.cli import main
+from kinetix.level.codec import load_level, save_level
+from kinetix.level.model import Solution
+
+CART = Path(__file__).parents[1] / "level" / "fixtures" / "v1" / "cart_and_bell.json"
+SOLUTION = Solution(physics="balanced", frame_skip=2, actions=((3, (1, 0, 0, 0, 0, 0)),))
+
+
+@pytest.fixture
+def search(monkeypatch):
+    """Replaces the search: every level whose time limit is even is won."""
+    seen = types.SimpleNamespace(environments=[], levels=[])
+    module = types.ModuleType("kinetix.environment.search")
+
+    def solving_env(levels, *, physics):
+        seen.environments.append((len(levels), physics))
+        return object()
+
+    def solve_level(level, **options):
+        seen.levels.append(level.max_timesteps)
+        return None if level.max_timesteps % 2 else SOLUTION
+
+    module.solving_env, module.solve_level = solving_env, solve_level
+    monkeypatch.setitem(sys.modules, "kinetix.environment.search", module)
+    return seen
+
+
+@pytest.fixture
+def folder(tmp_path):
+    cart = load_level(CART).replace(tags=("unsolved", "cart"), solution=None)
+    for steps in (10, 11, 12):
+        save_level(cart.replace(max_timesteps=steps), tmp_path / f"{steps}.json")
+    save_level(cart.replace(size="l", max_timesteps=14), tmp_path / "14.json")
+    return tmp_path
+
+
+def test_every_level_is_tried_and_what_is_found_is_recorded(search, folder, capsys):
+    assert main(["solve", str(folder), "--write"]) == 1
+    assert search.levels == [10, 11, 12, 14]
+    assert search.environments == [(3, "balanced"), (1, "balanced")]
+    assert load_level(folder / "10.json").solution == SOLUTION
+    assert load_level(folder / "10.json").tags == ("cart",)
+    assert load_level(folder / "11.json").tags == ("unsolved", "cart")
+    assert "no solution found" in capsys.readouterr().err
+
+
+def test_solved_levels_can_be_left_out(search, folder):
+    main(["solve", str(folder), "--write"])
+    search.levels.clear()
+    assert main(["solve", str(folder), "--unsolved"]) == 1
+    assert search.levels == [11]
+
+
+def test_nothing_is_written_unless_asked(search, folder):
+    assert main(["solve", str(folder / "10.json"), str(folder / "12.json")]) == 0
+    assert load_level(folder / "10.json").solution is None
+
+
+def test_a_level_needs_a_name(search, capsys):
+    assert main(["solve"]) == 1
+    assert "expected levels" in capsys.readouterr().err
+
+
+def test_what_is_over_at_the_start_is_refused(search, folder, capsys):
+    level = load_level(folder / "10.json")
+    green = next(body for body in level.bodies if body.role == "green")
+    bodies = tuple(
+        body.replace(position=green.position) if body.role == "blue" else body
+        for body in level.bodies
+    )
+    save_level(level.replace(bodies=bodies), folder / "10.json")
+    assert main(["solve", str(folder / "10.json")]) == 1
+    assert "10.json: $" in capsys.readouterr().err
+    assert search.levels == []
