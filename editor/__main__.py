@@ -86,6 +86,7 @@ def _run(options: Options) -> None:
             session.settings.save()
     finally:
         session.worker.stop(0.5)
+        session.library.stop(0.5)
         host.close()
     if not session.worker.idle:
         # A compilation cannot be interrupted, and must not keep the app from closing.

@@ -30,7 +30,7 @@ _PREVIEW: Final = 210.0
 
 
 @functools.lru_cache(maxsize=64)
-def _peek(path: str, modified_ns: int) -> Level | str:
+def peek(path: str, modified_ns: int) -> Level | str:
     """The level in a file, or the sentence that says what is wrong with it."""
     del modified_ns
     try:
@@ -53,6 +53,10 @@ class FileBrowser:
     @property
     def _saving(self) -> bool:
         return self._question.purpose == "save"
+
+    @property
+    def _folders_only(self) -> bool:
+        return self._question.purpose == "folder"
 
     def draw(self, session: "Session") -> tuple[bool, Path | None]:
         """Draw it into the current window.
@@ -155,7 +159,7 @@ class FileBrowser:
             draw.add_text((start.x + px(10), middle), u32(COLOURS.info), Icons.folder)
             draw.add_text((start.x + px(38), middle), u32(COLOURS.text), path.name)
             return picked
-        level = _peek(str(path), path.stat().st_mtime_ns)
+        level = peek(str(path), path.stat().st_mtime_ns)
         at = (start.x + px(4), start.y + px(3))
         if isinstance(level, str):
             spot = (start.x + px(16), middle)
@@ -172,7 +176,7 @@ class FileBrowser:
             widgets.small("Choose a level to see it here.")
             imgui.end_child()
             return
-        level = _peek(str(path), path.stat().st_mtime_ns)
+        level = peek(str(path), path.stat().st_mtime_ns)
         if isinstance(level, str):
             widgets.small(level, COLOURS.bad)
         else:
@@ -185,6 +189,8 @@ class FileBrowser:
         imgui.end_child()
 
     def _footer(self, session: "Session", chosen: bool) -> tuple[bool, Path | None]:
+        if self._folders_only:
+            return self._folder_footer(session)
         accept, entered = "Save" if self._saving else "Open", False
         imgui.set_next_item_width(-1)
         if imgui.is_window_appearing() and self._saving:
@@ -212,6 +218,19 @@ class FileBrowser:
             return self._accept()
         return False, None
 
+    def _folder_footer(self, session: "Session") -> tuple[bool, Path | None]:
+        """The buttons when a folder is asked for: the one on show is meant."""
+        widgets.small("Go into the folder that you mean.")
+        width = px(150)
+        gap = imgui.get_style().item_spacing.x
+        room = imgui.get_content_region_avail().x - 2 * width - gap
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
+        cancelled = widgets.button(session, "browser.cancel", "Cancel", width=width)
+        imgui.same_line()
+        if widgets.primary_button(session, "browser.accept", "Use this folder", width=width):
+            return True, self._folder
+        return cancelled, None
+
     def _accept(self) -> tuple[bool, Path | None]:
         path = Path(self._name).expanduser()
         path = path if path.is_absolute() else self._folder / path
@@ -220,7 +239,8 @@ class FileBrowser:
             self._name = ""
             return False, None
         if self._saving:
-            path = path if path.suffix else path.with_suffix(self._question.suffixes[0])
+            suffix = self._question.suffixes[0]
+            path = path if path.suffix or not suffix else path.with_suffix(suffix)
             if path.exists() and self._overwrite != path:
                 self._overwrite = path
                 return False, None

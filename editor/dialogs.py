@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from editor import widgets
 from editor.browser import FileBrowser
 from editor.look import COLOURS, FONTS
-from editor.prompts import Choice, FileQuestion, MenuQuestion, Question
+from editor.prompts import Choice, FileQuestion, MenuQuestion, Question, TextQuestion
 from editor.widgets import px
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ class Dialogs:
     def __init__(self) -> None:
         self._browser: FileBrowser | None = None
         self._shown: object = None
+        self._text = ""
 
     def draw(self, session: "Session") -> None:
         """Draw it, if there is one."""
@@ -39,6 +40,8 @@ class Dialogs:
         match prompt:
             case Question():
                 self._question(session, prompt, fresh)
+            case TextQuestion():
+                self._line(session, prompt, fresh)
             case FileQuestion():
                 self._file(session, prompt, fresh)
             case MenuQuestion():
@@ -108,6 +111,37 @@ class Dialogs:
             if pressed:
                 answer = choice.id
         return answer
+
+    def _line(self, session: "Session", prompt: TextQuestion, fresh: bool) -> None:
+        if fresh:
+            self._text = prompt.text
+        if not self._modal("###line", fresh, None):
+            return
+        with widgets.font(FONTS.bold, 18):
+            widgets.text(prompt.title)
+        imgui.set_next_item_width(px(360))
+        if fresh:
+            imgui.set_keyboard_focus_here()
+        flags = (
+            imgui.InputTextFlags_.enter_returns_true.value
+            | imgui.InputTextFlags_.auto_select_all.value
+        )
+        entered, self._text = imgui.input_text("###line.text", self._text, flags)
+        widgets.probe(session, "line.text")
+        imgui.dummy((0, px(4)))
+        width = px(96)
+        gap = imgui.get_style().item_spacing.x
+        room = imgui.get_content_region_avail().x - 2 * width - gap
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
+        cancelled = widgets.button(session, "line.cancel", "Cancel", width=width)
+        imgui.same_line()
+        accepted = widgets.primary_button(session, "line.accept", prompt.accept, width=width)
+        cancelled = cancelled or (imgui.is_key_pressed(imgui.Key.escape, False) and not fresh)
+        if cancelled or ((accepted or entered) and self._text.strip()):
+            imgui.close_current_popup()
+            answer = None if cancelled else self._text.strip()
+            session.queue(lambda: session.answer(prompt, answer))
+        imgui.end_popup()
 
     def _file(self, session: "Session", prompt: FileQuestion, fresh: bool) -> None:
         if fresh:

@@ -102,7 +102,10 @@ class Icons:
     save = fa.ICON_FA_FLOPPY_DISK
     folder = fa.ICON_FA_FOLDER
     up = fa.ICON_FA_ARROW_UP
+    down = fa.ICON_FA_ARROW_DOWN
+    rename = fa.ICON_FA_PEN
     level = fa.ICON_FA_CUBES
+    gallery = fa.ICON_FA_IMAGES
     magnet = fa.ICON_FA_MAGNET
     grid = fa.ICON_FA_TABLE_CELLS
     eye = fa.ICON_FA_EYE

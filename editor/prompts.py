@@ -31,10 +31,22 @@ class Question:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class FileQuestion:
-    """Asks for a file to open or a name to save under."""
+class TextQuestion:
+    """Asks for a line of text; Enter accepts it, Esc answers None."""
 
-    purpose: Literal["open", "save"]
+    title: str
+    text: str = ""
+    """What stands there at first, selected."""
+    accept: str = "OK"
+    """What the button says."""
+    answer: Callable[[str | None], None]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class FileQuestion:
+    """Asks for a file to open, a name to save under, or a folder."""
+
+    purpose: Literal["open", "save", "folder"]
     title: str
     folder: Path
     name: str = ""
@@ -55,4 +67,4 @@ class MenuQuestion:
     answer: Callable[[str | None], None]
 
 
-Prompt: TypeAlias = Question | FileQuestion | MenuQuestion
+Prompt: TypeAlias = Question | TextQuestion | FileQuestion | MenuQuestion

@@ -18,12 +18,15 @@ from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
 from editor.document import Document, Outcome
 from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
+from editor.gallery.library import Library
+from editor.gallery.view import GalleryView
 from editor.jobs import Worker, WorkerSimulator
 from editor.journal import Journal
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
 from editor.requests import Pull
+from editor.results import Results
 from editor.settings import Settings
 from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
@@ -89,6 +92,8 @@ class View:
     debug_draw: bool = False
     plots: bool = False
     palette: bool = False
+    front: str = ""
+    """Id of a panel to bring to the front; the window clears it."""
     """The command palette."""
     help: bool = False
     edit_arena: bool = False
@@ -110,7 +115,7 @@ class Tab:
 class Session:
     """The state of the app; see the module's docstring for who changes it when."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what tests replace
         self,
         *,
         settings: Settings | None = None,
@@ -119,6 +124,8 @@ class Session:
         clipboard: Clipboard | None = None,
         level: Level | None = None,
     ) -> None:
+        library: Library | None = None,
+        results: Results | None = None,
         self.settings = settings or Settings()
         self.worker = worker or Worker()
         self.clipboard: Clipboard = clipboard or MemoryClipboard()
@@ -137,6 +144,11 @@ class Session:
         self.log = Journal()
         self.held: set[str] = set()
         """Keys that are down."""
+        self.gallery = GalleryView()
+        self.library = library or Library()
+        """The levels that the gallery shows."""
+        self.results = results or Results()
+        """Who has won which level."""
         self.cursor: tuple[float, float] | None = None
         """Where the pointer is over the canvas [m], or None."""
         self.cursor_screen: tuple[float, float] = (0.0, 0.0)
@@ -348,6 +360,7 @@ class Session:
         if untouched and len(front.history.entries) == 1:
             self.tabs[self.tab_index] = tab
         else:
+        self.gallery.open = False
             self.tabs.append(tab)
             self.tab_index = len(self.tabs) - 1
 

@@ -49,6 +49,8 @@ class Settings:
     """Rebound chords by action id."""
     controls: dict[str, list[int]] = dataclasses.field(default_factory=dict)
     """Rebound play keys: key -> [channel, value]."""
+    gallery_folders: list[str] = dataclasses.field(default_factory=list)
+    """Folders that the gallery shows besides the app's and the user's own."""
     debug_draw: list[str] = dataclasses.field(default_factory=list)
     """Names of the debug drawings that are on."""
 

@@ -14,6 +14,7 @@ from editor.look import COLOURS
 from editor.panels.base import Panel
 from editor.panels.controls import ControlsPanel
 from editor.panels.debug import DebugPanel
+from editor.panels.gallery import GalleryPage
 from editor.panels.help import HelpOverlay
 from editor.panels.history import HistoryPanel
 from editor.panels.inspector import Inspector
@@ -75,6 +76,7 @@ class Ui:
         self._dialogs = Dialogs()
         self._palette = CommandPalette()
         self._help = HelpOverlay()
+        self._gallery = GalleryPage(textures)
         self.panels: tuple[Panel, ...] = (
             Outliner(),
             LevelPanel(),
@@ -115,6 +117,7 @@ class Ui:
         return (
             session.playback.active
             or bool(session.toasts)
+            or (session.gallery.open and (session.library.busy or self._gallery.animating))
             or not session.worker.idle
             or imgui.get_io().want_text_input
         )
@@ -140,27 +143,39 @@ class Ui:
         bars = session.view.interface
         if bars:
             self._bars()
-        space = imgui.dock_space_over_viewport(
-            0, None, imgui.DockNodeFlags_.passthru_central_node.value
-        )
-        if not self._laid_out or session.view.layout_reset:
-            self._lay_out(space)
-        self._canvas(space, bars)
-        self._follow_switches()
-        if bars:
-            focused = [self._panel(panel) for panel in self.panels]
-            self._panel_focused = any(focused)
+        gallery = session.gallery.open
+        flags = imgui.DockNodeFlags_.passthru_central_node.value
+        if gallery:
+            # The panels keep their places while the gallery is in front of them.
+            flags |= imgui.DockNodeFlags_.keep_alive_only.value
+        space = imgui.dock_space_over_viewport(0, None, flags)
+        if gallery:
+            self._gallery.draw(session)
+        else:
+            self._workplace(space, bars)
         with session.guard():
             self._dialogs.draw(session)
             self._palette.draw(session)
             self._help.draw(session)
         with session.guard():
             actions.update(session, dt)
-        self._paint_canvas()
-        self._toasts.draw(session, self.canvas.area)
+        if not gallery:
+            self._paint_canvas()
+        self._toasts.draw(session, _middle() if gallery else self.canvas.area)
         if self.warm_up and imgui.get_frame_count() > _WARM_UP_FRAME:
             self.warm_up = False
             self._compile_ahead()
+
+    def _workplace(self, space: int, bars: bool) -> None:
+        """The canvas and the panels around it."""
+        self._gallery.closed()
+        if not self._laid_out or self.session.view.layout_reset:
+            self._lay_out(space)
+        self._canvas(space, bars)
+        self._follow_switches()
+        if bars:
+            focused = [self._panel(panel) for panel in self.panels]
+            self._panel_focused = any(focused)
 
     def _compile_ahead(self) -> None:
         """Prepare Play on the worker: the size of the level in front first, then the others."""
@@ -242,10 +257,11 @@ class Ui:
             self._menu.draw(session)
         viewport = imgui.get_main_viewport()
         height = imgui.get_frame_height() + 2 * px(6)
-        with self._bar("##toolbar", viewport, imgui.Dir.up, height, px(6)) as opened:
-            if opened:
-                with session.guard():
-                    self._toolbar.draw(session)
+        if not session.gallery.open:
+            with self._bar("##toolbar", viewport, imgui.Dir.up, height, px(6)) as opened:
+                if opened:
+                    with session.guard():
+                        self._toolbar.draw(session)
         height = imgui.get_text_line_height() + 2 * px(6)
         with self._bar("##status", viewport, imgui.Dir.down, height, px(6)) as opened:
             if opened:
@@ -349,6 +365,12 @@ class Ui:
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""
         self.session.settings.layout = imgui.save_ini_settings_to_memory()
+
+
+def _middle() -> tuple[tuple[float, float], tuple[float, float]]:
+    """Corner and size of what lies between the bars [px]."""
+    viewport = imgui.get_main_viewport()
+    return (viewport.work_pos.x, viewport.work_pos.y), (viewport.work_size.x, viewport.work_size.y)
 
 
 _NAVIGATION: Final = frozenset({"left", "right", "up", "down", "space", "return", "tab", "escape"})

@@ -24,6 +24,11 @@ def checkpoints_dir() -> Path:
     return _bundled("checkpoints")
 
 
+def user_levels_dir() -> Path:
+    """Folder in which the user's own levels are looked for and put; it need not exist."""
+    return Path(platformdirs.user_documents_dir()) / "Kinetix"
+
+
 def cache_dir() -> Path:
     """Folder for what can be made anew (compiled functions, thumbnails)."""
     return Path(platformdirs.user_cache_dir(_APP, appauthor=False))

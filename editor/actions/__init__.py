@@ -5,7 +5,18 @@ keep for itself, draw, `update(session, seconds)`.
 """
 
 from editor.actions.base import Action, Context
-from editor.actions.dispatch import chords, find, handle, run, update
+from editor.actions.dispatch import available, chords, find, handle, run, update
 from editor.actions.table import ACTIONS, BY_ID
 
-__all__ = ["ACTIONS", "BY_ID", "Action", "Context", "chords", "find", "handle", "run", "update"]
+__all__ = [
+    "ACTIONS",
+    "BY_ID",
+    "Action",
+    "Context",
+    "available",
+    "chords",
+    "find",
+    "handle",
+    "run",
+    "update",
+]

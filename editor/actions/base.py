@@ -13,7 +13,24 @@ class Context(enum.Enum):
     EDIT = "edit"
     PLAY = "play"
     """Playing, paused, ended and replay."""
+    LEVEL = "level"
+    """Wherever a level is on the screen: Edit and Play."""
+    GALLERY = "gallery"
+    """While the gallery is on the screen, in front of the level."""
     GLOBAL = "global"
+
+
+def context_of(session: Session) -> Context:
+    """Edit, Play or the gallery."""
+    if session.gallery.open:
+        return Context.GALLERY
+    return Context.EDIT if session.editing else Context.PLAY
+
+
+def contexts(session: Session) -> tuple[Context, ...]:
+    """The contexts whose actions count now, the narrowest first."""
+    here = context_of(session)
+    return (here, *((Context.LEVEL,) if here is not Context.GALLERY else ()), Context.GLOBAL)
 
 
 def always(session: Session) -> bool:
@@ -46,7 +63,7 @@ class Action:
     label: str
     """What the menu says."""
     menu: str
-    """Menu it stands in: File, Edit, Tools, Arrange, View, Run, Level, Help; empty: none."""
+    """Menu it stands in: File, Edit, Tools, Arrange, View, Run, Level, Gallery, Help."""
     keys: tuple[str, ...] = ()
     """Default chords, as `KeyEvent.chord` writes them: `ctrl+shift+z`."""
     context: Context = Context.GLOBAL

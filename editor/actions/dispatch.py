@@ -5,7 +5,7 @@ from typing import Final
 
 from editor import files
 from editor.actions import file
-from editor.actions.base import Action, Context
+from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
 from editor.events import (
@@ -34,12 +34,16 @@ def chords(session: Session, action: Action) -> tuple[str, ...]:
 
 def find(session: Session, chord: str) -> Action | None:
     """The action that a chord means now: of the mode's context first, then of all."""
-    here = Context.EDIT if session.editing else Context.PLAY
-    for context in (here, Context.GLOBAL):
+    for context in contexts(session):
         for action in ACTIONS:
             if action.context is context and chord in (*chords(session, action), *action.variants):
                 return action
     return None
+
+
+def available(session: Session, action: Action) -> bool:
+    """Whether an action can be done now."""
+    return action.context in contexts(session) and action.enabled(session)
 
 
 def run(session: Session, action_id: str) -> bool:
@@ -58,11 +62,7 @@ def run(session: Session, action_id: str) -> bool:
     if action_id not in BY_ID:
         raise CommandError(f"there is no action {action_id!r}; there are {', '.join(BY_ID)}")
     action = BY_ID[action_id]
-    if action.context is not Context.GLOBAL:
-        wanted = action.context is Context.EDIT
-        if wanted != session.editing:
-            return False
-    if not action.enabled(session):
+    if not available(session, action):
         return False
     if session.driver.active and action_id not in ("edit.cancel", "edit.undo"):
         session.driver.cancel()
@@ -115,14 +115,16 @@ def _key(session: Session, event: KeyEvent) -> bool:
     action = find(session, event.chord)
     if action is None or (event.repeat and not _repeats(action)):
         return False
-    if not session.editing and not event.modifiers.prefix and event.key in session.control_keys:
+    driving = context_of(session) is Context.PLAY and not event.modifiers.prefix
+    if driving and event.key in session.control_keys:
         return True
     return run(session, action.id)
 
 
 def _repeats(action: Action) -> bool:
     """Whether holding the key does the action again and again."""
-    return action.id.startswith(("transform.", "run.step", "edit.undo", "edit.redo"))
+    repeating = ("transform.", "run.step", "edit.undo", "edit.redo", "gallery.move")
+    return action.id.startswith(repeating)
 
 
 def update(session: Session, seconds: float) -> None:

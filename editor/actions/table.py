@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import edit, export, file, level, play, view
+from editor.actions import edit, export, file, gallery, level, play, view
 from editor.actions.base import Action, Context, editing, playing, selecting
 from editor.playback import SPEEDS, Mode
 from editor.session import Session
@@ -17,10 +17,6 @@ def _can_undo(session: Session) -> bool:
 
 def _can_redo(session: Session) -> bool:
     return session.editing and session.document.history.redo_label is not None
-
-
-def _running(session: Session) -> bool:
-    return session.mode in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED)
 
 
 def _has_file(session: Session) -> bool:
@@ -46,6 +42,7 @@ FILE: Final = (
         label="Export…",
         menu="File",
         keys=("ctrl+e",),
+        context=Context.LEVEL,
         tooltip="Picture, film or trace.",
         run=export.ask_export,
     ),
@@ -62,6 +59,7 @@ FILE: Final = (
         label="Record Film",
         menu="File",
         keys=("ctrl+shift+r",),
+        context=Context.LEVEL,
         tooltip="Start and stop recording what is played as a GIF.",
         checked=lambda session: session.recording is not None,
         run=export.record,
@@ -375,6 +373,7 @@ VIEW: Final = (
         label="Show Grid",
         menu="View",
         keys=("g",),
+        context=Context.LEVEL,
         checked=view.is_set("grid_visible"),
         run=view.switch_setting("grid_visible"),
     ),
@@ -383,14 +382,23 @@ VIEW: Final = (
         label="Frame Selection",
         menu="View",
         keys=("f",),
+        context=Context.LEVEL,
         run=view.frame_selection,
     ),
-    Action(id="view.fit", label="Fit Arena", menu="View", keys=("home",), run=view.fit),
+    Action(
+        id="view.fit",
+        label="Fit Arena",
+        menu="View",
+        keys=("home",),
+        context=Context.LEVEL,
+        run=view.fit,
+    ),
     Action(
         id="view.actual_size",
         label="Actual Size",
         menu="View",
         keys=("ctrl+0",),
+        context=Context.LEVEL,
         tooltip="100 pixels a metre.",
         run=view.actual_size,
     ),
@@ -415,6 +423,7 @@ VIEW: Final = (
         label="Debug Drawing",
         menu="View",
         keys=("f3",),
+        context=Context.LEVEL,
         checked=view.is_on("debug_draw"),
         run=view.switch("debug_draw"),
     ),
@@ -423,6 +432,7 @@ VIEW: Final = (
         label="Plots",
         menu="View",
         keys=("f4",),
+        context=Context.LEVEL,
         checked=view.is_on("plots"),
         run=view.switch("plots"),
     ),
@@ -461,7 +471,7 @@ RUN: Final = (
         menu="Run",
         keys=("space",),
         context=PLAY,
-        enabled=_running,
+        enabled=playing,
         checked=lambda session: session.mode is Mode.PAUSED,
         run=play.pause,
     ),
@@ -508,7 +518,7 @@ RUN: Final = (
         menu="Run",
         keys=("backspace",),
         context=PLAY,
-        enabled=_running,
+        enabled=playing,
         run=play.reset,
     ),
     Action(
@@ -577,6 +587,7 @@ LEVEL: Final = (
         label="Previous Level",
         menu="Level",
         keys=("page up",),
+        context=Context.LEVEL,
         tooltip="Of the same folder.",
         enabled=_has_file,
         run=level.neighbour(-1),
@@ -586,11 +597,137 @@ LEVEL: Final = (
         label="Next Level",
         menu="Level",
         keys=("page down",),
+        context=Context.LEVEL,
         tooltip="Of the same folder.",
         enabled=_has_file,
         run=level.neighbour(1),
     ),
 )
+    Action(
+        id="level.gallery",
+        label="Gallery",
+        menu="Level",
+        keys=("ctrl+g",),
+        tooltip="All levels as pictures: search, open, sort out, put sets together.",
+        checked=gallery.is_open,
+        run=gallery.toggle,
+    ),
+    Action(
+        id="level.export_set",
+        label="Export Level Set…",
+        menu="Level",
+        tooltip="Chosen levels with weights and a split, for training and evaluation.",
+        run=gallery.ask_export,
+    ),
+)
+
+GALLERY: Final = (
+    Action(
+        id="gallery.open",
+        label="Open",
+        menu="Gallery",
+        keys=("return",),
+        context=Context.GALLERY,
+        tooltip="Or a double click.",
+        enabled=gallery.choosing,
+        run=gallery.open_chosen,
+    ),
+    Action(
+        id="gallery.rename",
+        label="Rename…",
+        menu="Gallery",
+        keys=("f2",),
+        context=Context.GALLERY,
+        enabled=gallery.choosing,
+        run=gallery.rename,
+    ),
+    Action(
+        id="gallery.duplicate",
+        label="Duplicate",
+        menu="Gallery",
+        keys=("ctrl+d",),
+        context=Context.GALLERY,
+        tooltip="Copies of the app's own levels go to your folder.",
+        enabled=gallery.choosing,
+        run=gallery.duplicate,
+    ),
+    Action(
+        id="gallery.delete",
+        label="Delete",
+        menu="Gallery",
+        keys=("delete",),
+        context=Context.GALLERY,
+        tooltip="To the trash.",
+        enabled=gallery.choosing,
+        run=gallery.delete,
+    ),
+    Action(
+        id="gallery.restore",
+        label="Bring Back",
+        menu="Gallery",
+        keys=("ctrl+z",),
+        context=Context.GALLERY,
+        tooltip="What was deleted last.",
+        enabled=gallery.can_restore,
+        run=gallery.restore,
+    ),
+    Action(
+        id="gallery.select_all",
+        label="Choose All",
+        menu="Gallery",
+        keys=("ctrl+a",),
+        context=Context.GALLERY,
+        run=gallery.select_all,
+    ),
+    Action(
+        id="gallery.add_to_set",
+        label="Add to the Set",
+        menu="Gallery",
+        keys=("ctrl+shift+a",),
+        context=Context.GALLERY,
+        enabled=gallery.choosing,
+        run=gallery.add_to_set,
+    ),
+    Action(
+        id="gallery.close",
+        label="Back to the Level",
+        menu="Gallery",
+        keys=("escape",),
+        context=Context.GALLERY,
+        run=gallery.close,
+    ),
+    Action(
+        id="gallery.add_folder",
+        label="Add a Folder…",
+        menu="Gallery",
+        context=Context.GALLERY,
+        run=gallery.add_folder,
+    ),
+    *(
+        Action(
+            id=f"gallery.move_{name}",
+            label=label,
+            menu="Gallery",
+            keys=keys,
+            context=Context.GALLERY,
+            run=gallery.move(steps),
+        )
+        for name, label, keys, steps in (
+            ("left", "Card Before", ("left",), lambda s: -1),
+            ("right", "Card After", ("right",), lambda s: 1),
+            ("up", "Card Above", ("up",), lambda s: -s.gallery.columns),
+            ("down", "Card Below", ("down",), lambda s: s.gallery.columns),
+            ("page_up", "Page Up", ("page up",), lambda s: -s.gallery.columns * s.gallery.rows),
+            (
+                "page_down",
+                "Page Down",
+                ("page down",),
+                lambda s: s.gallery.columns * s.gallery.rows,
+            ),
+            ("first", "First Card", ("home",), lambda s: -len(s.library.cards)),
+            ("last", "Last Card", ("end",), lambda s: len(s.library.cards)),
+        )
+    ),
 
 APP: Final = (
     Action(
@@ -622,6 +759,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
     *LEVEL,
     *APP,
 )
+    *GALLERY,
 """All actions, in the order of the menus."""
 
 BY_ID: Final[dict[str, Action]] = {action.id: action for action in ACTIONS}

@@ -16,7 +16,7 @@ from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
 if TYPE_CHECKING:
     from editor.session import Session
 
-_CONTEXTS: Final = {Context.EDIT: "in Edit", Context.PLAY: "in Play", Context.GLOBAL: ""}
+_CONTEXTS: Final = {Context.EDIT: "in Edit", Context.PLAY: "in Play"}
 _MOUSE: Final = (
     ("Wheel", "Zoom at the pointer"),
     ("Middle or right drag", "Pan"),
@@ -128,7 +128,7 @@ def rows_of(session: "Session", menu: str) -> list[tuple[str, str]]:
     for action in ACTIONS:
         found = chords(session, action)
         if action.menu == menu and found:
-            context = _CONTEXTS[action.context] if menu == "Run" else ""
+            context = _CONTEXTS.get(action.context, "") if menu == "Run" else ""
             label = f"{action.label} {context}".strip()
             rows.append(("  ".join(chord_label(chord) for chord in found[:2]), label))
     return rows

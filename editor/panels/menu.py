@@ -18,12 +18,14 @@ from kinetix.render.palette import PALETTES
 if TYPE_CHECKING:
     from editor.session import Session
 
-MENUS: Final = ("File", "Edit", "Tools", "Arrange", "View", "Run", "Level", "Help")
+MENUS: Final = ("File", "Edit", "Tools", "Arrange", "View", "Run", "Level", "Gallery", "Help")
+_WITHOUT_A_LEVEL: Final = frozenset({"Edit", "Tools", "Arrange", "Run"})
+"""Menus that have nothing to do while the gallery is in front."""
 _SCALES: Final = (0.0, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 
 
 class MenuBar:
-    """One menu a name in `MENUS`; a row of the table that names none stands in none."""
+    """One menu a name in `MENUS`; what cannot be used for want of a level is not shown."""
 
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the window."""
@@ -33,6 +35,10 @@ class MenuBar:
                 widgets.text(f"{Icons.level}  Kinetix", COLOURS.accent)
             imgui.same_line(0, px(14))
             for menu in MENUS:
+                if menu == "Gallery" and not session.gallery.open:
+                    continue
+                if menu in _WITHOUT_A_LEVEL and session.gallery.open:
+                    continue
                 opened = imgui.begin_menu(menu)
                 widgets.probe(session, f"menu.{menu.lower()}")
                 if opened:
@@ -67,15 +73,24 @@ class MenuBar:
         widgets.probe(session, "menu.examples")
         if opened:
             for size in ("s", "m", "l"):
-                widgets.small(f"Size {size}")
-                for path in sorted((levels_dir() / size).glob("*.json")):
-                    label = path.stem.replace("_", " ").capitalize()
-                    if imgui.menu_item_simple(f"{label}###example-{size}-{path.stem}"):
-                        session.queue(lambda path=path: _open(session, path))
-                    widgets.probe(session, f"menu.example.{path.stem}")
+                self._levels(session, size)
+            item(session, "level.gallery")
             widgets.small("Known answers")
             self._scenes(session)
             imgui.end_menu()
+
+    def _levels(self, session: "Session", size: str) -> None:
+        """The levels of one size in a menu of their own."""
+        opened = imgui.begin_menu(f"Size {size.upper()}")
+        widgets.probe(session, f"menu.examples.{size}")
+        if not opened:
+            return
+        for path in sorted((levels_dir() / size).glob("*.json")):
+            label = path.stem.replace("_", " ").capitalize()
+            if imgui.menu_item_simple(f"{label}###example-{size}-{path.stem}"):
+                session.queue(lambda path=path: _open(session, path))
+            widgets.probe(session, f"menu.example.{path.stem}")
+        imgui.end_menu()
 
     def _scenes(self, session: "Session") -> None:
         """Scenes of the accuracy suite, a menu for each class; imported when first looked at."""
@@ -137,7 +152,7 @@ def item(session: "Session", action_id: str) -> None:
     """One row of a menu."""
     action = actions.BY_ID[action_id]
     chosen = actions.chords(session, action)
-    enabled = action.enabled(session)
+    enabled = actions.available(session, action)
     checked = action.checked(session) if action.checked is not None else False
     shortcut = chord_label(chosen[0]) if chosen else None
     if imgui.menu_item_simple(f"{action.label}###{action_id}", shortcut, checked, enabled):

@@ -145,7 +145,7 @@ def entries(session: "Session") -> list[Entry]:
             run=lambda action=action: session.queue(action.id),
         )
         for action in actions.ACTIONS
-        if action.enabled(session) and action.id != "app.palette"
+        if action.menu and actions.available(session, action) and action.id != "app.palette"
     ]
     for path in session.settings.recents:
         found.append(

@@ -25,6 +25,8 @@ class StatusBar:
         """Draw the line into the current window."""
         with widgets.font(None, SMALL):
             word, colour = MODE_LOOK[session.mode]
+            if session.gallery.open:
+                word, colour = "GALLERY", COLOURS.info
             widgets.badge(word, colour)
             imgui.same_line(0, px(10))
             right = self._right(session)
@@ -39,6 +41,8 @@ class StatusBar:
                 x += imgui.calc_text_size(words).x + gap
 
     def _hint(self, session: "Session") -> str:
+        if session.gallery.open:
+            return "Arrows move, Enter opens, Ctrl+Shift+A adds to the set, F2 renames. Esc leaves."
         if session.editing:
             typed = session.driver.typed
             return f"{session.hint}   size: {typed}" if typed else session.hint

@@ -23,7 +23,7 @@ _FLAGS: Final = (
 )
 _SHOWN_MAX: Final = 4
 _FADE_SECONDS: Final = 0.4
-_BUTTONS: Final = {"edit.undo": "Undo"}
+_BUTTONS: Final = {"edit.undo": "Undo", "gallery.restore": "Undo"}
 
 
 class Toasts:

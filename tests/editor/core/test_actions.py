@@ -44,18 +44,20 @@ def test_every_specified_action_is_there():
 
 
 def test_no_chord_means_two_things():
-    for context in (Context.EDIT, Context.PLAY):
+    for context in (Context.EDIT, Context.PLAY, Context.GALLERY):
         used = collections.Counter(
             chord
             for action in ACTIONS
             if action.context in (context, Context.GLOBAL)
+            or (action.context is Context.LEVEL and context is not Context.GALLERY)
             for chord in (*action.keys, *action.variants)
         )
         assert [chord for chord, count in used.items() if count > 1] == []
 
 
 def test_play_leaves_its_own_keys_alone(session):
-    play = {k for a in ACTIONS if a.context is not Context.EDIT for k in a.keys}
+    here = (Context.PLAY, Context.LEVEL, Context.GLOBAL)
+    play = {k for a in ACTIONS if a.context in here for k in a.keys}
     assert not play & set(session.control_keys)
 
 

@@ -129,6 +129,7 @@ class Factory:
     def close(self) -> None:
         if self.current is not None:
             self.current.session.worker.stop()
+            self.current.session.library.stop()
             self.current.host.close()
             self.current = None
 
@@ -138,6 +139,9 @@ def make_gui(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Factor
     """Makes windows whose settings and autosaves stay in a temporary folder."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path / "documents"))
     factory = Factory()
     yield factory
     factory.close()

@@ -1,0 +1,310 @@
+"""What the gallery does: open it, open, rename, duplicate and delete levels, put sets together."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from editor.actions import file
+from editor.gallery import filing
+from editor.gallery.card import Card
+from editor.gallery.export import SetPlan, export_set, refused
+from editor.playback import Mode
+from editor.prompts import FileQuestion, TextQuestion
+from editor.session import Session
+from kinetix.errors import CommandError, LevelError
+from kinetix.level.sets import load_set
+from kinetix.paths import levels_dir, user_levels_dir
+
+MAX_OPENED: Final = 12
+"""Most levels that are opened at once: each is a tab."""
+
+
+def folders(session: Session) -> list[Path]:
+    """What the gallery looks through: the app's levels, the user's, and the folders added."""
+    found = [levels_dir(), user_levels_dir(), *map(Path, session.settings.gallery_folders)]
+    return list(dict.fromkeys(path for path in found if path.is_dir()))
+
+
+def look(session: Session) -> None:
+    """Look through the folders again, in the background."""
+    session.library.look(folders(session))
+
+
+def toggle(session: Session) -> None:
+    """Show the gallery, or go back to the level; what is open stays as it is."""
+    gallery = session.gallery
+    gallery.open = not gallery.open
+    if not gallery.open:
+        return
+    session.driver.cancel()
+    session.release_all()
+    if session.mode is Mode.PLAYING:
+        session.playback.pause()
+    look(session)
+
+
+def is_open(session: Session) -> bool:
+    """Whether the gallery is on the screen."""
+    return session.gallery.open
+
+
+def close(session: Session) -> None:
+    """Back to the level; first the export's questions go."""
+    if session.gallery.plan is not None:
+        session.gallery.plan = None
+    else:
+        session.gallery.open = False
+
+
+def choosing(session: Session) -> bool:
+    """Whether levels are chosen in the gallery."""
+    return session.gallery.open and bool(session.gallery.chosen(session.library))
+
+
+def _chosen(session: Session) -> list[Card]:
+    chosen = session.gallery.chosen(session.library)
+    if not chosen:
+        raise CommandError("Choose a level first.")
+    return chosen
+
+
+def open_chosen(session: Session) -> None:
+    """Open every chosen level in a tab."""
+    chosen = _chosen(session)
+    if len(chosen) > MAX_OPENED:
+        raise CommandError(f"{len(chosen)} levels are too many tabs: choose up to {MAX_OPENED}.")
+    opened = [file.open_path(session, card.file) for card in chosen]
+    if any(opened):
+        session.gallery.open = False
+
+
+def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:
+    """An action that goes on by some cards."""
+
+    def run(session: Session) -> None:
+        gallery = session.gallery
+        gallery.move(gallery.shown(session.library, session.results), steps(session))
+
+    return run
+
+
+def select_all(session: Session) -> None:
+    """Choose all that is shown."""
+    gallery = session.gallery
+    gallery.selection = tuple(card.path for card in gallery.shown(session.library, session.results))
+
+
+def _guard_file(session: Session, path: Path) -> None:
+    """Refuse what would take a file away from under unsaved changes, or from the app itself.
+
+    Raises:
+        CommandError: With the reason.
+    """
+    if filing.bundled(path):
+        raise CommandError(f"{path.name} came with the app: duplicate it and change the copy.")
+    index = session.locate(path)
+    if index is not None and session.tabs[index].document.dirty:
+        raise CommandError(f"{path.name} has unsaved changes: save or close it first.")
+
+
+def rename(session: Session) -> None:
+    """Ask for another name of the chosen level."""
+    card = _chosen(session)[0]
+    _guard_file(session, card.file)
+
+    def answer(name: str | None) -> None:
+        if name is None or name == card.name:
+            return
+        index = session.locate(card.file)
+        target = filing.rename(card.file, name)
+        if index is not None:
+            document = session.tabs[index].document
+            document.path = target
+            file.reload(session, document)
+        gallery = session.gallery
+        gallery.selection, gallery.focus = (str(target),), str(target)
+        if card.path in gallery.tray:
+            gallery.tray[str(target)] = gallery.tray.pop(card.path)
+        look(session)
+
+    session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))
+
+
+def duplicate(session: Session) -> None:
+    """Copy the chosen levels; copies of the app's own go to the user's folder."""
+    made = [filing.duplicate(card.file) for card in _chosen(session)]
+    session.gallery.selection = tuple(map(str, made))
+    session.gallery.focus, session.gallery.scroll = str(made[0]), True
+    session.toast(f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies", "success")
+    look(session)
+
+
+def delete(session: Session) -> None:
+    """Move the chosen levels to the trash."""
+    chosen = _chosen(session)
+    for card in chosen:
+        _guard_file(session, card.file)
+    thrown = []
+    try:
+        for card in chosen:
+            thrown.append(filing.throw_away(card.file))
+    finally:
+        session.gallery.thrown = tuple(thrown)
+        session.gallery.selection = ()
+        for one in thrown:
+            session.gallery.tray.pop(str(one.origin), None)
+        look(session)
+    name = chosen[0].name if len(chosen) == 1 else f"{len(chosen)} levels"
+    session.toast(f"Moved {name} to the trash", action="gallery.restore")
+
+
+def can_restore(session: Session) -> bool:
+    """Whether something was deleted that can come back."""
+    return bool(session.gallery.thrown)
+
+
+def restore(session: Session) -> None:
+    """Bring back what was deleted last."""
+    thrown, session.gallery.thrown = session.gallery.thrown, ()
+    for one in thrown:
+        filing.bring_back(one)
+    session.gallery.selection = tuple(str(one.origin) for one in thrown)
+    look(session)
+
+
+def add_folder(session: Session) -> None:
+    """Choose a folder whose levels the gallery shows too."""
+
+    def answer(path: Path | None) -> None:
+        if path is None:
+            return
+        name = str(path.resolve())
+        if name not in session.settings.gallery_folders:
+            session.settings.gallery_folders.append(name)
+        session.gallery.folder = path.resolve()
+        look(session)
+
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Add a folder to the gallery",
+            folder=Path.home(),
+            answer=answer,
+        )
+    )
+
+
+def remove_folder(session: Session, folder: Path) -> None:
+    """Show a folder's levels no more; the files stay."""
+    session.settings.gallery_folders = [
+        name for name in session.settings.gallery_folders if Path(name) != folder
+    ]
+    if session.gallery.folder == folder:
+        session.gallery.folder = None
+    look(session)
+
+
+def add_to_set(session: Session) -> None:
+    """Put the chosen levels into the set."""
+    put_in_set(session, [card.path for card in _chosen(session)])
+
+
+def put_in_set(session: Session, paths: list[str]) -> None:
+    """Put levels into the set, each with weight 1 unless it is there already."""
+    for path in paths:
+        session.gallery.tray.setdefault(path, 1.0)
+
+
+def drop_from_set(session: Session, path: str) -> None:
+    """Take a level out of the set."""
+    session.gallery.tray.pop(path, None)
+
+
+def load_into_set(session: Session, path: Path) -> None:
+    """Take the levels and weights of a set that there is; those inside a file stay there.
+
+    Raises:
+        LevelError: The set is bad.
+    """
+    loaded = load_set(path.resolve())
+    files = {str(each.path): each.weight for each in loaded.levels if each.path is not None}
+    if not files:
+        raise CommandError(f"{path.name} carries its levels itself: there are no files to choose.")
+    session.gallery.tray = files
+    session.toast(f"{len(files)} levels of {path.name}")
+
+
+def ask_export(session: Session) -> None:
+    """Show the questions about a set: of the set's levels, or else of the chosen ones."""
+    gallery = session.gallery
+    if not gallery.open:
+        toggle(session)
+    if not gallery.tray:
+        put_in_set(session, [card.path for card in gallery.chosen(session.library)])
+    if not gallery.tray:
+        session.complain("Choose the levels of the set first: Ctrl+A takes all that are shown.")
+        return
+    gallery.plan = gallery.plan or SetPlan()
+
+
+def refused_in_set(session: Session) -> list[Card]:
+    """The levels of the set that cannot go in."""
+    by_path = {card.path: card for card in session.library.cards}
+    return refused(by_path[path] for path in session.gallery.tray if path in by_path)
+
+
+def leave_out_refused(session: Session) -> None:
+    """Take the levels that cannot go in out of the set."""
+    for card in refused_in_set(session):
+        session.gallery.tray.pop(card.path, None)
+
+
+def export_now(session: Session) -> None:
+    """Ask where, and write the set."""
+    gallery = session.gallery
+    plan = gallery.plan
+    if plan is None:
+        return
+    bad = refused_in_set(session)
+    if bad:
+        raise CommandError(f"{bad[0].name} has an error: mend it, or leave it out.")
+
+    def answer(path: Path | None) -> None:
+        if path is None:
+            return
+        target = path.with_suffix("") if plan.form == "folder" else path
+        try:
+            made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, target)
+        except LevelError as error:
+            session.toast(str(error), "error")
+            return
+        gallery.plan = None
+        doubles = len(gallery.tray) - len(made.levels)
+        train = sum(each.split == "train" for each in made.levels)
+        more = f", {doubles} left out because they equal others" if doubles else ""
+        session.toast(
+            f"Saved {target}: {train} levels to train on, {len(made.levels) - train} to evaluate "
+            f"on{more}",
+            "success",
+        )
+        look(session)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Export level set" if plan.form == "file" else "Export level set as a folder",
+            folder=_set_folder(session),
+            name=f"{filing.stem_of(plan.name)}{'.json' if plan.form == 'file' else ''}",
+            suffixes=(".json",) if plan.form == "file" else ("",),
+            answer=answer,
+        )
+    )
+
+
+def _set_folder(session: Session) -> Path:
+    """Where sets are proposed to go: beside the first level unless that one came with the app."""
+    first = next((Path(path) for path in session.gallery.tray), None)
+    if first is not None and not filing.bundled(first):
+        return first.parent
+    own = user_levels_dir()
+    return own if own.is_dir() else Path.home()

@@ -1,0 +1,1 @@
+"""The gallery's core: which levels there are, what they look like, which ones are wanted."""

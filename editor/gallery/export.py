@@ -1,0 +1,97 @@
+"""Level sets from chosen levels: the same code as `kinetix levelset`, with weights and copies."""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Literal
+
+from editor.gallery.card import Card
+from kinetix.errors import LevelError
+from kinetix.level.codec import level_hash, load_document, save_level
+from kinetix.level.model import SizeName
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, save_set
+
+Form = Literal["file", "folder"]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetPlan:
+    """How a set is to be written."""
+
+    name: str = "levels"
+    form: Form = "file"
+    """One file that carries its levels, or a folder with the levels beside the manifest."""
+    split: float = DEFAULT_SPLIT
+    """Share of the levels that go to training."""
+    seed: int = 0
+    """What the split is drawn from."""
+    size: SizeName | None = None
+    """Common capacity; None: the largest of each."""
+
+
+def refused(cards: Iterable[Card]) -> list[Card]:
+    """The levels that no set takes: unreadable ones and those with an error."""
+    return [card for card in cards if card.errors or card.fault]
+
+
+def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> LoadedSet:
+    """Write a set: equal levels once, none with an error, split by the seed.
+
+    Args:
+        levels: Files with their weights, in the order wanted.
+        plan: How.
+        target: The file, or with `form` "folder" the folder, which gets `set.json` and the levels.
+
+    Returns:
+        What was written.
+
+    Raises:
+        LevelError: A level is bad, does not fit the size, or something cannot be written; where a
+            level is to blame nothing was written.
+    """
+    chosen = [_read(path, weight) for path, weight in levels.items()]
+    folder = target.parent if plan.form == "file" else target
+    made = build_set(
+        chosen, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
+    )
+    if plan.form == "file":
+        save_set(made, target, inline=True)
+        return made
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LevelError(f"{folder}: cannot be made: {error.strerror or error}") from error
+    placed = _copies(made, folder)
+    made = build_set(
+        placed, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
+    )
+    save_set(made, folder / "set.json")
+    return made
+
+
+def _copies(made: LoadedSet, folder: Path) -> list[SetLevel]:
+    """Write every level into the folder, under names that differ."""
+    taken = {"set"}
+    placed = []
+    for each in made.levels:
+        stem = Path(each.name).name
+        name, number = stem, 2
+        while name in taken:
+            name, number = f"{stem}_{number}", number + 1
+        taken.add(name)
+        path = folder / f"{name}.json"
+        save_level(each.level, path)
+        placed.append(dataclasses.replace(each, path=path, name=name))
+    return placed
+
+
+def _read(path: Path, weight: float) -> SetLevel:
+    level = load_document(path.resolve()).level
+    return SetLevel(
+        name=path.stem,
+        level=level,
+        sha256=level_hash(level),
+        tags=level.tags,
+        weight=weight,
+        path=path,
+    )

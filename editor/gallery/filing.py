@@ -1,0 +1,143 @@
+"""What happens to level files from the gallery: rename, duplicate, throw away, bring back."""
+
+import dataclasses
+import datetime
+import os
+import shutil
+import sys
+import urllib.parse
+from pathlib import Path
+
+from kinetix.errors import LevelError
+from kinetix.level.codec import load_document, save_level
+from kinetix.paths import levels_dir, state_dir, user_levels_dir
+
+
+def bundled(path: Path) -> bool:
+    """Whether a file came with the app: such are left alone."""
+    return path.resolve().is_relative_to(levels_dir().resolve())
+
+
+def stem_of(name: str) -> str:
+    """A file name without suffix for a level's name."""
+    kept = "".join(c if c.isalnum() or c in "-_ " else "" for c in name).strip()
+    return "_".join(kept.lower().split())[:80] or "level"
+
+
+def free_path(path: Path) -> Path:
+    """The path, with a number when something is there already."""
+    candidate, number = path, 2
+    while candidate.exists():
+        candidate = path.with_name(f"{path.stem}_{number}{path.suffix}")
+        number += 1
+    return candidate
+
+
+def rename(path: Path, name: str) -> Path:
+    """Give a level another name: in the file (where its format has one) and as the file's name.
+
+    Returns:
+        The new path.
+
+    Raises:
+        LevelError: The name is empty or too long, or the file cannot be read or written.
+    """
+    words = " ".join(name.split())
+    if not 1 <= len(words) <= 120:
+        raise LevelError(f"The name {name!r} cannot be used: it needs 1 to 120 characters.")
+    loaded = load_document(path.resolve())
+    target = path.with_name(f"{stem_of(words)}{path.suffix}")
+    target = path if target == path else free_path(target)
+    if loaded.format == "kinetix-level":
+        save_level(loaded.level.replace(name=words), path)
+    try:
+        os.rename(path, target)
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be renamed: {error.strerror or error}") from error
+    return target
+
+
+def duplicate(path: Path) -> Path:
+    """A copy beside the level, or in the user's folder when the level came with the app.
+
+    Returns:
+        The copy's path.
+
+    Raises:
+        LevelError: The file cannot be read or the copy not be written.
+    """
+    loaded = load_document(path.resolve())
+    folder = user_levels_dir() if bundled(path) else path.parent
+    target = free_path(folder / f"{path.stem}_copy{path.suffix}")
+    level = loaded.level
+    if loaded.format == "kinetix-level":
+        level = level.replace(name=f"{level.name[:114]} copy")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LevelError(f"{folder}: cannot be made: {error.strerror or error}") from error
+    save_level(level, target, format=loaded.format, source=loaded.source)
+    return target
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Trashed:
+    """A file in the trash, and where it was."""
+
+    origin: Path
+    file: Path
+    note: Path | None
+    """The trash's own record of the origin, where the system has such."""
+
+
+def throw_away(path: Path) -> Trashed:
+    """Move a file to the system's trash.
+
+    Source: the Trash specification of freedesktop.org, version 1.0 (the home trash).
+
+    Raises:
+        LevelError: It cannot be moved.
+    """
+    folder, notes = _trash()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        target = free_path(folder / path.name)
+        note = None
+        if notes is not None:
+            notes.mkdir(parents=True, exist_ok=True)
+            note = notes / f"{target.name}.trashinfo"
+            when = datetime.datetime.now().replace(microsecond=0).isoformat()
+            origin = urllib.parse.quote(str(path.resolve()))
+            note.write_text(f"[Trash Info]\nPath={origin}\nDeletionDate={when}\n")
+        shutil.move(path, target)
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be deleted: {error.strerror or error}") from error
+    return Trashed(origin=path, file=target, note=note)
+
+
+def bring_back(thrown: Trashed) -> None:
+    """Put a file back to where it was.
+
+    Raises:
+        LevelError: Something else is there now, or the trash was emptied.
+    """
+    if thrown.origin.exists():
+        raise LevelError(f"{thrown.origin}: another file of this name is there now.")
+    try:
+        shutil.move(thrown.file, thrown.origin)
+    except OSError as error:
+        raise LevelError(
+            f"{thrown.origin}: cannot be brought back: {error.strerror or error}"
+        ) from error
+    if thrown.note is not None:
+        thrown.note.unlink(missing_ok=True)
+
+
+def _trash() -> tuple[Path, Path | None]:
+    """The folder of thrown files, and that of their notes."""
+    if sys.platform == "darwin":
+        return Path.home() / ".Trash", None
+    if os.name != "posix":
+        return state_dir() / "trash", None
+    base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "Trash"
+    return base / "files", base / "info"

@@ -1,0 +1,306 @@
+"""All levels of some folders, with their thumbnails: read by a thread of its own, without JAX.
+
+What was read once is kept: cards in one index file, thumbnails as PNG files named by the level's
+hash, both in the user's cache folder. The window asks, goes on drawing and takes what has come.
+"""
+
+import collections
+import contextlib
+import os
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final, Literal
+
+import msgspec
+import numpy as np
+from jaxtyping import UInt8
+from PIL import Image
+
+from editor.gallery.card import Card, read_card
+from editor.gallery.thumbnail import SIDE, draw_thumbnail
+from kinetix.errors import LevelError
+from kinetix.level.atomic import write_atomically
+from kinetix.level.codec import load_level
+from kinetix.level.sets import is_set_file
+from kinetix.paths import cache_dir
+
+Thumbnail = UInt8[np.ndarray, "h w 3"]
+
+INDEX_VERSION: Final = 1
+"""Rises when cards or thumbnails are made in another way: older ones are made anew."""
+MAX_FILES: Final = 20_000
+"""Most files of one look: a bound against a folder that was chosen by mistake."""
+_PICTURES: Final = 320
+"""Thumbnails kept in memory."""
+_BREATH: Final = 0.002
+"""Pause after each file that was read, so that the window gets the processor [s]."""
+_PUBLISH_SECONDS: Final = 0.3
+"""How often new cards are handed over while a look goes on [s]."""
+
+
+class _Known(msgspec.Struct, frozen=True, kw_only=True):
+    """What the index holds of a file: a level, a level set, or something else."""
+
+    kind: Literal["level", "set", "other"]
+    card: Card
+
+
+class _Index(msgspec.Struct, frozen=True, kw_only=True):
+    version: int
+    files: list[_Known]
+
+
+class Library:
+    """Cards and thumbnails; every method is for the window's thread and returns at once."""
+
+    def __init__(self, cache: Path | None = None) -> None:
+        self._cache = cache
+        self._condition = threading.Condition()
+        self._thread: threading.Thread | None = None
+        self._stopping = False
+        self._folders: tuple[Path, ...] | None = None
+        self._wanted: tuple[Card, ...] = ()
+        self._found: tuple[tuple[Card, ...], tuple[Path, ...], bool] | None = None
+        self._pictures: collections.OrderedDict[str, Thumbnail] = collections.OrderedDict()
+        self._known: dict[str, _Known] | None = None
+        self.cards: tuple[Card, ...] = ()
+        """The levels found so far, in the order of folders and paths."""
+        self.sets: tuple[Path, ...] = ()
+        """The level sets found."""
+        self.revision = 0
+        """Rises whenever `cards` changes."""
+        self.busy = False
+        """Whether a look goes on."""
+
+    def look(self, folders: Sequence[Path]) -> None:
+        """Look through folders (and below them); `poll` takes what is found."""
+        with self._condition:
+            self._folders = tuple(folders)
+            self.busy = True
+            self._start()
+            self._condition.notify()
+
+    def want(self, cards: Sequence[Card]) -> None:
+        """Say whose thumbnails are on the screen: they are made next, others no more."""
+        with self._condition:
+            self._wanted = tuple(c for c in cards if c.sha256 and c.sha256 not in self._pictures)
+            if self._wanted:
+                self._start()
+                self._condition.notify()
+
+    def picture(self, sha256: str) -> Thumbnail | None:
+        """The thumbnail of a level: uint8[side, side, 3], or None when it is not there yet."""
+        with self._condition:
+            found = self._pictures.get(sha256)
+            if found is not None:
+                self._pictures.move_to_end(sha256)
+            return found
+
+    def poll(self) -> bool:
+        """Take what was found since the last call; whether the cards changed."""
+        with self._condition:
+            found, self._found = self._found, None
+            if found is None:
+                return False
+            cards, self.sets, self.busy = found
+        if cards == self.cards:
+            return False
+        self.cards = cards
+        self.revision += 1
+        return True
+
+    def wait(self, seconds: float) -> bool:
+        """Block until a look is over and taken thumbnails are made (tests, scripts)."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            self.poll()
+            with self._condition:
+                if not self.busy and self._folders is None and not self._wanted:
+                    return True
+            time.sleep(0.005)
+        return False
+
+    def stop(self, seconds: float = 2.0) -> None:
+        """End the thread."""
+        with self._condition:
+            self._stopping = True
+            self._condition.notify()
+        if self._thread is not None:
+            self._thread.join(seconds)
+
+    def _start(self) -> None:
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._work, name="library", daemon=True)
+            self._thread.start()
+
+    @property
+    def folder(self) -> Path:
+        """Where index and thumbnails are kept."""
+        return (self._cache or cache_dir()) / "gallery"
+
+    def _work(self) -> None:
+        look: Iterator[None] | None = None
+        while True:
+            with self._condition:
+                self._condition.wait_for(
+                    lambda: self._stopping or self._folders is not None or self._wanted,
+                    None if look is None else 0,
+                )
+                if self._stopping:
+                    return
+                if self._folders is not None:
+                    look, self._folders = self._look(self._folders), None
+                wanted = self._wanted[:1]
+            if wanted:
+                self._make(wanted[0])
+            elif look is not None and next(look, _OVER) is _OVER:
+                look = None
+
+    def _make(self, card: Card) -> None:
+        """Fetch or draw one thumbnail."""
+        picture = self._stored(card.sha256)
+        if picture is None:
+            # A level that has gone or broken since keeps an empty picture until the next look.
+            picture = np.full((SIDE, SIDE, 3), 255, np.uint8)
+            with contextlib.suppress(LevelError):
+                picture = draw_thumbnail(load_level(card.file.resolve()))
+                self._store(card.sha256, picture)
+        self._keep(card.sha256, picture)
+
+    def _keep(self, sha256: str, picture: Thumbnail) -> None:
+        with self._condition:
+            self._pictures[sha256] = picture
+            self._wanted = tuple(card for card in self._wanted if card.sha256 != sha256)
+            while len(self._pictures) > _PICTURES:
+                self._pictures.popitem(last=False)
+
+    def _file(self, sha256: str) -> Path:
+        return self.folder / f"thumbnails-{INDEX_VERSION}" / f"{sha256[:40]}.png"
+
+    def _stored(self, sha256: str) -> Thumbnail | None:
+        try:
+            with Image.open(self._file(sha256)) as image:
+                picture = np.asarray(image.convert("RGB"))
+        except (OSError, ValueError, SyntaxError):
+            return None
+        return picture if picture.shape == (SIDE, SIDE, 3) else None
+
+    def _store(self, sha256: str, picture: Thumbnail) -> None:
+        file = self._file(sha256)
+        # Without a cache every run draws anew; that is no reason to fail.
+        with contextlib.suppress(OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            temporary = file.with_suffix(".tmp")
+            Image.fromarray(picture).save(temporary, format="PNG")
+            os.replace(temporary, file)
+
+    def _look(self, folders: tuple[Path, ...]) -> Iterator[None]:
+        """Go through the folders, one file a step."""
+        known = self._index()
+        seen: dict[str, _Known] = {}
+        fresh = 0
+        published = time.monotonic()
+        for path, modified_ns, size in _files(folders):
+            name = str(path)
+            if name in seen:
+                continue
+            old = known.get(name)
+            if old is not None and (old.card.modified_ns, old.card.bytes) == (modified_ns, size):
+                seen[name] = old
+                continue
+            made = self._read(path)
+            if made is None:
+                continue
+            seen[name] = made
+            fresh += 1
+            if time.monotonic() - published > _PUBLISH_SECONDS:
+                self._publish(seen, busy=True)
+                published = time.monotonic()
+            yield
+            time.sleep(_BREATH)
+        self._publish(seen, busy=False)
+        others = {
+            name: one
+            for name, one in known.items()
+            if name not in seen and not any(Path(name).is_relative_to(f) for f in folders)
+        }
+        self._known = others | seen
+        if fresh or len(known) != len(self._known):
+            self._save_index()
+
+    def _read(self, path: Path) -> _Known | None:
+        try:
+            if is_set_file(path):
+                status = path.stat()
+                card = Card(
+                    path=str(path),
+                    modified_ns=status.st_mtime_ns,
+                    bytes=status.st_size,
+                    name=path.stem,
+                )
+                return _Known(kind="set", card=card)
+            card, level = read_card(path)
+        except OSError:
+            return None
+        if level is None:
+            return _Known(kind="level" if _claims_to_be_a_level(path) else "other", card=card)
+        if not self._file(card.sha256).is_file():
+            self._store(card.sha256, draw_thumbnail(level))
+        return _Known(kind="level", card=card)
+
+    def _publish(self, seen: dict[str, _Known], *, busy: bool) -> None:
+        cards = tuple(one.card for one in seen.values() if one.kind == "level")
+        sets = tuple(Path(one.card.path) for one in seen.values() if one.kind == "set")
+        with self._condition:
+            again = self._folders is not None
+            self._found = (cards, sets, busy or again)
+
+    def _index(self) -> dict[str, _Known]:
+        if self._known is None:
+            self._known = {}
+            with contextlib.suppress(OSError, msgspec.DecodeError):
+                text = (self.folder / "index.json").read_bytes()
+                index = msgspec.json.decode(text, type=_Index)
+                if index.version == INDEX_VERSION:
+                    self._known = {one.card.path: one for one in index.files}
+        return self._known
+
+    def _save_index(self) -> None:
+        index = _Index(version=INDEX_VERSION, files=list((self._known or {}).values()))
+        with contextlib.suppress(OSError, LevelError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(self.folder / "index.json", msgspec.json.encode(index))
+
+
+_OVER: Final = object()
+
+
+def _files(folders: Sequence[Path]) -> Iterator[tuple[Path, int, int]]:
+    """Every JSON file below some folders with time [ns] and length, in the order of paths."""
+    count = 0
+    for folder in folders:
+        for place, inner, names in os.walk(folder):
+            inner[:] = sorted(name for name in inner if not name.startswith("."))
+            for name in sorted(names):
+                if not name.endswith(".json") or name.startswith("."):
+                    continue
+                path = Path(place) / name
+                try:
+                    status = path.stat()
+                except OSError:
+                    continue
+                yield path, status.st_mtime_ns, status.st_size
+                count += 1
+                if count >= MAX_FILES:
+                    return
+
+
+def _claims_to_be_a_level(path: Path) -> bool:
+    """Whether a broken file was meant to be a level: only such are worth showing."""
+    try:
+        head = path.read_bytes()[:4096]
+    except OSError:
+        return False
+    return b'"kinetix-level"' in head or b'"env_state"' in head

@@ -1,0 +1,77 @@
+"""What the gallery shows at the moment: wish, folder, selection, the set being put together."""
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+
+from editor.gallery.card import Card
+from editor.gallery.export import SetPlan
+from editor.gallery.filing import Trashed
+from editor.gallery.library import Library
+from editor.gallery.search import Wish, wanted
+from editor.results import Results
+
+
+@dataclasses.dataclass(kw_only=True)
+class GalleryView:
+    """The gallery's state; the panel and the actions change it freely."""
+
+    open: bool = False
+    wish: Wish = dataclasses.field(default_factory=Wish)
+    folder: Path | None = None
+    """Show only what lies below it; None: everything."""
+    selection: tuple[str, ...] = ()
+    """Paths of the chosen cards, in the order of choosing."""
+    focus: str | None = None
+    """Path of the card that the arrow keys move from."""
+    columns: int = 1
+    """Cards in a row, as the panel laid them out: what Up and Down move by."""
+    rows: int = 1
+    """Rows in sight: what Page Up and Page Down move by."""
+    scroll: bool = False
+    """Bring the focus into sight; the panel clears it."""
+    tray: dict[str, float] = dataclasses.field(default_factory=dict)
+    """Paths of the set being put together, with their weights."""
+    plan: SetPlan | None = None
+    """How the set is to be exported, while that is being asked."""
+    thrown: tuple[Trashed, ...] = ()
+    """What was deleted last, to bring it back."""
+    _shown: tuple[tuple[object, ...], list[Card]] | None = None
+
+    def shown(self, library: Library, results: Results) -> list[Card]:
+        """The cards that the wish wants, worked out once for each change."""
+        key = (library.revision, results.revision, self.wish, self.folder)
+        if self._shown is None or self._shown[0] != key:
+            cards: Sequence[Card] = library.cards
+            if self.folder is not None:
+                cards = [card for card in cards if card.file.is_relative_to(self.folder)]
+            self._shown = (key, wanted(cards, self.wish, results))
+        return self._shown[1]
+
+    def chosen(self, library: Library) -> list[Card]:
+        """The cards that are selected and still there."""
+        by_path = {card.path: card for card in library.cards}
+        return [by_path[path] for path in self.selection if path in by_path]
+
+    def click(self, cards: Sequence[Card], path: str, *, toggle: bool, extend: bool) -> None:
+        """Choose a card as lists do: alone, with Ctrl besides others, with Shift up to it."""
+        paths = [card.path for card in cards]
+        if extend and self.focus in paths and path in paths:
+            a, b = sorted((paths.index(self.focus), paths.index(path)))
+            self.selection = tuple(paths[a : b + 1])
+            return
+        if toggle:
+            kept = tuple(one for one in self.selection if one != path)
+            self.selection = kept if path in self.selection else (*kept, path)
+        else:
+            self.selection = (path,)
+        self.focus = path
+
+    def move(self, cards: Sequence[Card], steps: int) -> None:
+        """Go on by some cards from the focus, within the ends."""
+        if not cards:
+            return
+        paths = [card.path for card in cards]
+        at = paths.index(self.focus) if self.focus in paths else -1
+        at = min(max(at + steps, 0), len(paths) - 1) if at >= 0 else 0
+        self.focus, self.selection, self.scroll = paths[at], (paths[at],), True
