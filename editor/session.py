@@ -91,9 +91,9 @@ class View:
     fullscreen: bool = False
     debug_draw: bool = False
     plots: bool = False
-    palette: bool = False
     front: str = ""
     """Id of a panel to bring to the front; the window clears it."""
+    palette: bool = False
     """The command palette."""
     help: bool = False
     edit_arena: bool = False
@@ -123,9 +123,9 @@ class Session:
         simulator: Simulator | None = None,
         clipboard: Clipboard | None = None,
         level: Level | None = None,
-    ) -> None:
         library: Library | None = None,
         results: Results | None = None,
+    ) -> None:
         self.settings = settings or Settings()
         self.worker = worker or Worker()
         self.clipboard: Clipboard = clipboard or MemoryClipboard()
@@ -138,17 +138,17 @@ class Session:
         """Whether the tool stays after it has made something (its key was pressed twice)."""
         self.driver = Driver(self)
         self.view = View()
+        self.gallery = GalleryView()
+        self.library = library or Library()
+        """The levels that the gallery shows."""
+        self.results = results or Results()
+        """Who has won which level."""
         self.prompts: list[Prompt] = []
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []
         self.log = Journal()
         self.held: set[str] = set()
         """Keys that are down."""
-        self.gallery = GalleryView()
-        self.library = library or Library()
-        """The levels that the gallery shows."""
-        self.results = results or Results()
-        """Who has won which level."""
         self.cursor: tuple[float, float] | None = None
         """Where the pointer is over the canvas [m], or None."""
         self.cursor_screen: tuple[float, float] = (0.0, 0.0)
@@ -354,13 +354,13 @@ class Session:
     def open_tab(self, document: Document) -> None:
         """Show a document in a new tab; an untouched empty one is replaced."""
         self.leave_play()
+        self.gallery.open = False
         tab = Tab(document=document, camera=dataclasses.replace(self.camera, centre=(2.5, 2.5)))
         front = self.document
         untouched = front.path is None and not front.dirty and not front.level.bodies
         if untouched and len(front.history.entries) == 1:
             self.tabs[self.tab_index] = tab
         else:
-        self.gallery.open = False
             self.tabs.append(tab)
             self.tab_index = len(self.tabs) - 1
 

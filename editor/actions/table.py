@@ -41,8 +41,8 @@ FILE: Final = (
         id="file.export",
         label="Export…",
         menu="File",
-        keys=("ctrl+e",),
         context=Context.LEVEL,
+        keys=("ctrl+e",),
         tooltip="Picture, film or trace.",
         run=export.ask_export,
     ),
@@ -58,8 +58,8 @@ FILE: Final = (
         id="file.record",
         label="Record Film",
         menu="File",
-        keys=("ctrl+shift+r",),
         context=Context.LEVEL,
+        keys=("ctrl+shift+r",),
         tooltip="Start and stop recording what is played as a GIF.",
         checked=lambda session: session.recording is not None,
         run=export.record,
@@ -372,8 +372,8 @@ VIEW: Final = (
         id="view.grid",
         label="Show Grid",
         menu="View",
-        keys=("g",),
         context=Context.LEVEL,
+        keys=("g",),
         checked=view.is_set("grid_visible"),
         run=view.switch_setting("grid_visible"),
     ),
@@ -381,8 +381,8 @@ VIEW: Final = (
         id="view.frame_selection",
         label="Frame Selection",
         menu="View",
-        keys=("f",),
         context=Context.LEVEL,
+        keys=("f",),
         run=view.frame_selection,
     ),
     Action(
@@ -397,8 +397,8 @@ VIEW: Final = (
         id="view.actual_size",
         label="Actual Size",
         menu="View",
-        keys=("ctrl+0",),
         context=Context.LEVEL,
+        keys=("ctrl+0",),
         tooltip="100 pixels a metre.",
         run=view.actual_size,
     ),
@@ -422,8 +422,8 @@ VIEW: Final = (
         id="view.debug_draw",
         label="Debug Drawing",
         menu="View",
-        keys=("f3",),
         context=Context.LEVEL,
+        keys=("f3",),
         checked=view.is_on("debug_draw"),
         run=view.switch("debug_draw"),
     ),
@@ -431,8 +431,8 @@ VIEW: Final = (
         id="view.plots",
         label="Plots",
         menu="View",
-        keys=("f4",),
         context=Context.LEVEL,
+        keys=("f4",),
         checked=view.is_on("plots"),
         run=view.switch("plots"),
     ),
@@ -586,8 +586,8 @@ LEVEL: Final = (
         id="level.previous",
         label="Previous Level",
         menu="Level",
-        keys=("page up",),
         context=Context.LEVEL,
+        keys=("page up",),
         tooltip="Of the same folder.",
         enabled=_has_file,
         run=level.neighbour(-1),
@@ -596,13 +596,12 @@ LEVEL: Final = (
         id="level.next",
         label="Next Level",
         menu="Level",
-        keys=("page down",),
         context=Context.LEVEL,
+        keys=("page down",),
         tooltip="Of the same folder.",
         enabled=_has_file,
         run=level.neighbour(1),
     ),
-)
     Action(
         id="level.gallery",
         label="Gallery",
@@ -728,6 +727,7 @@ GALLERY: Final = (
             ("last", "Last Card", ("end",), lambda s: len(s.library.cards)),
         )
     ),
+)
 
 APP: Final = (
     Action(
@@ -757,9 +757,9 @@ ACTIONS: Final[tuple[Action, ...]] = (
     *VIEW,
     *RUN,
     *LEVEL,
+    *GALLERY,
     *APP,
 )
-    *GALLERY,
 """All actions, in the order of the menus."""
 
 BY_ID: Final[dict[str, Action]] = {action.id: action for action in ACTIONS}
