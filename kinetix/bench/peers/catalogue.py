@@ -1,0 +1,80 @@
+"""The peers and the settings under which they are measured."""
+
+import dataclasses
+from typing import Final
+
+from kinetix.bench.peers.launch import Peer
+from kinetix.errors import KinetixError
+
+_JAX2D = Peer(
+    name="jax2d",
+    environment="jax2d",
+    program="run_jax2d.py",
+    settings={"iterations": 10, "substeps": 1},
+)
+_BOX2D = Peer(
+    name="box2d",
+    environment="box2d",
+    program="run_box2d.py",
+    settings={"iterations": [8, 3], "substeps": 1, "bullets": False},
+)
+_PYMUNK = Peer(
+    name="pymunk",
+    environment="pymunk",
+    program="run_pymunk.py",
+    settings={"iterations": 10, "substeps": 1},
+)
+_MUJOCO = Peer(
+    name="mujoco",
+    environment="mujoco",
+    program="run_mujoco.py",
+    settings={"substeps": 1},
+)
+
+KINETIX_ENV: Final = Peer(
+    name="kinetix-env", environment="jax2d", program="run_kinetix_env.py", settings={}
+)
+"""The peer's environment: levels only."""
+NATIVE: Final = (_BOX2D, _PYMUNK)
+"""Engines in C or C++ that are driven from Python, one world at a time."""
+
+
+def _with(peer: Peer, suffix: str, **settings: object) -> Peer:
+    return dataclasses.replace(
+        peer, name=f"{peer.name} {suffix}", settings={**peer.settings, **settings}
+    )
+
+
+PEERS: Final[tuple[Peer, ...]] = (
+    dataclasses.replace(_JAX2D, own_inertia=True),
+    dataclasses.replace(_JAX2D, name="jax2d true inertia"),
+    _BOX2D,
+    _with(_BOX2D, "bullets", bullets=True),
+    _PYMUNK,
+    _MUJOCO,
+)
+"""Each at its defaults; jax2d with its own moments of inertia and with the true ones, Box2D also
+with every body marked for continuous collision."""
+
+SWEPT: Final[tuple[Peer, ...]] = (
+    *(_with(PEERS[1], f"×{n}", iterations=n) for n in (2, 5, 20, 40)),
+    *(_with(PEERS[1], f"dt/{n}", substeps=n) for n in (2, 4)),
+    *(_with(_BOX2D, f"{v}+{p}", iterations=[v, p]) for v, p in ((2, 1), (4, 2), (20, 8), (50, 20))),
+    *(_with(_BOX2D, f"dt/{n}", substeps=n) for n in (2, 4, 8)),
+    *(_with(_PYMUNK, f"×{n}", iterations=n) for n in (2, 5, 20, 50)),
+    *(_with(_PYMUNK, f"dt/{n}", substeps=n) for n in (2, 4, 8)),
+    *(_with(_MUJOCO, f"dt/{n}", substeps=n) for n in (2, 4, 8)),
+)
+"""The same engines with their knobs turned: iterations (×), steps a frame (dt/)."""
+
+
+def peer_named(name: str) -> Peer:
+    """A peer by its name.
+
+    Raises:
+        KinetixError: There is none; the message lists those that are.
+    """
+    every = {peer.name: peer for peer in (*PEERS, *SWEPT)}
+    if name not in every:
+        raise KinetixError(f"unknown peer {name!r}: expected one of {', '.join(every)}")
+    return every[name]

@@ -1,0 +1,130 @@
+"""Scenes in the words of no engine: what a peer is told, and its answer as motions."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from jaxtyping import Float
+
+from kinetix.bench.motion import Motion
+from kinetix.level.geometry import arena_body, inverse_mass
+from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, InertiaModel, Level
+from kinetix.scenes.model import Trial
+
+PAIR_FRICTION: Final = 0.4 * math.sqrt(2)
+"""Coefficient of friction between two surfaces of friction value 1."""
+
+
+def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, Any]:
+    """A trial as plain JSON, in SI units.
+
+    Bodies are listed in the level's order, then those of the arena that can be felt. `friction` is
+    the coefficient that two such surfaces have; `mass` 0 means fixed; bodies of one `group` (not 0)
+    never collide, as they hang together by joints.
+
+    Args:
+        trial: The run.
+        inertia: By which rule masses follow from shapes, if not by the level's own.
+    """
+    level = trial.level
+    references = _references(level)
+    index = {reference: k for k, reference in enumerate(references)}
+    model = inertia or level.inertia_model
+    groups = _groups(level, index)
+    return {
+        "gravity": level.gravity,
+        "dt": trial.dt,
+        "steps": trial.steps,
+        "motor": trial.motor,
+        "thruster": trial.thruster,
+        "inactive": trial.inactive,
+        "recorded": len(level.bodies),
+        "bodies": [
+            _body(_body_of(level, reference), model, groups[k])
+            for k, reference in enumerate(references)
+        ],
+        "joints": [
+            {
+                "weld": joint.kind == "fixed",
+                "a": index[joint.a],
+                "b": index[joint.b],
+                "anchor_a": joint.anchor_a,
+                "anchor_b": joint.anchor_b,
+                "reference": joint.reference_angle,
+                "motor": [joint.motor.speed, joint.motor.power]
+                if joint.motor and joint.motor.on
+                else None,
+                "limits": [joint.limits.min, joint.limits.max]
+                if joint.limits and joint.limits.on
+                else None,
+            }
+            for joint in level.joints
+        ],
+        "thrusters": [
+            {
+                "body": index[thruster.body],
+                "position": thruster.position,
+                "angle": thruster.angle,
+                "power": thruster.power,
+            }
+            for thruster in level.thrusters
+        ],
+    }
+
+
+def motion_of(trial: Trial, rows: Float[np.ndarray, "k b 6"]) -> Motion:
+    """A peer's answer: x, y, angle, their velocities, of every body of the level at every step."""
+    rows = rows.astype(np.float64)
+    return Motion(
+        trial=trial,
+        position=rows[..., :2],
+        rotation=rows[..., 2],
+        velocity=rows[..., 3:5],
+        angular_velocity=rows[..., 5],
+    )
+
+
+def _references(level: Level) -> list[BodyReference]:
+    joined = {end for joint in level.joints for end in (joint.a, joint.b)}
+    arena = [
+        name
+        for name in ARENA_NAMES
+        if name in joined or getattr(level.arena, name).collision != "ghost"
+    ]
+    return [*(body.id for body in level.bodies), *arena]
+
+
+def _body_of(level: Level, reference: BodyReference) -> Body:
+    if isinstance(reference, str):
+        return arena_body(level.arena, reference)
+    return level.body(reference)
+
+
+def _groups(level: Level, index: dict[BodyReference, int]) -> list[int]:
+    """Which bodies hang together by joints: a number from 1 on, 0 for those that stand alone."""
+    group = list(range(len(index)))
+    for joint in level.joints:
+        a, b = group[index[joint.a]], group[index[joint.b]]
+        group = [a if each == b else each for each in group]
+    joined = {index[end] for joint in level.joints for end in (joint.a, joint.b)}
+    return [each + 1 if k in joined else 0 for k, each in enumerate(group)]
+
+
+def _body(body: Body, model: InertiaModel, group: int) -> dict[str, Any]:
+    inverse, inverse_turning = inverse_mass(body, model)
+    shape: Sequence[Any] | float
+    shape = body.shape.radius if isinstance(body.shape, Circle) else body.shape.vertices
+    return {
+        "radius" if isinstance(body.shape, Circle) else "vertices": shape,
+        "position": body.position,
+        "angle": body.angle,
+        "velocity": body.velocity,
+        "angular_velocity": body.angular_velocity,
+        "mass": 1 / inverse if inverse else 0.0,
+        "inertia": 1 / inverse_turning if inverse_turning else 0.0,
+        "friction": PAIR_FRICTION * body.friction,
+        "restitution": body.restitution,
+        "collision": body.collision,
+        "group": group,
+    }

@@ -1,0 +1,102 @@
+"""Runs a peer's program with the peer's own Python and reads what it wrote."""
+
+import dataclasses
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from kinetix.errors import KinetixError
+from kinetix.paths import cache_dir
+
+_CHECKOUT: Final = Path(__file__).resolve().parents[3]
+ENVIRONMENTS: Final = _CHECKOUT / ".bench-envs"
+"""Each peer's virtual environment, by the name of its `Peer.environment`."""
+PROGRAMS: Final = _CHECKOUT / "scripts" / "peers"
+"""The programs that the peers' Pythons run."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Peer:
+    """An engine with its settings."""
+
+    name: str
+    """As it is printed."""
+    environment: str
+    """Folder below `ENVIRONMENTS`."""
+    program: str
+    """File below `PROGRAMS`."""
+    settings: Mapping[str, Any]
+    """What its program is told."""
+    own_inertia: bool = False
+    """Moments of inertia by kinetix-env's rule instead of the true ones."""
+
+    @property
+    def python(self) -> Path:
+        """Its interpreter."""
+        return ENVIRONMENTS / self.environment / "bin" / "python"
+
+    @property
+    def installed(self) -> bool:
+        """Whether `make bench-peers` has installed it."""
+        return self.python.exists()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a peer said to a job."""
+
+    told: Mapping[str, Any]
+    """The contents of answer.json."""
+    motions: Mapping[str, np.ndarray]
+    """Arrays (step, body, 6) by the scene's key; empty where none were asked for."""
+
+
+def ask(
+    peer: Peer, job: Mapping[str, Any], *, variables: Mapping[str, str] | None = None
+) -> Answer:
+    """Let a peer do a job.
+
+    Args:
+        peer: Which.
+        job: See scripts/peers/protocol.py; the peer's settings are added.
+        variables: Of the process's environment, beyond this process's own.
+
+    Raises:
+        KinetixError: It is not installed, or its program failed.
+    """
+    if not peer.installed:
+        raise KinetixError(f"{peer.name} is not installed: run `make bench-peers`")
+    with tempfile.TemporaryDirectory(prefix="kinetix-peer-") as name:
+        folder = Path(name)
+        file = folder / "job.json"
+        file.write_text(json.dumps({**job, "settings": peer.settings}))
+        # Its program must find the peer's own packages, of which one is called as ours is.
+        own = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        own |= {"JAX_PLATFORMS": "cpu", "KINETIX_PEER_CACHE": str(cache_dir() / "peers")}
+        done = subprocess.run(
+            [peer.python, PROGRAMS / peer.program, file, folder],
+            cwd=folder,
+            env=own | dict(variables or {}),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            lines = done.stderr.strip().splitlines() or ["no message"]
+            # JAX puts advice after the message.
+            last = next((line for line in reversed(lines) if "Error:" in line), lines[-1])
+            raise KinetixError(f"{peer.name}: its program ended with {done.returncode}: {last}")
+        told = json.loads((folder / "answer.json").read_text())
+        motions = folder / "motions.npz"
+        return Answer(told=told, motions=_arrays(motions) if motions.exists() else {})
+
+
+def _arrays(file: Path) -> dict[str, np.ndarray]:
+    with np.load(file) as stored:
+        return {key: stored[key] for key in stored.files}
