@@ -76,7 +76,8 @@ def _real(
         # A bound such as 0.02 has no binary32 value; the nearest one must count as inside.
         low, high = min(low, round_real(low)), max(high, round_real(high))
     extra = {"unit": unit, "slider": slider or limits, "step": step}
-    return Meta(ge=low, le=high, description=description, extra=extra)
+    schema = {"x-unit": unit} if unit else {}
+    return Meta(ge=low, le=high, description=description, extra=extra, extra_json_schema=schema)
 
 
 def _note(description: str, *, optional: bool = False) -> Meta:

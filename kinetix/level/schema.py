@@ -9,7 +9,7 @@ import functools
 import math
 import re
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Final
 
 import msgspec
 from msgspec import inspect
@@ -20,12 +20,12 @@ from kinetix.level.model import Level, Limits, Motor
 
 _LARGEST_REAL = 3.4028234663852886e38
 
-# What code may leave out and a file may not.
-_REQUIRED = {
+REQUIRED: Final[dict[type[msgspec.Struct], set[str]]] = {
     Level: {"next_id"},
     Motor: set(Motor.__struct_fields__),
     Limits: set(Limits.__struct_fields__),
 }
+"""What code may leave out and a file may not."""
 
 
 @functools.cache
@@ -57,7 +57,7 @@ def _check_object(value: Any, kind: Any, path: str, faults: FaultCollector) -> N
         faults.expect("E006", path, "an object", value)
         return
     check_keys(value, [field.name for field in kind.fields], path, faults, tag=kind.tag_field)
-    required = _REQUIRED.get(kind.cls, set())
+    required = REQUIRED.get(kind.cls, set())
     for field in kind.fields:
         if field.name in value:
             _check_field(value[field.name], field.type, f"{path}.{field.name}", faults)

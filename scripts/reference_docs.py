@@ -1,0 +1,147 @@
+"""Write the generated parts of the documents: format tables, JSON Schemas, catalogue of levels.
+
+`python -m scripts.reference_docs` writes; a test compares what it would write with what is there.
+"""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from kinetix.level.codec import load_level
+from kinetix.level.json_schema import level_schema, level_set_schema
+from kinetix.level.model import Level
+from kinetix.level.sets import level_files
+from kinetix.paths import levels_dir
+
+DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
+BEGIN, END = "<!-- generated: {} -->", "<!-- end of generated -->"
+
+
+def format_tables() -> str:
+    """One table for each kind of object in a level file."""
+    parts = level_set_schema()["$defs"]
+    order = ["Level", "Arena", "ArenaBody", "Geometry", "Body", "Circle", "Polygon"]
+    order += ["MassProperties", "Joint", "Motor", "Limits", "Thruster", "Solution", "SizeHint"]
+    order += ["LevelSet", "SetEntry"]
+    return "\n".join(_table(name, parts[name]) for name in order)
+
+
+def _table(name: str, part: dict[str, Any]) -> str:
+    rows = [f"### {name}", "", part.get("description", "").split("\n")[0], ""]
+    rows += ["| key | value | default | meaning |", "| --- | --- | --- | --- |"]
+    for key, value in part["properties"].items():
+        default = "–" if key in part.get("required", ()) else _default(value)
+        rows.append(f"| `{key}` | {_kind(value)} | {default} | {_meaning(value)} |")
+    return "\n".join([*rows, ""])
+
+
+def _default(value: dict[str, Any]) -> str:
+    if "default" not in value:
+        # The arena's parts have defaults inside; the rest is absent where there is nothing to say.
+        return "standard" if value.get("$ref", "").startswith("#/$defs/Arena") else "left out"
+    return f"`{json.dumps(value['default'], ensure_ascii=False)}`"
+
+
+def _meaning(value: dict[str, Any]) -> str:
+    shown = next(
+        (each for each in (value, *value.get("prefixItems", ())) if "description" in each), {}
+    )
+    unit = f" [{shown['x-unit']}]" if "x-unit" in shown else ""
+    return shown.get("description", "") + unit
+
+
+def _kind(value: dict[str, Any]) -> str:
+    """A value's type and limits in words."""
+    if "$ref" in value:
+        name = value["$ref"].rsplit("/", 1)[1]
+        return f"[{name}](#{name.lower()})"
+    if "anyOf" in value:
+        return " or ".join(dict.fromkeys(_kind(each) for each in value["anyOf"]))
+    if "const" in value:
+        return f"`{json.dumps(value['const'])}`"
+    if "enum" in value:
+        return ", ".join(f"`{json.dumps(each)}`" for each in value["enum"])
+    if "prefixItems" in value:
+        items = list(dict.fromkeys(_kind(item) for item in value["prefixItems"]))
+        return f"[{len(value['prefixItems'])} × {', '.join(items)}]"
+    if value.get("type") == "array":
+        return f"list of {_kind(value['items'])}"
+    words = {"number": "real", "integer": "whole", "boolean": "true/false", "string": "text"}
+    return words.get(value["type"], value["type"]) + _limits(value)
+
+
+def _limits(value: dict[str, Any]) -> str:
+    low, high = value.get("minimum"), value.get("maximum")
+    if high is not None and abs(high) >= 2**53:
+        high = None
+    if low is not None and high is not None:
+        return f" {low:g} … {high:g}"
+    return f" ≥ {low:g}" if low is not None else ""
+
+
+def catalogue() -> str:
+    """The bundled levels with their pictures, by size."""
+    return "\n".join(
+        "\n".join([f"## Size {size}", "", *_rows(size), ""]) for size in ("s", "m", "l")
+    )
+
+
+def _rows(size: str) -> Iterator[str]:
+    yield "| | level | what to do | difficulty | proof |"
+    yield "| --- | --- | --- | --- | --- |"
+    for path in level_files(levels_dir() / size):
+        level, name = load_level(path), f"{size}/{path.stem}"
+        picture = f'![{level.name}](pictures/levels/{name}.png){{ width="90" }}'
+        yield (
+            f"| {picture} | **{level.name}**<br>`{name}` | {level.description} | "
+            f"{_difficulty(level)} | {_proof(level)} |"
+        )
+
+
+def _difficulty(level: Level) -> str:
+    words = ("trivial", "easy", "medium", "demanding", "hard")
+    tag = next(tag for tag in level.tags if tag.startswith("difficulty-"))
+    return words[int(tag.removeprefix("difficulty-")) - 1]
+
+
+def _proof(level: Level) -> str:
+    if level.solution is None:
+        return "not solved yet"
+    steps = sum(repeat for repeat, _ in level.solution.actions)
+    return f"{steps} steps, `{level.solution.physics}`"
+
+
+def documents() -> dict[Path, str]:
+    """Every file that has generated parts, as it should be."""
+    made = {
+        DOCS / "schemas" / "kinetix-level.schema.json": _json(level_schema()),
+        DOCS / "schemas" / "kinetix-levelset.schema.json": _json(level_set_schema()),
+    }
+    for name, text in (("level_format", format_tables()), ("levels", catalogue())):
+        path = DOCS / f"{name}.md"
+        made[path] = _with_part(path.read_text(encoding="utf-8"), name, text)
+    return made
+
+
+def _json(tree: Any) -> str:
+    return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+
+
+def _with_part(document: str, name: str, text: str) -> str:
+    before, _, rest = document.partition(BEGIN.format(name))
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN.format(name)}\n\n{text}\n{END}{after}"
+
+
+def main() -> None:
+    """Write what has changed."""
+    for path, text in documents().items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        sys.stdout.write(f"{path}\n")
+
+
+if __name__ == "__main__":
+    main()
