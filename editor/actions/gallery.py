@@ -283,8 +283,7 @@ def export_now(session: Session) -> None:
         train = sum(each.split == "train" for each in made.levels)
         more = f", {doubles} left out because they equal others" if doubles else ""
         session.toast(
-            f"Saved {target}: {train} levels to train on, {len(made.levels) - train} to evaluate "
-            f"on{more}",
+            f"Saved {target}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
             "success",
         )
         look(session)

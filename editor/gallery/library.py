@@ -57,12 +57,13 @@ class Library:
 
     def __init__(self, cache: Path | None = None) -> None:
         self._cache = cache
-        self._condition = threading.Condition()
+        self._condition = threading.Condition(threading.RLock())
         self._thread: threading.Thread | None = None
         self._stopping = False
         self._folders: tuple[Path, ...] | None = None
         self._wanted: tuple[Card, ...] = ()
-        self._found: tuple[tuple[Card, ...], tuple[Path, ...], bool] | None = None
+        self._asked = self._ended = 0
+        self._found: tuple[tuple[Card, ...], tuple[Path, ...]] | None = None
         self._pictures: collections.OrderedDict[str, Thumbnail] = collections.OrderedDict()
         self._known: dict[str, _Known] | None = None
         self.cards: tuple[Card, ...] = ()
@@ -71,14 +72,18 @@ class Library:
         """The level sets found."""
         self.revision = 0
         """Rises whenever `cards` changes."""
-        self.busy = False
-        """Whether a look goes on."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a look goes on, or its end has not been taken."""
+        with self._condition:
+            return self._ended < self._asked or self._found is not None
 
     def look(self, folders: Sequence[Path]) -> None:
         """Look through folders (and below them); `poll` takes what is found."""
         with self._condition:
             self._folders = tuple(folders)
-            self.busy = True
+            self._asked += 1
             self._start()
             self._condition.notify()
 
@@ -104,7 +109,7 @@ class Library:
             found, self._found = self._found, None
             if found is None:
                 return False
-            cards, self.sets, self.busy = found
+            cards, self.sets = found
         if cards == self.cards:
             return False
         self.cards = cards
@@ -117,7 +122,7 @@ class Library:
         while time.monotonic() < until:
             self.poll()
             with self._condition:
-                if not self.busy and self._folders is None and not self._wanted:
+                if not self.busy and not self._wanted:
                     return True
             time.sleep(0.005)
         return False
@@ -151,7 +156,7 @@ class Library:
                 if self._stopping:
                     return
                 if self._folders is not None:
-                    look, self._folders = self._look(self._folders), None
+                    look, self._folders = self._look(self._folders, self._asked), None
                 wanted = self._wanted[:1]
             if wanted:
                 self._make(wanted[0])
@@ -196,8 +201,8 @@ class Library:
             Image.fromarray(picture).save(temporary, format="PNG")
             os.replace(temporary, file)
 
-    def _look(self, folders: tuple[Path, ...]) -> Iterator[None]:
-        """Go through the folders, one file a step."""
+    def _look(self, folders: tuple[Path, ...], number: int) -> Iterator[None]:
+        """Go through the folders, one file a step; ends what was asked up to `number`."""
         known = self._index()
         seen: dict[str, _Known] = {}
         fresh = 0
@@ -216,11 +221,11 @@ class Library:
             seen[name] = made
             fresh += 1
             if time.monotonic() - published > _PUBLISH_SECONDS:
-                self._publish(seen, busy=True)
+                self._publish(seen)
                 published = time.monotonic()
             yield
             time.sleep(_BREATH)
-        self._publish(seen, busy=False)
+        self._publish(seen, ended=number)
         others = {
             name: one
             for name, one in known.items()
@@ -250,12 +255,12 @@ class Library:
             self._store(card.sha256, draw_thumbnail(level))
         return _Known(kind="level", card=card)
 
-    def _publish(self, seen: dict[str, _Known], *, busy: bool) -> None:
+    def _publish(self, seen: dict[str, _Known], *, ended: int = 0) -> None:
         cards = tuple(one.card for one in seen.values() if one.kind == "level")
         sets = tuple(Path(one.card.path) for one in seen.values() if one.kind == "set")
         with self._condition:
-            again = self._folders is not None
-            self._found = (cards, sets, busy or again)
+            self._found = (cards, sets)
+            self._ended = max(self._ended, ended)
 
     def _index(self) -> dict[str, _Known]:
         if self._known is None:

@@ -1,0 +1,366 @@
+"""The gallery's core: cards, thumbnails, wishes, file work, level sets."""
+
+import dataclasses
+import json
+import time
+
+import numpy as np
+import pytest
+
+from editor import actions
+from editor.actions import gallery as doing
+from editor.gallery import filing
+from editor.gallery.card import read_card
+from editor.gallery.export import SetPlan, export_set, refused
+from editor.gallery.library import Library
+from editor.gallery.search import Wish, tag_counts, wanted
+from editor.gallery.thumbnail import SIDE, draw_thumbnail
+from editor.prompts import FileQuestion, TextQuestion
+from editor.results import HUMAN, Record, Results
+from kinetix.errors import CommandError, LevelError
+from kinetix.level.codec import level_hash, load_level, save_level
+from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
+from kinetix.level.sets import load_set
+from kinetix.paths import levels_dir
+from kinetix.render.palette import KINETIX
+from tests.editor.core.helpers import a_session, texts
+
+SQUARE = Polygon(vertices=((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)))
+
+
+def playable(name, x=1.0, **changes):
+    """A level without errors; `x` makes levels that differ."""
+    return Level(
+        name=name,
+        next_id=5,
+        bodies=(
+            Body(id=1, shape=Circle(radius=0.3), position=(x, 2.0), role="green"),
+            Body(id=2, shape=SQUARE, position=(4.0, 3.0), role="blue", fixed=True),
+        ),
+        thrusters=(Thruster(id=3, body=1, position=(0.0, -0.2), angle=1.5),),
+    ).replace(**changes)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Four levels: two for play, one without a green shape, one that cannot be read."""
+    place = tmp_path / "mine"
+    (place / "carts").mkdir(parents=True)
+    save_level(playable("Hill cart", tags=("wheels",)), place / "carts" / "hill_cart.json")
+    save_level(playable("Rocket", 1.5, description="Land softly."), place / "rocket.json")
+    save_level(Level(name="Nothing"), place / "nothing.json")
+    (place / "broken.json").write_text('{"format": "kinetix-level", "version": 1}')
+    (place / "package.json").write_text('{"name": "not a level"}')
+    return place
+
+
+@pytest.fixture
+def library(tmp_path):
+    made = Library(tmp_path / "cache")
+    yield made
+    made.stop()
+
+
+def look(library, *folders):
+    library.look(folders)
+    assert library.wait(20)
+    return {card.name: card for card in library.cards}
+
+
+def test_a_thumbnail_shows_roles_where_the_bodies_are():
+    picture = draw_thumbnail(playable("A"))
+    assert picture.shape == (SIDE, SIDE, 3) and picture.dtype == np.uint8
+
+    def pixel(x, y):
+        return tuple(picture[round(SIDE * (1 - y / 5)), round(SIDE * x / 5)])
+
+    assert pixel(1.2, 2.1) == KINETIX.fill(1)
+    assert pixel(4.14, 3.14) == KINETIX.fill(2, fixed=True)
+    assert pixel(3.0, 4.0) == KINETIX.background
+    assert pixel(3.0, 0.2) == KINETIX.fill(0, fixed=True)
+
+
+def test_every_bundled_level_has_a_thumbnail():
+    for path in sorted(levels_dir().glob("*/*.json"))[::8]:
+        picture = draw_thumbnail(load_level(path))
+        assert (picture != KINETIX.background[0]).any()
+
+
+def test_the_library_finds_levels_and_leaves_other_files_out(library, folder):
+    cards = look(library, folder)
+    assert set(cards) == {"Hill cart", "Rocket", "Nothing", "broken"}
+    rocket = cards["Rocket"]
+    assert rocket.sha256 == level_hash(load_level(folder / "rocket.json"))
+    assert (rocket.size, rocket.bodies, rocket.thrusters, rocket.errors) == ("s", 2, 1, 0)
+    assert cards["Nothing"].errors == 2
+    assert "version" not in cards["broken"].name and "name" in cards["broken"].fault
+
+
+def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkeypatch):
+    look(library, folder)
+    read = []
+
+    def noting(path):
+        read.append(path.name)
+        return read_card(path)
+
+    monkeypatch.setattr("editor.gallery.library.read_card", noting)
+    again = Library(tmp_path / "cache")
+    time.sleep(0.01)
+    save_level(playable("Rocket", 1.7), folder / "rocket.json")
+    (folder / "carts" / "hill_cart.json").unlink()
+    cards = look(again, folder)
+    again.stop()
+    assert read == ["rocket.json"]
+    assert set(cards) == {"Rocket", "Nothing", "broken"}
+
+
+def test_thumbnails_come_from_the_cache_the_second_time(library, folder, tmp_path, monkeypatch):
+    card = look(library, folder)["Rocket"]
+    library.want([card])
+    assert library.wait(20)
+    first = library.picture(card.sha256)
+    assert (first == draw_thumbnail(load_level(folder / "rocket.json"))).all()
+    monkeypatch.setattr("editor.gallery.library.draw_thumbnail", None)
+    again = Library(tmp_path / "cache")
+    again.want([card])
+    assert again.wait(20)
+    assert (again.picture(card.sha256) == first).all()
+    again.stop()
+
+
+def test_a_broken_index_is_made_anew(library, folder, tmp_path):
+    (tmp_path / "cache" / "gallery").mkdir(parents=True)
+    (tmp_path / "cache" / "gallery" / "index.json").write_text('{"version": 1, "files": [{}')
+    assert len(look(library, folder)) == 4
+
+
+@pytest.mark.parametrize(
+    ("wish", "names"),
+    [
+        (Wish(words="cart"), ["Hill cart"]),
+        (Wish(words="land ROCK"), ["Rocket"]),
+        (Wish(tags=frozenset({"wheels"})), ["Hill cart"]),
+        (Wish(thruster=False), ["broken", "Nothing"]),
+        (Wish(problems=False), ["Hill cart", "Rocket"]),
+        (Wish(solution=True), []),
+        (Wish(sizes=frozenset({"m"})), []),
+        (Wish(solved_by="walker"), ["Rocket"]),
+        (Wish(unsolved_by="walker", problems=False), ["Hill cart"]),
+        (Wish(sort="solve rate", problems=False), ["Rocket", "Hill cart"]),
+        (Wish(descending=True, problems=False), ["Rocket", "Hill cart"]),
+    ],
+)
+def test_wishes(library, folder, tmp_path, wish, names):
+    look(library, folder)
+    results = Results(tmp_path / "results.json")
+    sha256 = level_hash(load_level(folder / "rocket.json"))
+    results.record("walker", {sha256: Record(attempts=20, solved=3)})
+    assert [card.name for card in wanted(library.cards, wish, results)] == names
+    assert tag_counts(library.cards) == [("wheels", 1)]
+
+
+def test_results_outlive_the_app_and_broken_ones_do_no_harm(tmp_path):
+    path = tmp_path / "state" / "results.json"
+    first = Results(path)
+    first.record("walker", {"a" * 64: Record(attempts=20, solved=3)})
+    first.add_episode(HUMAN, "a" * 64, won=True)
+    first.add_episode(HUMAN, "a" * 64, won=False)
+    again = Results(path)
+    assert again.players == ("walker", HUMAN)
+    assert again.of("a" * 64)[HUMAN] == Record(attempts=2, solved=1)
+    tree = json.loads(path.read_text()) | {"b": 7, "c": {"x": [1, 2]}, "d": {"y": "z"}}
+    path.write_text(json.dumps(tree))
+    assert Results(path).players == ("walker", HUMAN)
+    path.write_text("{")
+    assert Results(path).players == ()
+
+
+def test_rename_changes_name_and_file(folder):
+    target = filing.rename(folder / "rocket.json", "Second  Try!")
+    assert target == folder / "second_try.json"
+    assert load_level(target).name == "Second Try!"
+    assert not (folder / "rocket.json").exists()
+    assert filing.rename(folder / "nothing.json", "Second try").name == "second_try_2.json"
+    with pytest.raises(LevelError, match="1 to 120"):
+        filing.rename(target, " ")
+
+
+def test_duplicates_stand_beside_the_level_and_the_apps_go_to_the_user(folder):
+    copy = filing.duplicate(folder / "rocket.json")
+    assert copy == folder / "rocket_copy.json"
+    assert load_level(copy).name == "Rocket copy"
+    assert filing.duplicate(folder / "rocket.json").name == "rocket_copy_2.json"
+    own = next(levels_dir().glob("s/*.json"))
+    assert filing.duplicate(own).parent == folder
+
+
+def test_what_is_thrown_away_lies_in_the_trash_and_comes_back(folder, tmp_path):
+    text = (folder / "rocket.json").read_text()
+    thrown = filing.throw_away(folder / "rocket.json")
+    assert not (folder / "rocket.json").exists()
+    assert thrown.file.is_relative_to(tmp_path / "data" / "Trash")
+    note = thrown.note.read_text()
+    assert f"Path={folder}/rocket.json" in note and "DeletionDate=" in note
+    filing.bring_back(thrown)
+    assert (folder / "rocket.json").read_text() == text
+    assert not thrown.note.exists()
+
+
+@pytest.mark.parametrize("form", ["file", "folder"])
+def test_a_set_splits_weighs_and_leaves_doubles_out(folder, tmp_path, form):
+    for k in range(8):
+        save_level(playable(f"L{k}", 1.0 + 0.1 * k), folder / f"l{k}.json")
+    save_level(playable("Double", 1.0), folder / "z.json")
+    levels = {folder / f"l{k}.json": 1.0 + k for k in range(8)} | {folder / "z.json": 1.0}
+    target = tmp_path / ("set.json" if form == "file" else "exported")
+    plan = SetPlan(name="Mine", form=form, split=0.75, seed=3)
+    export_set(levels, plan, target)
+    loaded = load_set(target if form == "file" else target / "set.json")
+    assert [each.weight for each in loaded.levels] == [1.0 + k for k in range(8)]
+    splits = [each.split for each in loaded.levels]
+    assert splits.count("train") == 6 and loaded.manifest.seed == 3
+    again = export_set(levels, plan, tmp_path / "again.json" if form == "file" else target)
+    assert [each.split for each in again.levels] == splits
+    assert (form == "file") == all(each.path is None for each in loaded.levels)
+
+
+def test_a_set_with_a_bad_level_is_refused_and_nothing_is_written(library, folder, tmp_path):
+    cards = look(library, folder)
+    assert {card.name for card in refused(cards.values())} == {"Nothing", "broken"}
+    levels = {folder / "rocket.json": 1.0, folder / "nothing.json": 1.0}
+    with pytest.raises(LevelError, match=r"nothing\.json.*E101"):
+        export_set(levels, SetPlan(form="folder"), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture
+def session(folder, monkeypatch):
+    monkeypatch.setattr("editor.actions.gallery.levels_dir", lambda: folder)
+    made = a_session()
+    actions.run(made, "level.gallery")
+    assert made.library.wait(20)
+    yield made
+    made.library.stop()
+
+
+def choose(session, *names):
+    by_name = {card.name: card.path for card in session.library.cards}
+    session.gallery.selection = tuple(by_name[name] for name in names)
+
+
+def names_of(session):
+    assert session.library.wait(20)
+    return {card.name for card in session.library.cards}
+
+
+def test_the_gallery_never_touches_what_is_open(session):
+    before = session.document.hash, len(session.tabs)
+    assert session.gallery.open
+    assert not actions.run(session, "edit.delete")
+    assert not actions.run(session, "run.play_human")
+    actions.run(session, "gallery.close")
+    assert not session.gallery.open
+    assert (session.document.hash, len(session.tabs)) == before
+
+
+def test_opening_shows_the_levels_in_tabs(session, folder):
+    choose(session, "Rocket", "Hill cart")
+    actions.run(session, "gallery.open")
+    assert not session.gallery.open
+    assert [tab.document.title for tab in session.tabs][1:] == ["rocket.json", "hill_cart.json"]
+
+
+def test_arrows_walk_through_the_cards(session):
+    shown = [card.path for card in session.gallery.shown(session.library, session.results)]
+    for action, at in (("right", 0), ("right", 1), ("last", 3), ("left", 2), ("first", 0)):
+        actions.run(session, f"gallery.move_{action}")
+        assert session.gallery.selection == (shown[at],)
+
+
+def test_clicks_choose_as_in_lists(session):
+    gallery = session.gallery
+    cards = gallery.shown(session.library, session.results)
+    a, b, c, _ = (card.path for card in cards)
+    gallery.click(cards, a, toggle=False, extend=False)
+    gallery.click(cards, c, toggle=False, extend=True)
+    assert gallery.selection == (a, b, c)
+    gallery.click(cards, b, toggle=True, extend=False)
+    assert gallery.selection == (a, c)
+
+
+def test_delete_and_bring_back(session, folder):
+    choose(session, "Rocket")
+    actions.run(session, "gallery.delete")
+    assert session.toasts[-1].action == "gallery.restore"
+    assert "Rocket" not in names_of(session)
+    actions.run(session, "gallery.restore")
+    assert "Rocket" in names_of(session)
+
+
+def test_renaming_follows_into_the_open_tab(session, folder):
+    choose(session, "Rocket")
+    actions.run(session, "gallery.open")
+    actions.run(session, "level.gallery")
+    choose(session, "Rocket")
+    actions.run(session, "gallery.rename")
+    (prompt,) = session.prompts
+    assert isinstance(prompt, TextQuestion)
+    session.answer(prompt, "Feather")
+    assert session.document.path == folder / "feather.json"
+    assert session.document.level.name == "Feather" and not session.document.dirty
+    assert "Feather" in names_of(session)
+
+
+def test_unsaved_changes_and_the_apps_own_levels_are_not_taken_away(session, folder, monkeypatch):
+    choose(session, "Rocket")
+    actions.run(session, "gallery.open")
+    session.document.mark_unsaved()
+    actions.run(session, "level.gallery")
+    choose(session, "Rocket")
+    actions.run(session, "gallery.delete")
+    assert "unsaved changes" in texts(session)[-1]
+    monkeypatch.setattr("editor.gallery.filing.levels_dir", lambda: folder)
+    choose(session, "Hill cart")
+    actions.run(session, "gallery.delete")
+    assert "came with the app" in texts(session)[-1]
+    assert names_of(session) >= {"Rocket", "Hill cart"}
+
+
+def test_a_set_is_put_together_and_exported(session, tmp_path):
+    actions.run(session, "gallery.select_all")
+    actions.run(session, "gallery.add_to_set")
+    actions.run(session, "level.export_set")
+    with pytest.raises(CommandError, match="has an error"):
+        doing.export_now(session)
+    doing.leave_out_refused(session)
+    session.gallery.plan = dataclasses.replace(session.gallery.plan, split=0.5)
+    doing.export_now(session)
+    (prompt,) = session.prompts
+    assert isinstance(prompt, FileQuestion) and prompt.purpose == "save"
+    session.answer(prompt, tmp_path / "set.json")
+    loaded = load_set(tmp_path / "set.json")
+    assert sorted(each.split for each in loaded.levels) == ["eval", "train"]
+    assert "1 to train on, 1 to evaluate on" in texts(session)[-1]
+    assert session.gallery.plan is None
+
+
+def test_folders_come_and_go(session, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    save_level(playable("Guest", 2.2), other / "guest.json")
+    actions.run(session, "gallery.add_folder")
+    session.answer(session.prompts[0], other)
+    assert "Guest" in names_of(session)
+    assert [card.name for card in session.gallery.shown(session.library, session.results)] == [
+        "Guest"
+    ]
+    doing.remove_folder(session, other)
+    assert "Guest" not in names_of(session)
+    assert session.gallery.folder is None
+
+
+def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
+    export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
+    doing.load_into_set(session, tmp_path / "set" / "set.json")
+    assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
