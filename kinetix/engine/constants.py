@@ -27,3 +27,8 @@ CLOSED_DISTANCE = 1e-4
 
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""
+
+LEAST_PIVOT = 1e-5
+"""Share of a row's own mobility below which what the other joints leave of it counts as nothing.
+Smaller: rounding errors of bodies that joints hold altogether become huge impulses; larger: light
+links between heavy bodies stop answering."""

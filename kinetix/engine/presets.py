@@ -1,15 +1,15 @@
 """The physics presets: names for a solver with settings, chosen by measurement."""
 
 from kinetix.engine.solvers import SOLVERS, AbstractSolver, Direct, PgsBaumgarte
-from kinetix.engine.solvers.blocks import Admm
+from kinetix.engine.solvers.blocks import Pgs
 from kinetix.errors import KinetixError
 
 PRESETS: dict[str, AbstractSolver] = {
     "jax2d": PgsBaumgarte(),
-    "fast": Direct(substeps=1, block=Admm(iterations=8)),
-    "balanced": Direct(substeps=2, block=Admm(iterations=10)),
-    "accurate": Direct(substeps=4, block=Admm(iterations=15)),
-    "reference": Direct(substeps=64, block=Admm(iterations=200)),
+    "fast": Direct(substeps=1, block=Pgs(iterations=10)),
+    "balanced": Direct(substeps=2, block=Pgs(iterations=10)),
+    "accurate": Direct(substeps=4, block=Pgs(iterations=16)),
+    "reference": Direct(substeps=64, block=Pgs(iterations=60)),
 }
 """`jax2d` is the peer's engine; `reference` is meant for float64 (`JAX_ENABLE_X64=1`) and never for
 training."""

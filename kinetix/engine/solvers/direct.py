@@ -24,7 +24,7 @@ from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.pairs import pair_counts
 from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.solvers.blocks import AbstractBlock, Admm, Cone
+from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
 from kinetix.engine.solvers.joint_system import JointSystem, Step, joint_system, project
 from kinetix.engine.solvers.rows import (
     Masses,
@@ -32,6 +32,7 @@ from kinetix.engine.solvers.rows import (
     Velocity,
     apply,
     coupling,
+    diagonal,
     make_rows,
     match,
     matmul,
@@ -45,7 +46,7 @@ from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree
 
-DEFAULT_BLOCK = Admm()
+DEFAULT_BLOCK = Pgs()
 
 
 @pytree
@@ -206,9 +207,12 @@ class Direct(AbstractSolver):
         used = points.key >= 0
         live = jnp.concatenate([used, used, limit_live], axis=0)
         matrix = coupling(rows, rows)
+        index = np.arange(live.shape[0])
+        least = constants.LEAST_PIVOT * diagonal(rows)
         if joints.live.shape[0] > 0:
             across = store(jnp.where(joints.live[:, None], coupling(joints.rows, rows), 0))
             matrix -= matmul(jnp.swapaxes(across, 0, 1), matmul(joints.solve, across))
+        live = store(live & (matrix[index, index] > least))
         eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
         matrix = store(jnp.where(live[:, None] & live[None], matrix, jnp.where(eye, 1, 0)))
         friction = jnp.sqrt(take(bodies.friction, a) ** 2 + take(bodies.friction, b) ** 2)

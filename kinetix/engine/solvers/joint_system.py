@@ -113,11 +113,15 @@ def joint_system(
     live, compliance = store((live, jnp.concatenate([zero, zero, compliance], axis=0)))
 
     matrix = jnp.where(live[:, None] & live[None], coupling(rows, rows), 0)
-    own = diagonal(rows) * constants.JOINT_REGULARISATION + compliance
+    mobility = diagonal(rows)
+    own = mobility * constants.JOINT_REGULARISATION + compliance
     eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
     return JointSystem(
         rows=rows,
-        solve=inverse(matrix + jnp.where(eye, jnp.where(live, own, 1)[:, None], 0)),
+        solve=inverse(
+            matrix + jnp.where(eye, jnp.where(live, own, 1)[:, None], 0),
+            constants.LEAST_PIVOT * (mobility + compliance),
+        ),
         live=live,
         error=store(
             jnp.where(

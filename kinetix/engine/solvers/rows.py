@@ -170,8 +170,16 @@ def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[A
     )
 
 
-def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-    """Inverse of symmetric positive definite matrices by Gauss–Jordan elimination, no pivoting."""
+def inverse(
+    matrix: Float[Array, "m m n"], least_pivot: Float[Array, "m n"] | None = None
+) -> Float[Array, "m m n"]:
+    """Inverse of symmetric positive definite matrices by Gauss–Jordan elimination, no pivoting.
+
+    Args:
+        matrix: One a world.
+        least_pivot: What remains of a row after the rows before it were eliminated is raised to
+            this: a row that (nearly) depends on others becomes soft instead of being amplified.
+    """
     size = matrix.shape[0]
     if size == 0:
         return matrix
@@ -180,6 +188,8 @@ def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
         row = jax.lax.dynamic_index_in_dim(m, k, 0)
         column = jax.lax.dynamic_index_in_dim(m, k, 1)
         pivot = jax.lax.dynamic_index_in_dim(row, k, 1)
+        if least_pivot is not None:
+            pivot = jnp.maximum(pivot, jax.lax.dynamic_index_in_dim(least_pivot[None], k, 1))
         index = np.arange(size)
         on_row, on_column = (index == k)[:, None, None], (index == k)[None, :, None]
         scaled = row / pivot
