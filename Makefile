@@ -2,7 +2,7 @@
 # Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup-run setup-test run editor test check format lint type bench screenshots
+.PHONY: help setup-run setup-test run editor test check format lint type bench screenshots levels docs
 
 export PYTHON
 # Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
@@ -57,3 +57,13 @@ bench: setup-run ## measure speed and rendering into bench/, one JSON object a l
 
 screenshots: setup-run ## take the pictures of docs/pictures anew, without a display
 	@$(VENV)/python scripts/screenshots.py
+	@$(VENV)/python -m scripts.contact_sheet
+
+levels: setup-run ## build the bundled levels and their sets, pictures and catalogue anew
+	@$(VENV)/python -m scripts.build_levels
+	@$(VENV)/python -m scripts.contact_sheet
+	@$(VENV)/python -m scripts.reference_docs
+
+docs: setup-test ## write the documents as a site into site/, to be read without a network
+	@NO_MKDOCS_2_WARNING=1 $(VENV)/mkdocs build --quiet
+	@echo "site/index.html"

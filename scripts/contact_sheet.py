@@ -25,6 +25,8 @@ THUMBNAIL: Final = 180
 GAP: Final = 10
 LINE: Final = 18
 """Height of a caption [px]."""
+SMALL: Final = 96
+"""Side of a thumbnail on the sheet of all levels, which has no captions [px]."""
 
 
 class Thumbnails:
@@ -54,14 +56,14 @@ class Thumbnails:
 
 def sheet(pictures: Sequence[Image.Image], captions: Sequence[str], columns: int) -> Image.Image:
     """Pictures of one size in rows, each with a line of text below."""
-    side = pictures[0].width
+    side, line = pictures[0].width, LINE if any(captions) else 0
     rows = -(-len(pictures) // columns)
     width = columns * (side + GAP) + GAP
-    made = Image.new("RGB", (width, rows * (side + LINE + GAP) + GAP), "white")
+    made = Image.new("RGB", (width, rows * (side + line + GAP) + GAP), "white")
     pen = ImageDraw.Draw(made)
     for index, (picture, caption) in enumerate(zip(pictures, captions, strict=True)):
         x = GAP + (index % columns) * (side + GAP)
-        y = GAP + (index // columns) * (side + LINE + GAP)
+        y = GAP + (index // columns) * (side + line + GAP)
         made.paste(picture, (x, y))
         pen.rectangle((x - 1, y - 1, x + side, y + side), outline=(190, 190, 190))
         pen.text(
@@ -80,6 +82,7 @@ def save(picture: Image.Image, path: Path) -> None:
 def main() -> None:
     """Draw everything anew."""
     thumbnails = Thumbnails()
+    every: list[Image.Image] = []
     for size in ("s", "m", "l"):
         paths = list(level_files(levels_dir() / size))
         levels = [load_level(path) for path in paths]
@@ -87,6 +90,8 @@ def main() -> None:
         for path, picture in zip(paths, pictures, strict=True):
             save(picture, PICTURES / "levels" / size / f"{path.stem}.png")
         save(sheet(pictures, [level.name for level in levels], 6), PICTURES / f"levels_{size}.png")
+        every += [each.resize((SMALL, SMALL), Image.Resampling.LANCZOS) for each in pictures]
+    save(sheet(every, [""] * len(every), 12), PICTURES / "levels.png")
 
 
 if __name__ == "__main__":

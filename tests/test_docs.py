@@ -1,0 +1,94 @@
+"""The documents: what they print runs, what is generated is up to date, the site stands alone."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from kinetix import cli
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENTS = sorted((ROOT / "docs").glob("*.md"))
+
+
+def blocks(document, language):
+    return re.findall(
+        rf"^```{language}\n(.*?)^```$", document.read_text(), re.MULTILINE | re.DOTALL
+    )
+
+
+def commands():
+    """Every kinetix command, lines that end with a backslash joined."""
+    for document in DOCUMENTS:
+        for block in blocks(document, "sh"):
+            for line in block.replace("\\\n", " ").splitlines():
+                if line.startswith("kinetix "):
+                    yield pytest.param(line, id=f"{document.stem}: {line.split('#')[0].strip()}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "document", [d for d in DOCUMENTS if blocks(d, "python")], ids=lambda path: path.stem
+)
+def test_the_snippets_run_in_order(document, tmp_path, monkeypatch):
+    shutil.copytree(ROOT / "checkpoints", tmp_path / "checkpoints")
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "snippet"}
+    for block in blocks(document, "python"):
+        exec(compile(block, document.name, "exec"), names)
+
+
+@pytest.mark.parametrize("line", list(commands()))
+def test_the_commands_are_understood(line, monkeypatch):
+    # What stands for a choice of the reader's, as in RUN|AGENT|noop.
+    words = [word.split("|")[-1] for word in shlex.split(line, comments=True)[1:]]
+    seen = []
+    monkeypatch.setattr(f"kinetix.cli.{words[0]}.run", lambda command: seen.append(command) or 0)
+    assert cli.main(words) == 0
+    assert len(seen) == 1
+
+
+def test_configurations_can_be_read():
+    for document in DOCUMENTS:
+        for block in blocks(document, "toml"):
+            assert tomllib.loads(block)
+
+
+def test_generated_parts_are_up_to_date():
+    from scripts.reference_docs import documents
+
+    stale = [path.name for path, text in documents().items() if path.read_text() != text]
+    assert stale == [], "run `make levels`"
+
+
+def test_every_level_has_its_thumbnail():
+    from kinetix.level.sets import level_files
+    from kinetix.paths import levels_dir
+
+    pictures = ROOT / "docs" / "pictures" / "levels"
+    levels = {path.relative_to(levels_dir()).with_suffix("") for path in level_files(levels_dir())}
+    drawn = {path.relative_to(pictures).with_suffix("") for path in pictures.rglob("*.png")}
+    assert drawn == levels
+
+
+def test_the_site_is_complete_and_needs_no_network(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", tmp_path / "site"],
+        cwd=ROOT,
+        env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    pages = {path.stem for path in (tmp_path / "site").glob("*.html")}
+    assert {document.stem for document in DOCUMENTS} <= pages
+    for page in (tmp_path / "site").rglob("*.html"):
+        text = page.read_text()
+        assert re.findall(r'(?:src|<link[^>]*href)="(?:https?:)?//[^"]*"', text) == [], page
