@@ -1,7 +1,7 @@
 """Write the bundled levels anew: `python -m scripts.build_levels [NAME …]`.
 
 A level whose content did not change keeps its recorded solution; a level without one is tagged
-`unsolved` until `kinetix solve --write` finds one.
+`unsolved` until `kinetix solve --write` finds one. The level sets are made anew as well.
 """
 
 import sys
@@ -11,6 +11,7 @@ from typing import Final
 
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Level, SizeName
+from kinetix.level.sets import build_set, gather_levels, save_set
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 from scripts.library import (
@@ -53,8 +54,17 @@ def with_proof(level: Level, path: Path) -> Level:
     return level.replace(tags=(*level.tags, UNSOLVED))
 
 
+def write_sets() -> None:
+    """The level sets over everything that is bundled: one of all levels, one for each size."""
+    folder = levels_dir() / "sets"
+    folder.mkdir(exist_ok=True)
+    for name, sizes in {"library": SIZES, **{size: (size,) for size in SIZES}}.items():
+        levels = gather_levels([levels_dir() / size for size in sizes])
+        save_set(build_set(levels, name=name, folder=folder), folder / f"{name}.json")
+
+
 def main(names: list[str]) -> int:
-    """Write the named levels, or all.
+    """Write the named levels, or all, then the sets.
 
     Returns:
         1 when a level has a problem, which is then named; 0 otherwise.
@@ -68,6 +78,7 @@ def main(names: list[str]) -> int:
         for issue in validate(level):
             print(f"{name}: {issue.code} {issue.path}: {issue.message}", file=sys.stderr)
             bad = 1
+    write_sets()
     return bad
 
 
