@@ -4,6 +4,13 @@ from typing import Final
 
 PRESETS: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
 """Presets of the engine, in the order of growing accuracy."""
-SOLVERS: Final = ("pgs_baumgarte", "direct+pgs", "direct+admm")
+SOLVERS: Final = (
+    "pgs_baumgarte",
+    "pgs_soft",
+    "soft_step",
+    "jacobi",
+    "direct+pgs",
+    "direct+admm",
+)
 """Solvers that can be chosen at their default settings."""
 PHYSICS: Final = PRESETS + SOLVERS

@@ -12,7 +12,7 @@ from kinetix.engine.collide import Slots
 from kinetix.engine.pairs import pair_counts
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.solvers.direct import Direct
+from kinetix.engine.solvers.room import HasRoom
 from kinetix.engine.spec import SceneSpec
 from kinetix.scenes import SuiteScene, scenes_named
 
@@ -66,7 +66,7 @@ def _with_room(
     motions = run_trials(trials, solver, binary64=binary64)
     usual = overflow = max(motion.overflow for motion in motions)
     for factor in ROOM_FACTORS:
-        if overflow == 0 or not isinstance(solver, Direct):
+        if overflow == 0 or not isinstance(solver, HasRoom):
             break
         roomy = roomier(solver, spec_for(trials, solver), factor)
         motions = run_trials(trials, roomy, binary64=binary64)
@@ -74,7 +74,7 @@ def _with_room(
     return motions, usual
 
 
-def roomier(solver: Direct, spec: SceneSpec, factor: int) -> Direct:
+def roomier(solver: HasRoom, spec: SceneSpec, factor: int) -> Any:
     """The same method with so many times the room for contacts."""
     usual, most = solver.slots_for(spec), pair_counts(spec.capacity)
     near = (usual.polygon_polygon, usual.circle_polygon, usual.circle_circle)

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.maths import Vec, cross, rotate, vec
+from kinetix.engine.maths import Vec, cross, nonzero, rotate, vec
 from kinetix.engine.types import Control, Parameters, State, World
 
 
@@ -55,6 +55,50 @@ def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
         > 0
     )
     return joints.active & joints.motor_on & ~joints.fixed & both & movable & (action != 0)
+
+
+def motor_row(
+    world: World,
+    angle: Float[Array, "j n"],
+    spin: Float[Array, "j n"],
+    action: Float[Array, "j n"],
+    parameters: Parameters,
+    duration: Float[Array, " n"],
+) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
+    """Each motor as a soft constraint: the speed it wants, and its compliance (0: it is off).
+
+    The law is torque = −(strength/inertia)·tanh(k·error). For a while it is replaced by its secant
+    through the present error, taken at the error that *remains*: impulse = −error/compliance. That
+    is exact at rest, at stall and at full speed, first order in between, stable at any strength.
+
+    Args:
+        world: The worlds.
+        angle: Of the joints, from their reference angle [rad].
+        spin: Speed of body b relative to a [rad/s].
+        action: −1 … 1.
+        parameters: The constants of the law.
+        duration: For how long the motors act [s].
+
+    Returns:
+        Speed [rad/s], and speed error left per unit of impulse [rad/s / (N m s)].
+    """
+    joints, bodies = world.joints, world.bodies
+    target = parameters.base_motor_speed * joints.motor_speed * action
+    inertia = at_body(bodies.inverse_inertia, joints.body_a) + at_body(
+        bodies.inverse_inertia, joints.body_b
+    )
+    strength = (
+        parameters.base_motor_power
+        * joints.motor_power
+        * motor_fade(world, angle, action, parameters)
+        / nonzero(inertia)
+    )
+    k = parameters.motor_decay_coefficient
+    # tanh(x)/x is 1 to rounding below 1e-4, where dividing would lose digits.
+    x = jnp.maximum(k * jnp.abs(spin - target), 1e-4)
+    slope = duration * strength * k * jnp.tanh(x) / x
+    runs = motor_runs(world, action) & (slope > 0)
+    return jnp.where(runs, target, 0), jnp.where(runs, 1 / nonzero(slope), 0)
 
 
 def thrust(
