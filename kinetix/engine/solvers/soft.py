@@ -24,13 +24,13 @@ from kinetix.engine.solvers.rows import match
 from kinetix.engine.solvers.soft_rows import (
     ContactDrive,
     ContactImpulse,
-    SoftContacts,
     JointImpulse,
-    SoftJoints,
-    SplitMasses,
     MovingBodies,
     Setting,
+    SoftContacts,
+    SoftJoints,
     Softness,
+    SplitMasses,
     Spring,
     bounce_contact,
     contact_push,
@@ -49,8 +49,8 @@ from kinetix.engine.solvers.soft_rows import (
     soft_joints,
 )
 from kinetix.engine.solvers.visit import (
-    Twist,
     Targets,
+    Twist,
     Visit,
     add_changes,
     at_bodies,

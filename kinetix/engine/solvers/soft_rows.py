@@ -20,7 +20,7 @@ from kinetix.engine import actuators, constants
 from kinetix.engine.collide import Points
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, vec
 from kinetix.engine.shapes import take, take_vec
-from kinetix.engine.solvers.visit import Twist, Targets, at_bodies
+from kinetix.engine.solvers.visit import Targets, Twist, at_bodies
 from kinetix.engine.spec import Features
 from kinetix.engine.types import Control, Parameters, World
 from kinetix.pytree import pytree
@@ -82,7 +82,7 @@ class Lever:
     inertia_a: Float[Array, "*k n"]
     inertia_b: Float[Array, "*k n"]
     copied: Float[Array, "*k n"]
-    """SplitMasses of the bodies over those of their copies, both bodies of a slot together; 1: whole."""
+    """How much lighter the copies are than their bodies, both of a slot together; 1: whole."""
 
     def speed(self, a: Twist, b: Twist) -> Vec:
         """Velocity of b relative to a where they meet."""
