@@ -214,7 +214,7 @@ def _play(env: KinetixEnv, start: EnvState, plans: Plans) -> _Outcome:
 
 @functools.partial(jax.jit, static_argnums=0)
 def _rollout(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> tuple[Array, ...]:
-    """Play plans until each has ended.
+    """Play plans until one has won, or each has ended.
 
     Returns:
         Per plan: won, lost, steps played, least distance [m].
@@ -224,8 +224,8 @@ def _rollout(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> tu
     step = jax.vmap(env.step, in_axes=(None, 0, 0))
 
     def going_on(carry: tuple[Any, ...]) -> Array:
-        t, _, done, *_ = carry
-        return (t < limit) & ~jnp.all(done)
+        t, _, done, won, *_ = carry
+        return (t < limit) & ~jnp.all(done) & ~jnp.any(won)
 
     def advance(carry: tuple[Any, ...]) -> tuple[Any, ...]:
         t, state, done, won, lost, steps, distance = carry
