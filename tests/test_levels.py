@@ -61,6 +61,11 @@ def test_every_topic_has_a_level(topic):
     assert any(topic in level.tags for level in LEVELS.values())
 
 
+def test_the_readme_counts_right():
+    readme = (levels_dir().parent / "README.md").read_text()
+    assert f"{len(LEVELS)} levels of our own" in readme
+
+
 def test_all_grades_of_difficulty_are_there_and_most_levels_are_easy():
     grades = [
         int(tag.removeprefix("difficulty-"))
