@@ -32,3 +32,10 @@ LEAST_PIVOT = 1e-5
 """Share of a row's own mobility below which what the other joints leave of it counts as nothing.
 Smaller: rounding errors of bodies that joints hold altogether become huge impulses; larger: light
 links between heavy bodies stop answering."""
+
+DEEP = 2e-3
+"""Overlaps beyond this yield a little while they are resolved [m]."""
+
+DEEP_COMPLIANCE = 0.01
+"""Speed that such a contact lets through per impulse, as a share of what the impulse would give
+free bodies. Zero: wedged bodies get impulses without bound; larger: heavy loads sink deeper."""

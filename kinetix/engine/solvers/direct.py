@@ -208,13 +208,20 @@ class Direct(AbstractSolver):
         live = jnp.concatenate([used, used, limit_live], axis=0)
         matrix = coupling(rows, rows)
         index = np.arange(live.shape[0])
-        least = constants.LEAST_PIVOT * diagonal(rows)
+        mobility = store(diagonal(rows))
         if joints.live.shape[0] > 0:
             across = store(jnp.where(joints.live[:, None], coupling(joints.rows, rows), 0))
             matrix -= matmul(jnp.swapaxes(across, 0, 1), matmul(joints.solve, across))
-        live = store(live & (matrix[index, index] > least))
+        live = store(live & (matrix[index, index] > constants.LEAST_PIVOT * mobility))
         eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
-        matrix = store(jnp.where(live[:, None] & live[None], matrix, jnp.where(eye, 1, 0)))
+        # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
+        deep = jnp.concatenate(
+            [points.separation < -constants.DEEP, jnp.zeros_like(used), jnp.zeros_like(limit_live)]
+        )
+        own = matrix[index, index] + jnp.where(deep, constants.DEEP_COMPLIANCE * mobility, 0)
+        own = jnp.where(live, own, 1)
+        coupled = live[:, None] & live[None] & ~eye
+        matrix = store(jnp.where(eye, own[:, None], jnp.where(coupled, matrix, 0)))
         friction = jnp.sqrt(take(bodies.friction, a) ** 2 + take(bodies.friction, b) ** 2)
         system = ContactSystem(
             rows=rows,
