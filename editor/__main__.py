@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+from editor.actions.agents import load_agent
 from editor.hosts.pygame_host import PygameHost
 from editor.session import Session
 from editor.settings import Settings
@@ -22,7 +23,7 @@ class Options:
     files: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Levels to open, in either format."""
     agent: Path | None = None
-    """Folder of an agent to load."""
+    """Folder of an agent or of a training run to load; F6 lets it play."""
     offscreen: bool = False
     """Draw in software into memory: no display is needed."""
     replay: Path | None = None
@@ -60,39 +61,49 @@ def _host(options: Options, session: Session) -> PygameHost:
     return PygameHost(session, size=size, scale=options.scale)
 
 
-def _run(options: Options) -> None:
-    if options.agent is not None:
-        raise KinetixError(f"--agent {options.agent}: agents cannot be loaded in this version")
+def _run(options: Options) -> int:
     if options.bench:
         from editor.hosts.bench import print_table
 
         print_table(_size(options.size))
-        return
+        return 0
     scripted = options.replay is not None
     session = Session(settings=Settings() if scripted or options.offscreen else Settings.load())
     host = _host(options, session)
+    status = 0
     try:
-        _open_files(options, session)
-        if options.replay is not None:
-            from editor.hosts.replay import Replayer
-
-            Replayer(host, options.replay).run()
-        elif options.offscreen:
-            raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
-        else:
-            host.ui.warm_up = True
-            host.run()
-            host.ui.save_layout()
-            session.settings.save()
+        _show(options, session, host)
+    except KinetixError as error:
+        sys.stderr.write(f"{error}\n")
+        status = 1
     finally:
         session.worker.stop(0.5)
+        session.evaluator.stop(0.5)
         session.library.stop(0.5)
         host.close()
-    if not session.worker.idle:
+    if not (session.worker.idle and session.evaluator.idle):
         # A compilation cannot be interrupted, and must not keep the app from closing.
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(0)
+        os._exit(status)
+    return status
+
+
+def _show(options: Options, session: Session, host: PygameHost) -> None:
+    _open_files(options, session)
+    if options.agent is not None:
+        load_agent(session, options.agent)
+    if options.replay is not None:
+        from editor.hosts.replay import Replayer
+
+        Replayer(host, options.replay).run()
+    elif options.offscreen:
+        raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
+    else:
+        host.ui.warm_up = True
+        host.run()
+        host.ui.save_layout()
+        session.settings.save()
 
 
 def _open_files(options: Options, session: Session) -> None:
@@ -121,11 +132,10 @@ def main() -> int:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     options = tyro.cli(Options, prog="kinetix-editor")
     try:
-        _run(options)
+        return _run(options)
     except KinetixError as error:
         sys.stderr.write(f"{error}\n")
         return 1
-    return 0
 
 
 if __name__ == "__main__":

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, events, picking
-from editor.camera import ARENA
+from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
+from editor.camera import ARENA, Camera
+from editor.commands.bodies import posed
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
 from editor.marks import Marker
@@ -18,6 +20,7 @@ from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
 from editor.play_image import PlayImage
 from editor.playback import Mode
+from editor.recording import Snapshot
 from editor.textures import TextureStore
 from editor.vectors import Painter, Placement, paint_level, poses_of
 from editor.widgets import font, probe, px
@@ -59,6 +62,8 @@ class Canvas:
         self._textures = textures
         self._down: list[int] = []
         self._mouse = (0.0, 0.0)
+        self._before_split: Camera | None = None
+        self._was_split = False
         self.area = ((0.0, 0.0), (1.0, 1.0))
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
@@ -78,12 +83,26 @@ class Canvas:
         probe(session, "canvas")
         self.area = ((origin.x, origin.y), size)
         self.hovered = imgui.is_item_hovered()
-        session.camera = session.camera.with_viewport((origin.x, origin.y), size)
+        self._split(session)
+        own = (size[0] / 2, size[1]) if self._before_split is not None else size
+        session.camera = session.camera.with_viewport((origin.x, origin.y), own)
+        if self._before_split is not None and not self._was_split:
+            session.camera = session.camera.fitted(*ARENA, margin=px(20))
+        self._was_split = self._before_split is not None
         if not session.tab.fitted:
             session.camera = session.camera.fitted(*ARENA, margin=px(28))
             # The layout needs some frames to settle; until then the viewport is not the last one.
             session.tab.fitted = imgui.get_frame_count() > _SETTLED_FRAME
         self._mouse_input(session)
+
+    def _split(self, session: "Session") -> None:
+        """Give the left half to one player and the right half to the other, or all to one."""
+        rival = session.viewer.rival
+        wanted = not session.editing and session.viewer.compare == "side" and rival.active
+        if wanted and self._before_split is None:
+            self._before_split = session.camera
+        elif not wanted and self._before_split is not None:
+            session.camera, self._before_split = self._before_split, None
 
     def _mouse_input(self, session: "Session") -> None:
         """Make pointer events of Dear ImGui's mouse; a drag goes on outside the canvas."""
@@ -159,12 +178,15 @@ class Canvas:
             hidden=session.document.hidden if session.editing else (),
             thrust=snapshot.thruster.tolist() if snapshot is not None else None,
         )
-        self._picture(session, painter)
+        split = self._before_split is not None
+        if not split:
+            self._picture(session, painter)
         if session.view.debug_draw:
             paint_debug(session, painter, where)
         if session.editing:
             self._edit_marks(session, marker)
         else:
+            self._players(session, painter, where, split=split)
             self._play_marks(session, marker)
         if "key_caps" not in settings.debug_draw:
             marker.key_caps(session.control_keys, session.held if not session.editing else ())
@@ -191,6 +213,49 @@ class Canvas:
         if session.tool.id == "select" and not session.driver.active and session.selection:
             level = session.document.shown
             marker.marks(picking.handles(level, session.selection, session.metres))
+
+    def _players(
+        self, session: "Session", painter: Painter, where: Placement, *, split: bool
+    ) -> None:
+        """What the agents do: the second one as a ghost or in its own half, and their actions."""
+        playback, rival = session.playback, session.viewer.rival
+        snapshot, level = playback.snapshot, playback.level
+        other = rival.shown(playback.engine_step) if rival.active else None
+        heat = "heat" in session.settings.agent_overlay
+        if other is not None and level is not None:
+            if split:
+                self._second_half(session, painter, other, heat=heat)
+            else:
+                paint_ghost(painter, level, other)
+        if heat and snapshot is not None:
+            paint_heat(painter, where, snapshot)
+
+    def _second_half(
+        self, session: "Session", painter: Painter, other: Snapshot, *, heat: bool
+    ) -> None:
+        (x, y), (width, height) = self.area
+        level = session.playback.level
+        assert level is not None
+        camera = session.camera
+        low, high = (x + width / 2, y), (x + width, y + height)
+        draw = painter.draw
+        draw.push_clip_rect(low, high, True)
+        draw.add_rect_filled(low, high, u32(COLOURS.backdrop))
+        right = dataclasses.replace(painter, camera=camera.with_viewport(low, (width / 2, height)))
+        scene = posed(level, other)
+        where = Placement(level=scene, poses=poses_of(scene))
+        right.paper(grid=None)
+        paint_level(right, where, thrust=other.thruster.tolist())
+        if heat:
+            paint_heat(right, where, other)
+        draw.add_line(low, (low[0], high[1]), u32(COLOURS.line), px(2))
+        draw.pop_clip_rect()
+        names = (session.playback.player or "You", session.viewer.rival.player)
+        with font(FONTS.bold, TEXT):
+            for name, left in zip(names, (x, low[0]), strict=True):
+                extent = imgui.calc_text_size(name)
+                at = (left + (width / 2 - extent.x) / 2, y + height - extent.y - px(8))
+                draw.add_text(at, u32(COLOURS.text), name)
 
     def _play_marks(self, session: "Session", marker: Marker) -> None:
         pull = session.pull
@@ -241,7 +306,12 @@ class Canvas:
             draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
         if not session.editing:
             self._episode(session, draw, (high[0] + px(10), low[1] + px(4)))
-        outcome = session.playback.outcome
+        playback = session.playback
+        if not session.editing and "numbers" in session.settings.agent_overlay:
+            paint_numbers(session, draw, x + width - px(12), y + px(12))
+        if session.mode is Mode.PAUSED and playback.failure:
+            paint_reason(draw, self.area, "Paused", playback.failure)
+        outcome = playback.outcome
         if outcome in _OUTCOMES and session.mode is Mode.ENDED:
             self._banner(session, draw, *_OUTCOMES[outcome])
 
@@ -250,6 +320,8 @@ class Canvas:
         level = playback.level
         total = level.max_timesteps if level is not None else 0
         words = f"step {playback.step_count} / {total}"
+        if playback.player:
+            words = f"{playback.player}    {words}"
         if playback.speed != 1.0:
             words += f"    {_speed(playback.speed)} speed"
         actual = playback.real_time_factor

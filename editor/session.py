@@ -31,6 +31,7 @@ from editor.settings import Settings
 from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
 from editor.tools.base import NOTHING, Driver, Tool
+from editor.viewer import Viewer
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level
 
@@ -125,12 +126,17 @@ class Session:
         level: Level | None = None,
         library: Library | None = None,
         results: Results | None = None,
+        evaluator: Worker | None = None,
     ) -> None:
         self.settings = settings or Settings()
         self.worker = worker or Worker()
+        self.evaluator = evaluator or Worker()
+        """A second worker, so that an evaluation of minutes holds nothing up."""
         self.clipboard: Clipboard = clipboard or MemoryClipboard()
         self.playback = Playback(simulator or WorkerSimulator(self.worker))
         self.playback.physics = self.settings.physics
+        self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
+        """The agents, and how they are watched."""
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]
@@ -386,6 +392,7 @@ class Session:
         self.pull = None
         if self.playback.active:
             self.playback.stop()
+        self.viewer.rival.stop()
 
     def release_all(self) -> None:
         """The window lost the keyboard: nothing is held any more, nothing is under way."""

@@ -51,6 +51,10 @@ class Settings:
     """Rebound play keys: key -> [channel, value]."""
     gallery_folders: list[str] = dataclasses.field(default_factory=list)
     """Folders that the gallery shows besides the app's and the user's own."""
+    recent_agents: list[str] = dataclasses.field(default_factory=list)
+    """Folders of agents, newest first."""
+    agent_overlay: list[str] = dataclasses.field(default_factory=lambda: ["heat", "numbers"])
+    """Names of the agent's overlays that are on."""
     debug_draw: list[str] = dataclasses.field(default_factory=list)
     """Names of the debug drawings that are on."""
 

@@ -11,9 +11,12 @@ from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
 from editor.look import COLOURS
+from editor.panels.agents import AgentsPanel
 from editor.panels.base import Panel
 from editor.panels.controls import ControlsPanel
 from editor.panels.debug import DebugPanel
+from editor.panels.evaluate import EvaluatePanel
+from editor.panels.eye import EyePanel
 from editor.panels.gallery import GalleryPage
 from editor.panels.help import HelpOverlay
 from editor.panels.history import HistoryPanel
@@ -27,8 +30,10 @@ from editor.panels.plots import PlotsPanel
 from editor.panels.problems import ProblemsPanel
 from editor.panels.status import StatusBar
 from editor.panels.tabs import DocumentTabs
+from editor.panels.timeline import Timeline
 from editor.panels.toasts import Toasts
 from editor.panels.toolbar import Toolbar
+from editor.panels.training import TrainingPanel
 from editor.requests import WarmUp
 from editor.textures import TextureStore
 from editor.widgets import px
@@ -84,12 +89,18 @@ class Ui:
             ProblemsPanel(),
             HistoryPanel(),
             ControlsPanel(),
+            Timeline(),
             PlotsPanel(),
+            AgentsPanel(),
+            EyePanel(textures),
+            EvaluatePanel(),
+            TrainingPanel(),
             DebugPanel(),
             LogPanel(),
         )
         self._laid_out = False
-        self._in_front = ""
+        self._in_front: list[str] = []
+        """Ids of panels to bring to the front, one a frame."""
         self._first_frame = 0
         self._panel_focused = False
         self._to_canvas = True
@@ -119,6 +130,7 @@ class Ui:
             or bool(session.toasts)
             or (session.gallery.open and (session.library.busy or self._gallery.animating))
             or not session.worker.idle
+            or not session.evaluator.idle
             or imgui.get_io().want_text_input
         )
 
@@ -137,6 +149,7 @@ class Ui:
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps
         session.probe.clear()
+        session.viewer.eye_open = session.viewer.timeline_open = False
         session.highlighted = ()
         with session.guard():
             self._keys()
@@ -201,8 +214,11 @@ class Ui:
         now = {"debug": view.debug_draw, "plots": view.plots}
         for panel, on in now.items():
             if on and not self._switches.get(panel, False):
-                self._in_front = panel
+                self._in_front.append(panel)
         self._switches = now
+        if view.front:
+            self._in_front.append(view.front)
+            view.front = ""
 
     def _rescale(self) -> None:
         wanted = self.session.settings.ui_scale or self._host_scale
@@ -289,7 +305,10 @@ class Ui:
         self._laid_out = True
         self._first_frame = imgui.get_frame_count()
         reset, session.view.layout_reset = session.view.layout_reset, False
-        if session.settings.layout and not reset:
+        stored = session.settings.layout
+        # A layout from before a panel existed has no place for it.
+        complete = all(f"###panel-{panel.id}]" in stored for panel in self.panels)
+        if complete and not reset:
             imgui.load_ini_settings_from_memory(session.settings.layout)
             return
         size = imgui.get_main_viewport().work_size
@@ -310,11 +329,13 @@ class Ui:
             "outliner": left,
             "level": lower_left,
             "inspector": right,
+            "agents": right,
+            "eye": right,
         }
         for panel in self.panels:
             node.dock_builder_dock_window(panel.window_name, homes.get(panel.id, bottom))
         node.dock_builder_finish(space)
-        self._in_front = "problems"
+        self._in_front = ["problems", "inspector"]
 
     def _canvas(self, space: int, bars: bool) -> None:
         node = imgui.internal.dock_builder_get_central_node(space)
@@ -349,10 +370,11 @@ class Ui:
     def _panel(self, panel: Panel) -> bool:
         """Draw a panel's window; returns whether the keyboard is there."""
         imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
-        if panel.id == self._in_front and imgui.get_frame_count() > self._first_frame + 1:
+        first = self._in_front[0] if self._in_front else ""
+        if panel.id == first and imgui.get_frame_count() > self._first_frame + 1:
             # Of panels that share a place, the one docked last is in front unless told otherwise.
             imgui.set_next_window_focus()
-            self._in_front = ""
+            self._in_front.pop(0)
             self._to_canvas = True
         opened = imgui.begin(panel.window_name)[0]
         if opened:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.actions import file
+from editor.actions import agents, file
 from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
@@ -91,12 +91,22 @@ def handle(session: Session, event: InputEvent) -> bool:
             session.release_all()
             session.modifiers = NO_MODIFIERS
         case DropEvent(path=path):
-            file.open_path(session, Path(path))
+            _dropped(session, Path(path))
         case QuitEvent():
             run(session, "file.quit")
         case _:
             return False
     return True
+
+
+def _dropped(session: Session, path: Path) -> None:
+    """An agent's folder or file goes to the viewer, everything else is a level."""
+    folder = agents.agent_folder(path)
+    if folder is not None:
+        agents.load_agent(session, folder)
+        session.view.front = "agents"
+    else:
+        file.open_path(session, path)
 
 
 def _key(session: Session, event: KeyEvent) -> bool:
@@ -148,11 +158,15 @@ def update(session: Session, seconds: float) -> None:
             session.execute(item)
     with session.guard():
         session.worker.poll()
+        session.evaluator.poll()
     watched = bool(session.settings.debug_draw) or session.view.plots
+    watched = watched or session.viewer.timeline_open
     session.playback.simulator.keep_contacts = watched
     session.playback.restart_automatically = session.settings.restart_automatically
     with session.guard():
-        session.playback.tick(seconds, session.action, session.pull)
+        session.playback.tick(seconds, agents.action_now(session), session.pull)
+    with session.guard():
+        agents.update_viewer(session)
     if _passed(before, session.time, AUTOSAVE_SECONDS):
         with session.guard():
             for tab in session.tabs:

@@ -100,8 +100,52 @@ def write_trace(trace: Trace, path: Path) -> None:
 
 def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
     """Ask the worker for a film of a trace."""
-    request = ExportFilm(level=level, trace=trace, path=path, palette=session.settings.palette)
+    request = ExportFilm(
+        level=level,
+        trace=trace,
+        path=path,
+        palette=session.settings.palette,
+        overlay=bool(trace.player) and "numbers" in session.settings.agent_overlay,
+    )
     session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+
+
+def has_clip(session: Session) -> bool:
+    """Whether there is an episode to film."""
+    return session.playback.active and len(session.playback.moments) > 1
+
+
+def ask_clip(session: Session) -> None:
+    """Film the looped part of the episode, or all of it; asks where to."""
+    playback = session.playback
+    trace, level = playback.trace, playback.level
+    if trace is None or level is None:
+        raise CommandError("Play first: there is nothing to film.")
+    clip = trace if playback.loop is None else part(trace, *playback.loop)
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            film(session, level, clip, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Export the clip as .gif or .mp4",
+            folder=_folder(session),
+            name=f"{Path(session.document.title).stem}.gif",
+            suffixes=(".gif", ".mp4"),
+            answer=answer,
+        )
+    )
+
+
+def part(trace: Trace, first: int, last: int) -> Trace:
+    """Moments `first` to `last` of a trace, both included."""
+    return dataclasses.replace(
+        trace,
+        snapshots=trace.snapshots[first : last + 1],
+        actions=trace.actions[first:last],
+    )
 
 
 def told(session: Session) -> Callable[[Job], None]:

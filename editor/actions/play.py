@@ -1,6 +1,7 @@
 """What the Run menu does: play, pause, step, reset, stop, edit from here."""
 
 from editor import files
+from editor.actions import agents
 from editor.commands.level import TakePoses
 from editor.document import Document
 from editor.playback import Mode
@@ -17,16 +18,16 @@ def play(session: Session) -> None:
 
 
 def pause(session: Session) -> None:
-    """Pause or go on; after the end start anew."""
+    """Pause or go on; after the end start anew; a replay stands or moves."""
     if session.mode is Mode.ENDED:
-        session.playback.reset()
+        reset(session)
     else:
         session.playback.pause()
 
 
 def step(session: Session) -> None:
-    """One environment step, with what the held keys drive."""
-    session.playback.step(session.action, session.pull)
+    """One environment step, with what the held keys or the agent drive."""
+    session.playback.step(agents.action_now(session), session.pull)
 
 
 def step_back(session: Session) -> None:
@@ -45,7 +46,8 @@ def faster(session: Session) -> None:
 
 
 def reset(session: Session) -> None:
-    """The episode from its start."""
+    """The episode from its start, with the newest parameters of the agent that plays."""
+    agents.refresh_cast(session)
     session.playback.reset()
 
 

@@ -3,6 +3,7 @@
 from typing import Final
 
 from editor.actions import edit, export, file, gallery, level, play, view
+from editor.actions.agent_table import AGENTS
 from editor.actions.base import Action, Context, editing, playing, selecting
 from editor.playback import SPEEDS, Mode
 from editor.session import Session
@@ -756,6 +757,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
     *SWITCHES,
     *VIEW,
     *RUN,
+    *AGENTS,
     *LEVEL,
     *GALLERY,
     *APP,

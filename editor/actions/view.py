@@ -53,6 +53,15 @@ def switch(name: str) -> Callable[[Session], None]:
     return run
 
 
+def bring(panel: str) -> Callable[[Session], None]:
+    """An action that brings a panel to the front."""
+
+    def run(session: Session) -> None:
+        session.view.front = panel
+
+    return run
+
+
 def is_on(name: str) -> Callable[[Session], bool]:
     """Whether a part of the view is on."""
     return lambda session: bool(getattr(session.view, name))

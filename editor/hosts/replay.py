@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor import actions, events, files
-from editor.actions import file
+from editor.actions import agents, file
 from editor.commands.fields import SetField
 from editor.document import Format
 from editor.hosts.base import Host
@@ -24,6 +24,7 @@ from editor.playback import Mode
 from editor.requests import WarmUp
 from editor.session import Session
 from editor.tools import TOOLS
+from editor.viewer import SLOTS
 from editor.widgets import Probe
 from kinetix.errors import KinetixError
 
@@ -32,6 +33,8 @@ Event = dict[str, Any]
 _DRAG_FRAMES: Final = 10
 """A drag moves in so many steps, so that tools see the way and not only its end."""
 _SETTLE_FRAMES: Final = 3
+_LOAD_SECONDS: Final = 120.0
+"""Longest wait for an agent [s]; the first one waits for JAX to be imported."""
 _STEP_SECONDS: Final = 30.0
 """Longest wait for simulation steps that are under way [s]."""
 _BUTTONS: Final = {1: events.LEFT, 2: events.MIDDLE, 3: events.RIGHT}
@@ -124,9 +127,14 @@ class Replayer:
             self._step()
 
     def _await_steps(self) -> None:
-        playback, worker = self._session.playback, self._session.worker
+        session, worker = self._session, self._session.worker
+        simulators = (session.playback.simulator, session.viewer.rival.simulator)
         until = time.monotonic() + _STEP_SECONDS
-        while playback.active and playback.simulator.outstanding and time.monotonic() < until:
+        while (
+            session.playback.active
+            and any(simulator.outstanding for simulator in simulators)
+            and time.monotonic() < until
+        ):
             worker.wait(0.5)
             worker.poll()
 
@@ -146,7 +154,19 @@ class Replayer:
         files.save_document(document, path, format)
 
     def _agent(self, event: Event) -> None:
-        raise KinetixError(f"agents cannot be loaded in this version ({event['dir']})")
+        """Load an agent and wait until it is there."""
+        session = self._session
+        slot = event.get("slot", "a")
+        if slot not in SLOTS:
+            raise KinetixError(f"unknown slot {slot!r}; there are {', '.join(SLOTS)}")
+        agents.load_agent(session, event["dir"], slot)
+        place = session.viewer.slots[slot]
+        until = time.monotonic() + _LOAD_SECONDS
+        while place.loading and time.monotonic() < until:
+            session.worker.wait(0.05)
+            self._step()
+        if place.error or place.loading:
+            raise KinetixError(place.error or f"not loaded after {_LOAD_SECONDS:g} s")
 
     def _action(self, event: Event) -> None:
         if not actions.run(self._session, event["id"]):
@@ -327,5 +347,5 @@ _CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
     "playing": _playing,
     "compiled": _compiled,
     "ended": lambda session: session.mode is Mode.ENDED,
-    "idle": lambda session: session.worker.idle,
+    "idle": lambda session: session.worker.idle and session.evaluator.idle,
 }

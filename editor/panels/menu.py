@@ -18,7 +18,18 @@ from kinetix.render.palette import PALETTES
 if TYPE_CHECKING:
     from editor.session import Session
 
-MENUS: Final = ("File", "Edit", "Tools", "Arrange", "View", "Run", "Level", "Gallery", "Help")
+MENUS: Final = (
+    "File",
+    "Edit",
+    "Tools",
+    "Arrange",
+    "View",
+    "Run",
+    "Agent",
+    "Level",
+    "Gallery",
+    "Help",
+)
 _WITHOUT_A_LEVEL: Final = frozenset({"Edit", "Tools", "Arrange", "Run"})
 """Menus that have nothing to do while the gallery is in front."""
 _SCALES: Final = (0.0, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)

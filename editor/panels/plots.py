@@ -1,6 +1,7 @@
-"""Plots of the episode: reward, distance, energy, momentum, penetration over time."""
+"""Plots of the episode over time, with one cursor that is the timeline's."""
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -9,80 +10,219 @@ from imgui_bundle import imgui, implot
 from editor import widgets
 from editor.look import COLOURS, Icons, Rgba
 from editor.panels.base import Panel
-from editor.recording import Snapshot
+from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.widgets import px
 
 if TYPE_CHECKING:
     from editor.session import Session
 
-_Series = tuple[str, Rgba, Callable[[Snapshot], float]]
+_Value = Callable[[Snapshot], float]
 
-PLOTS: Final[tuple[tuple[str, tuple[_Series, ...]], ...]] = (
-    (
-        "Energy [J]",
-        (
-            ("kinetic", COLOURS.info, lambda s: s.kinetic_energy),
-            ("potential", COLOURS.warn, lambda s: s.potential_energy),
-            ("total", COLOURS.text, lambda s: s.kinetic_energy + s.potential_energy),
-        ),
-    ),
-    ("Reward", (("sum", COLOURS.good, lambda s: s.total_reward),)),
-    ("Distance [m]", (("green to blue", COLOURS.accent, lambda s: s.distance),)),
-    (
-        "Momentum [kg m/s]",
-        (
-            ("x", COLOURS.info, lambda s: s.momentum[0]),
-            ("y", COLOURS.warn, lambda s: s.momentum[1]),
-        ),
-    ),
-    ("Penetration [mm]", (("deepest", COLOURS.bad, lambda s: 1000 * s.penetration),)),
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Series:
+    """One curve."""
+
+    label: str
+    colour: Rgba
+    value: _Value
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plot:
+    """One diagram."""
+
+    title: str
+    series: tuple[Series, ...]
+    steps: bool = False
+    """Whether values hold until the next one."""
+    agent: bool = False
+    """Whether it needs an agent with a network."""
+
+
+def _series(label: str, colour: Rgba, value: _Value) -> Series:
+    return Series(label=label, colour=colour, value=value)
+
+
+def _mind(name: str) -> _Value:
+    def value(snapshot: Snapshot) -> float:
+        mind = snapshot.mind
+        return float("nan") if mind is None or mind.scripted else getattr(mind, name)
+
+    return value
+
+
+def _channel(index: int) -> _Value:
+    """An entry of the action, shifted so that the channels lie one above the other."""
+
+    def value(snapshot: Snapshot) -> float:
+        played = snapshot.action[index] if index < len(snapshot.action) else 0.0
+        return 0.4 * played - index
+
+    return value
+
+
+_CHANNELS: Final = (
+    ("motor 0", COLOURS.info),
+    ("motor 1", COLOURS.warn),
+    ("motor 2", COLOURS.good),
+    ("motor 3", COLOURS.accent),
+    ("thruster 0", COLOURS.bad),
+    ("thruster 1", COLOURS.text),
 )
-_COLUMN: Final = 260.0
+
+PLOTS: Final[tuple[Plot, ...]] = (
+    Plot(
+        title="Reward",
+        series=(
+            _series("sum", COLOURS.good, lambda s: s.total_reward),
+            _series("step", COLOURS.warn, lambda s: s.reward),
+        ),
+    ),
+    Plot(title="Value", series=(_series("value", COLOURS.info, _mind("value")),), agent=True),
+    Plot(
+        title="Entropy [nat]",
+        series=(_series("entropy", COLOURS.accent, _mind("entropy")),),
+        agent=True,
+    ),
+    Plot(
+        title="Actions",
+        series=tuple(
+            _series(label, colour, _channel(k)) for k, (label, colour) in enumerate(_CHANNELS)
+        ),
+        steps=True,
+    ),
+    Plot(
+        title="Distance [m]",
+        series=(_series("green to blue", COLOURS.accent, lambda s: s.distance),),
+    ),
+    Plot(
+        title="Energy [J]",
+        series=(
+            _series("kinetic", COLOURS.info, lambda s: s.kinetic_energy),
+            _series("potential", COLOURS.warn, lambda s: s.potential_energy),
+            _series("total", COLOURS.text, lambda s: s.kinetic_energy + s.potential_energy),
+        ),
+    ),
+    Plot(
+        title="Momentum [kg m/s]",
+        series=(
+            _series("x", COLOURS.info, lambda s: s.momentum[0]),
+            _series("y", COLOURS.warn, lambda s: s.momentum[1]),
+        ),
+    ),
+    Plot(
+        title="Penetration [mm]",
+        series=(_series("deepest", COLOURS.bad, lambda s: 1000 * s.penetration),),
+    ),
+)
+_COLUMN: Final = 240.0
+_RIVAL_OPACITY: Final = 0.45
+
+
+class _Curve:
+    """The values of a curve, worked out once for each moment."""
+
+    def __init__(self) -> None:
+        self._values: list[float] = []
+        self._first: Snapshot | None = None
+        self._last: Snapshot | None = None
+
+    def values(self, value: _Value, moments: Sequence[Snapshot]) -> np.ndarray:
+        """A value a moment; only moments that came since the last call are asked."""
+        count = len(self._values)
+        goes_on = (
+            0 < count <= len(moments)
+            and moments[0] is self._first
+            and moments[count - 1] is self._last
+        )
+        if not goes_on:
+            self._values, count = [], 0
+        self._values += [value(moment) for moment in moments[count:]]
+        self._first, self._last = moments[0], moments[-1]
+        return np.array(self._values)
 
 
 class PlotsPanel(Panel):
-    """Reads the ring of snapshots; what lies further back is gone."""
+    """Reads the moments that can be looked at; a click or drag in a plot goes to that time."""
 
     id, title, icon = "plots", "Plots", Icons.plots
 
+    def __init__(self) -> None:
+        self._curves: dict[tuple[str, str, str], _Curve] = {}
+
     def draw(self, session: "Session") -> None:
         """Draw one plot beside the other, as many columns as fit."""
-        states = session.playback.ring.snapshots
+        playback = session.playback
+        states = playback.moments if playback.active else ()
         if len(states) < 2:
             widgets.empty_state(
                 Icons.plots, "Nothing simulated yet", "Press Space: the curves grow as you play."
             )
             return
-        time = np.array([state.step / 30 for state in states])
+        agent = any(state.mind is not None and not state.mind.scripted for state in states[-2:])
+        plots = [plot for plot in PLOTS if agent or not plot.agent]
         space = imgui.get_content_region_avail()
-        columns = max(1, min(len(PLOTS), int(space.x / px(_COLUMN))))
+        columns = max(1, min(len(plots), int(space.x / px(_COLUMN))))
         width = (space.x - (columns - 1) * px(6)) / columns
-        rows = -(-len(PLOTS) // columns)
+        rows = -(-len(plots) // columns)
         height = max(px(110), space.y / rows - px(6))
-        for index, (title, series) in enumerate(PLOTS):
+        rival = session.viewer.rival.snapshots
+        for index, plot in enumerate(plots):
             if index % columns:
                 imgui.same_line(0, px(6))
-            self._plot(title, series, states, time, (width, height))
+            self._plot(session, plot, states, rival, (width, height))
 
     def _plot(
         self,
-        title: str,
-        series: tuple[_Series, ...],
-        states: tuple[Snapshot, ...],
-        time: np.ndarray,
+        session: "Session",
+        plot: Plot,
+        states: Sequence[Snapshot],
+        rival: Sequence[Snapshot],
         size: tuple[float, float],
     ) -> None:
         flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
-        if len(series) == 1:
+        flags |= implot.Flags_.no_inputs.value
+        if len(plot.series) == 1 or plot.steps:
             flags |= implot.Flags_.no_legend.value
-        if not implot.begin_plot(title, size, flags):
+        if not implot.begin_plot(plot.title, size, flags):
             return
         fit = implot.AxisFlags_.auto_fit.value
-        implot.setup_axes("", "", fit, fit)
-        for label, colour, value in series:
-            values = np.array([value(state) for state in states])
-            spec = implot.Spec()
-            spec.line_color = imgui.ImVec4(*colour)
-            spec.line_weight = px(1.75)
-            implot.plot_line(label, time, values, spec)
+        bare = implot.AxisFlags_.no_tick_labels.value if plot.steps else 0
+        implot.setup_axes("", "", fit, fit | bare)
+        for owner, moments, opacity in (("b", rival, _RIVAL_OPACITY), ("a", states, 1.0)):
+            if len(moments) < 2:
+                continue
+            time = _times(moments)
+            for series in plot.series:
+                key = (owner, plot.title, series.label)
+                values = self._curves.setdefault(key, _Curve()).values(series.value, moments)
+                spec = implot.Spec()
+                spec.line_color = imgui.ImVec4(*series.colour[:3], opacity)
+                spec.line_weight = px(1.75)
+                drawing = implot.plot_stairs if plot.steps else implot.plot_line
+                drawing(f"{series.label}###{owner}{series.label}", time, values, spec)
+        self._cursor(session, states)
         implot.end_plot()
+        widgets.probe(session, f"plots.{plot.title}")
+
+    def _cursor(self, session: "Session", states: Sequence[Snapshot]) -> None:
+        """The timeline's moment as an upright line; the mouse moves it."""
+        playback = session.playback
+        moment = states[min(playback.replay_index, len(states) - 1)]
+        spec = implot.Spec()
+        spec.line_color = imgui.ImVec4(*COLOURS.text[:3], 0.7)
+        spec.line_weight = px(1.25)
+        implot.plot_inf_lines("###cursor", np.array([_time(moment)]), spec)
+        if implot.is_plot_hovered() and imgui.is_mouse_down(0):
+            wanted = implot.get_plot_mouse_pos().x
+            nearest = int(np.argmin(np.abs(_times(states) - wanted)))
+            session.queue(lambda: playback.scrub(nearest))
+
+
+def _time(moment: Snapshot) -> float:
+    return moment.step * moment.frame_skip / ENGINE_STEPS_PER_SECOND
+
+
+def _times(moments: Sequence[Snapshot]) -> np.ndarray:
+    return np.array([_time(moment) for moment in moments])

@@ -47,7 +47,9 @@ class StatusBar:
             typed = session.driver.typed
             return f"{session.hint}   size: {typed}" if typed else session.hint
         if session.mode is Mode.REPLAY:
-            return "Recorded episode.  , and . step,  Esc leaves"
+            return "Space plays it   , . step   I O loop   Enter starts here   Esc edits"
+        if session.playback.casting is not None:
+            return "Space pauses   T takes over   N next attempt   Backspace restarts   Esc edits"
         return "Space pauses   . , step   - = speed   Backspace restarts   Esc edits"
 
     def _fitted(self, words: str, room: float) -> str:

@@ -13,21 +13,25 @@ import numpy as np
 from jaxtyping import Array, UInt8
 from PIL import Image as Picture
 
-from editor.recording import ENGINE_STEPS_PER_SECOND, FRAME_SKIP
+from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.simulation.episode import start_state
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from kinetix.render.camera import Camera, fit_arena
+from kinetix.render.captions import caption, write_caption
 from kinetix.render.palette import PALETTES, Palette
 from kinetix.render.scene import draw
 from kinetix.render.style import STYLE, Style
 
 PIXELS: Final = 500
 """Side of an exported picture at 1× [px]."""
-STEPS_PER_SECOND: Final = ENGINE_STEPS_PER_SECOND / FRAME_SKIP
-"""Environment steps in a second of real time."""
+
+
+def steps_per_second(request: ExportFilm) -> float:
+    """Environment steps in a second of real time."""
+    return ENGINE_STEPS_PER_SECOND / request.trace.snapshots[0].frame_skip
 
 
 @functools.partial(jax.jit, static_argnums=(2, 3, 4, 5))
@@ -142,13 +146,30 @@ def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
     for k, snapshot in enumerate(chosen):
         progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
         state = _state(request.level, snapshot.state)
-        yield np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
+        frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
+        yield _captioned(frame, snapshot) if request.overlay else frame
+
+
+def _captioned(frame: np.ndarray, snapshot: Snapshot) -> np.ndarray:
+    mind = snapshot.mind
+    thinks = mind is not None and not mind.scripted
+    words = caption(
+        snapshot.step,
+        snapshot.action,
+        snapshot.outcome or "",
+        value=mind.value if mind is not None and thinks else None,
+        entropy=mind.entropy if mind is not None and thinks else None,
+    )
+    picture = Picture.fromarray(frame)
+    write_caption(picture, words)
+    return np.asarray(picture)
 
 
 def _write_gif(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
     pictures = [Picture.fromarray(frame).quantize(64) for frame in frames]
+    rate = steps_per_second(request)
     # GIF counts hundredths of a second: the times are rounded, their sum stays right.
-    moments = [round(k * request.stride * 100 / STEPS_PER_SECOND) for k in range(len(pictures) + 1)]
+    moments = [round(k * request.stride * 100 / rate) for k in range(len(pictures) + 1)]
     durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
     pictures[0].save(
         request.path,
@@ -171,7 +192,7 @@ def _write_mp4(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
     writer = imageio_ffmpeg.write_frames(
         str(request.path),
         (request.pixels, request.pixels),
-        fps=STEPS_PER_SECOND / request.stride,  # pyright: ignore[reportArgumentType]
+        fps=steps_per_second(request) / request.stride,  # pyright: ignore[reportArgumentType]
         macro_block_size=1,
     )
     writer.send(None)

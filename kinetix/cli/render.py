@@ -11,6 +11,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
+from kinetix.render.captions import caption, write_caption
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,8 +28,6 @@ TAIL: Final = 15
 """How often a film repeats its last frame, so that the end can be seen."""
 FRAME_RATE: Final = 30
 """Environment steps in a second, and pictures of a film."""
-KEYS: Final = (("left", "right"), ("up", "down"), ("W", "S"), ("A", "D"), ("1", ""), ("2", ""))
-"""The editor's keys for the entries of a unified action: positive, negative."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -50,7 +49,7 @@ class Render:
     seed: int = 0
     """Seed of the agent's draws."""
     overlay: bool = False
-    """Write step, controls and outcome on the picture."""
+    """Write step, value and entropy of the agent, controls and outcome on the picture."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,6 +62,10 @@ class Moment:
     """The unified action that led here: four motors, two thrusters."""
     outcome: str
     """won, lost, timeout, or nothing while the episode goes on."""
+    value: float | None = None
+    """What the player expected of the future before this step, where it has a network."""
+    entropy: float | None = None
+    """Of its policy then [nat]."""
 
 
 def run(command: Render) -> int:
@@ -140,11 +143,11 @@ def _episode(
     carry = player.policy.init_carry(1)
     decide = jax.jit(player.policy.decide)
     begins = jnp.ones(1, bool)
-    yield Moment(state=state, step=0, action=(0.0,) * len(KEYS), outcome="")
+    yield Moment(state=state, step=0, action=(), outcome="")
     for step in itertools.count(1):
         keys = jax.random.split(jax.random.fold_in(key, step), 1)
         seen = jax.tree.map(lambda x: x[None], observation)
-        actions, carry, _ = decide(player.params, carry, seen, keys, begins)
+        actions, carry, said = decide(player.params, carry, seen, keys, begins)
         begins = jnp.zeros(1, bool)
         chosen = jax.tree.map(lambda x: x[0], actions)
         action = jnp.asarray(next(recorded, chosen))
@@ -153,7 +156,15 @@ def _episode(
         outcome = ""
         if done:
             outcome = "won" if info["GoalR"] else "lost" if info["terminated"] else "timeout"
-        yield Moment(state=state, step=step, action=unified, outcome=outcome)
+        value, entropy = (float(said[n][0]) if n in said else None for n in ("value", "entropy"))
+        yield Moment(
+            state=state,
+            step=step,
+            action=unified,
+            outcome=outcome,
+            value=value,
+            entropy=entropy,
+        )
         if done:
             return
 
@@ -164,7 +175,14 @@ def _picture(moment: Moment, command: Render) -> "Image.Image":
 
     picture = Image.fromarray(_drawn(moment.state, command.pixels))
     if command.overlay:
-        _write_overlay(picture, moment)
+        words = caption(
+            moment.step,
+            moment.action,
+            moment.outcome,
+            value=moment.value,
+            entropy=moment.entropy,
+        )
+        write_caption(picture, words)
     return picture
 
 
@@ -189,22 +207,6 @@ def _drawn(state: "EnvState", pixels: int) -> "np.ndarray":
             height=pixels,
         )
     )
-
-
-def _write_overlay(picture: "Image.Image", moment: Moment) -> None:
-    from PIL import ImageDraw
-
-    draw = ImageDraw.Draw(picture, "RGBA")
-    size = max(picture.width // 36, 9)
-    held = [keys[value < 0] for keys, value in zip(KEYS, moment.action, strict=False) if value]
-    words = [f"step {moment.step}", *held, moment.outcome]
-    text = "  ".join(word for word in words if word)
-    box = draw.textbbox((size, size // 2), text, font_size=size)
-    margin = size // 3
-    draw.rectangle(
-        (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin), (0, 0, 0, 150)
-    )
-    draw.text((size, size // 2), text, fill=(255, 255, 255, 255), font_size=size)
 
 
 def _save_gif(path: Path, frames: list["Image.Image"]) -> None:

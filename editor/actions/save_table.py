@@ -1,0 +1,43 @@
+"""Writes the table of an evaluation to a file."""
+
+from pathlib import Path
+
+from editor.prompts import FileQuestion
+from editor.session import Session
+from kinetix.errors import CommandError
+from kinetix.level.atomic import write_atomically
+
+
+def ask_save(session: Session) -> None:
+    """Ask where the table shall go: `.csv`, or `.jsonl` with the lines of `kinetix eval`."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            save_table(session, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Save the table (.csv or .jsonl)",
+            folder=Path.cwd(),
+            name="evaluation.csv",
+            suffixes=(".csv", ".jsonl"),
+            answer=answer,
+        )
+    )
+
+
+def save_table(session: Session, path: Path) -> None:
+    """Write the table in the form that the file's ending asks for.
+
+    Raises:
+        CommandError: It has another ending.
+        LevelError: The file cannot be written.
+    """
+    evaluation = session.viewer.evaluation
+    texts = {".csv": evaluation.csv_text, ".jsonl": evaluation.json_lines}
+    suffix = path.suffix.lower()
+    if suffix not in texts:
+        raise CommandError(f"{path.name}: expected a name that ends in .csv or .jsonl")
+    write_atomically(path, texts[suffix]().encode())
+    session.toast(f"Wrote {path}", "success")

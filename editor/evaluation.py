@@ -1,0 +1,189 @@
+"""An evaluation as the window sees it: what is asked for, how far it is, the table."""
+
+import csv
+import dataclasses
+import io
+import json
+from collections.abc import Sequence
+from typing import Any, Final, Literal, TypeAlias
+
+from editor.jobs import Job, JobState, Worker
+from editor.requests import AgentSummary, Evaluate, EvaluatedLevel, Standing
+from kinetix.agents.results import LevelResult, summarise
+
+Column: TypeAlias = Literal["level", "solve_rate", "mean_return", "mean_length"]
+COLUMNS: Final[tuple[Column, ...]] = ("level", "solve_rate", "mean_return", "mean_length")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is to be played."""
+
+    agents: tuple[AgentSummary, ...]
+    levels: tuple[EvaluatedLevel, ...]
+    hashes: tuple[str, ...]
+    """`level_hash` of each level, for the records."""
+    attempts: int = 20
+    seed: int = 0
+    physics: str = "balanced"
+    deterministic: bool = False
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Row:
+    """One level of the table: a result an agent, None where there is none yet."""
+
+    level: int
+    """Index into the plan's levels."""
+    name: str
+    results: tuple[LevelResult | None, ...]
+
+
+class Evaluation:
+    """The last evaluation; it goes on whether or not its panel is on the screen."""
+
+    def __init__(self, worker: Worker) -> None:
+        self._worker = worker
+        self.plan: Plan | None = None
+        self.job: Job | None = None
+        self.standing: Standing | None = None
+        self.error = ""
+        self.cancelled = False
+        self.finished = 0
+        """Rises when an evaluation has come to its end."""
+
+    @property
+    def running(self) -> bool:
+        """Whether it is under way; a cancelled one is not, even if its thread still is."""
+        return self.job is not None and not self.job.finished and not self.cancelled
+
+    @property
+    def complete(self) -> bool:
+        """Whether every episode was played."""
+        return self.job is not None and self.job.state is JobState.DONE
+
+    def start(self, plan: Plan) -> None:
+        """Begin; one that is under way is cancelled."""
+        self.cancel()
+        self.plan, self.standing, self.error, self.cancelled = plan, None, "", False
+        request = Evaluate(
+            agents=tuple(agent.ref for agent in plan.agents),
+            levels=plan.levels,
+            attempts=plan.attempts,
+            seed=plan.seed,
+            physics=plan.physics,
+            deterministic=plan.deterministic,
+        )
+        self.job = self._worker.submit(request, title="Evaluating", done=self._done)
+
+    def cancel(self) -> None:
+        """Stop; what is known so far stays in the table."""
+        if self.running and self.job is not None:
+            self.job.cancel()
+            self.cancelled = True
+
+    def tick(self) -> None:
+        """Take what the worker knows so far; call it once a frame."""
+        if self.running and self.job is not None and self.job.partial is not None:
+            self.standing = self.job.partial
+
+    def _done(self, job: Job) -> None:
+        if job is not self.job:
+            return
+        if job.state is JobState.DONE:
+            self.standing = job.result
+            self.finished += 1
+        elif job.state is JobState.FAILED:
+            self.error = job.error
+
+    def rows(
+        self,
+        *,
+        sort: Column = "level",
+        agent: int = 0,
+        descending: bool = False,
+        wanted: str = "",
+    ) -> list[Row]:
+        """The table.
+
+        Args:
+            sort: By what; results that are not there yet come last.
+            agent: Whose results are sorted by.
+            descending: The largest first.
+            wanted: Only levels whose name contains this.
+        """
+        if self.plan is None:
+            return []
+        known = {
+            (score.agent, score.result.level): score.result
+            for score in (self.standing.scores if self.standing else ())
+        }
+        rows = [
+            Row(
+                level=index,
+                name=level.name,
+                results=tuple(known.get((k, level.name)) for k in range(len(self.plan.agents))),
+            )
+            for index, level in enumerate(self.plan.levels)
+            if wanted.lower() in level.name.lower()
+        ]
+        if sort == "level":
+            return sorted(rows, key=lambda row: row.name, reverse=descending)
+        with_result = [row for row in rows if row.results[agent] is not None]
+        without = [row for row in rows if row.results[agent] is None]
+        key = sort
+        with_result.sort(key=lambda row: getattr(row.results[agent], key), reverse=descending)
+        return with_result + without
+
+    def summary(self, agent: int) -> dict[str, Any] | None:
+        """The summary that `kinetix eval` prints last, once all levels of an agent are done."""
+        if self.plan is None or self.standing is None:
+            return None
+        results = self.results(agent)
+        if len(results) != len(self.plan.levels):
+            return None
+        name = self.plan.agents[agent].name
+        return summarise(results) | {"physics": self.plan.physics, "agent": name}
+
+    def results(self, agent: int) -> list[LevelResult]:
+        """An agent's results in the order in which the levels were asked for."""
+        if self.plan is None or self.standing is None:
+            return []
+        known = {s.result.level: s.result for s in self.standing.scores if s.agent == agent}
+        return [known[level.name] for level in self.plan.levels if level.name in known]
+
+    def json_lines(self) -> str:
+        """The lines that `kinetix eval --json` prints, an agent after the other."""
+        if self.plan is None:
+            return ""
+        lines: list[dict[str, Any]] = []
+        for agent in range(len(self.plan.agents)):
+            lines += [result.as_dict() for result in self.results(agent)]
+            summary = self.summary(agent)
+            if summary is not None:
+                lines.append(summary)
+        return "".join(json.dumps(line) + "\n" for line in lines)
+
+    def csv_text(self) -> str:
+        """A line an agent and level, with the reasons of failure."""
+        if self.plan is None:
+            return ""
+        out = io.StringIO()
+        rows: list[dict[str, Any]] = []
+        for agent, summary in enumerate(self.plan.agents):
+            rows += [
+                {"agent": summary.name} | result.as_dict() | {"failures": result.failures}
+                for result in self.results(agent)
+            ]
+        if rows:
+            writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+        return out.getvalue()
+
+
+def best(results: Sequence[LevelResult | None]) -> int | None:
+    """Which of several results is the best, or None when there is no single one."""
+    rates = [result.solve_rate if result else -1.0 for result in results]
+    top = max(rates, default=-1.0)
+    return rates.index(top) if top >= 0 and rates.count(top) == 1 else None

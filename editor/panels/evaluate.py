@@ -1,0 +1,382 @@
+"""The evaluation: which agents on which levels, how far it is, the table of solve rates."""
+
+import dataclasses
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import widgets
+from editor.actions import agents
+from editor.actions.save_table import ask_save
+from editor.evaluation import Column, Row, best
+from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
+from editor.panels.base import Panel
+from editor.physics import PHYSICS
+from editor.prompts import FileQuestion
+from editor.requests import SCRIPTED, AgentRef, AgentSummary
+from editor.widgets import px
+from kinetix.agents.results import EpisodeResult, LevelResult
+from kinetix.paths import levels_dir
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_OUTCOMES: Final[dict[str, tuple[str, Rgba]]] = {
+    "won": (Icons.good, COLOURS.good),
+    "lost": (Icons.skull, COLOURS.bad),
+    "timeout": (Icons.hourglass, COLOURS.warn),
+    "broken": (Icons.error, COLOURS.bad),
+}
+_SOURCES: Final = (
+    ("this", "The level in front"),
+    ("s", "The app's levels of size s"),
+    ("m", "The app's levels of size m"),
+    ("l", "The app's levels of size l"),
+    ("chosen", "What is chosen in the gallery"),
+    ("folder", "A folder…"),
+    ("set", "A file or level set…"),
+)
+_HEADS: Final[dict[Column, str]] = {
+    "level": "Level",
+    "solve_rate": "Solved",
+    "mean_return": "Return",
+    "mean_length": "Steps",
+}
+MOST_ATTEMPTS: Final = 1000
+
+
+@dataclasses.dataclass(kw_only=True)
+class _Form:
+    """What the panel's fields say."""
+
+    source: str = "this"
+    paths: tuple[str, ...] = ()
+    attempts: int = 20
+    seed: int = 0
+    physics: str = ""
+    """Empty: the one that is chosen for playing."""
+    scripted: tuple[str, ...] = ()
+    wanted: str = ""
+    sort: Column = "level"
+    sort_agent: int = 0
+    descending: bool = False
+    chosen: tuple[int, int] | None = None
+    """Level and agent whose attempts are on show."""
+
+
+def scripted_summary(name: str) -> AgentSummary:
+    """A scripted agent without asking the worker: it has nothing to load."""
+    return AgentSummary(
+        ref=AgentRef(path=name),
+        name=name,
+        description="",
+        observation="blind",
+        action="multi_discrete",
+        network="no network",
+        parameters=0,
+        recurrent=False,
+        capacity=None,
+        any_size=True,
+        physics="balanced",
+        frame_skip=2,
+        steps=None,
+        training="",
+        folder="",
+    )
+
+
+class EvaluatePanel(Panel):
+    """A form, a bar, a table; double-clicking a result opens one of its episodes."""
+
+    id, title, icon = "evaluate", "Evaluate", Icons.trophy
+
+    def __init__(self) -> None:
+        self._form = _Form()
+
+    def draw(self, session: "Session") -> None:
+        """Draw the form, then what is known."""
+        self._fields(session)
+        self._run(session)
+        evaluation = session.viewer.evaluation
+        if evaluation.error:
+            widgets.wrapped(evaluation.error, COLOURS.bad)
+        if evaluation.standing is not None:
+            for number, error in evaluation.standing.errors:
+                assert evaluation.plan is not None
+                name = evaluation.plan.agents[number].name
+                widgets.wrapped(f"{name}: {error}", COLOURS.bad)
+        if evaluation.plan is None:
+            widgets.small(
+                "Every agent plays every level several times; a row a level, a column an agent."
+            )
+            return
+        self._table(session)
+        self._attempts(session)
+
+    def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
+        scripted = tuple(scripted_summary(name) for name in self._form.scripted)
+        loaded = tuple(a for a in session.viewer.agents if a.ref.path not in self._form.scripted)
+        return (*loaded, *scripted)
+
+    def _fields(self, session: "Session") -> None:
+        form = self._form
+        imgui.set_next_item_width(px(210))
+        picked = widgets.choice(session, "evaluate.source", form.source, _SOURCES)
+        if picked is not None:
+            self._choose_source(session, picked)
+        widgets.tooltip("Levels", ", ".join(form.paths) or "What is played.")
+        imgui.same_line()
+        imgui.set_next_item_width(px(96))
+        changed, attempts = imgui.input_int("###attempts", form.attempts)
+        widgets.probe(session, "evaluate.attempts")
+        if changed:
+            form.attempts = min(max(attempts, 1), MOST_ATTEMPTS)
+        widgets.tooltip("Attempts", "Independent episodes for each level and agent.")
+        imgui.same_line()
+        imgui.set_next_item_width(px(96))
+        changed, seed = imgui.input_int("###seed", form.seed)
+        widgets.probe(session, "evaluate.seed")
+        if changed:
+            form.seed = max(seed, 0)
+        widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
+        imgui.same_line()
+        imgui.set_next_item_width(px(140))
+        options = [("", "Physics as chosen"), *((name, name) for name in PHYSICS)]
+        picked = widgets.choice(session, "evaluate.physics", form.physics, options)
+        form.physics = form.physics if picked is None else picked
+        names = [agent.name for agent in session.viewer.agents]
+        imgui.align_text_to_frame_padding()
+        widgets.muted(f"Agents: {', '.join(names) or 'none loaded'}")
+        for name in SCRIPTED:
+            imgui.same_line(0, px(12))
+            on = name in form.scripted
+            changed, on = widgets.checkbox(session, f"evaluate.{name}", name, on)
+            if changed:
+                kept = tuple(other for other in form.scripted if other != name)
+                form.scripted = (*kept, name) if on else kept
+
+    def _choose_source(self, session: "Session", picked: str) -> None:
+        form = self._form
+        form.source, form.paths = picked, ()
+        if picked in ("s", "m", "l"):
+            form.paths = (str(levels_dir() / picked),)
+        elif picked == "chosen":
+            form.paths = tuple(session.gallery.selection)
+            if not form.paths:
+                session.complain("Choose levels in the gallery first (Ctrl+G).")
+                form.source = "this"
+        elif picked in ("folder", "set"):
+            self._ask(session, folder=picked == "folder")
+
+    def _ask(self, session: "Session", *, folder: bool) -> None:
+        def answer(path: Path | None) -> None:
+            if path is None:
+                self._form.source = "this"
+            else:
+                self._form.paths = (str(path),)
+
+        session.ask(
+            FileQuestion(
+                purpose="folder" if folder else "open",
+                title="Folder of levels" if folder else "Level or level set",
+                folder=levels_dir(),
+                answer=answer,
+            )
+        )
+
+    def _run(self, session: "Session") -> None:
+        form, evaluation = self._form, session.viewer.evaluation
+        who = self._agents(session)
+        imgui.same_line(0, px(16))
+        if evaluation.running:
+            if widgets.button(session, "evaluate.cancel", "Cancel"):
+                session.queue(evaluation.cancel)
+            job = evaluation.job
+            fraction = job.fraction if job is not None and job.fraction is not None else 0.0
+            words = job.message if job is not None else ""
+            imgui.same_line()
+            imgui.progress_bar(fraction, (px(240), 0), words or "Starting …")
+            return
+        with widgets.disabled(not who):
+            pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
+        if pressed:
+            physics = form.physics or session.playback.physics
+            session.queue(
+                lambda: agents.start_evaluation(
+                    session,
+                    who,
+                    form.paths,
+                    attempts=form.attempts,
+                    seed=form.seed,
+                    physics=physics,
+                    deterministic=session.viewer.deterministic,
+                )
+            )
+            form.chosen = None
+        if evaluation.standing is not None:
+            imgui.same_line()
+            if widgets.button(session, "evaluate.save", "Save the table…"):
+                session.queue(lambda: ask_save(session))
+            widgets.tooltip("Save the table", "CSV, or the lines of kinetix eval --json.")
+            if evaluation.cancelled:
+                imgui.same_line()
+                widgets.muted("Cancelled; what was done stays.")
+
+    def _table(self, session: "Session") -> None:
+        form, evaluation = self._form, session.viewer.evaluation
+        plan = evaluation.plan
+        assert plan is not None
+        imgui.set_next_item_width(px(210))
+        _, form.wanted = imgui.input_text_with_hint("###wanted", "Filter levels", form.wanted)
+        widgets.probe(session, "evaluate.filter")
+        self._summary(session)
+        flags = (
+            imgui.TableFlags_.row_bg.value
+            | imgui.TableFlags_.scroll_y.value
+            | imgui.TableFlags_.sortable.value
+            | imgui.TableFlags_.resizable.value
+            | imgui.TableFlags_.borders_inner_h.value
+        )
+        count = len(plan.agents)
+        space = imgui.get_content_region_avail().y
+        below = px(74) if form.chosen is not None else 0.0
+        size = (0.0, max(space - below, px(90)))
+        if not imgui.begin_table("results", 1 + 3 * count, flags, size):
+            return
+        imgui.table_setup_scroll_freeze(1, 1)
+        imgui.table_setup_column(_HEADS["level"], imgui.TableColumnFlags_.default_sort.value)
+        for agent in plan.agents:
+            mark = f"  {agent.name}" if count > 1 else ""
+            for column in ("solve_rate", "mean_return", "mean_length"):
+                imgui.table_setup_column(f"{_HEADS[column]}{mark}###{agent.ref.path}{column}")
+        imgui.table_headers_row()
+        self._take_sorting()
+        rows = evaluation.rows(
+            sort=form.sort,
+            agent=form.sort_agent,
+            descending=form.descending,
+            wanted=form.wanted,
+        )
+        clipper = imgui.ListClipper()
+        clipper.begin(len(rows))
+        while clipper.step():
+            for index in range(clipper.display_start, clipper.display_end):
+                self._row(session, rows[index])
+        imgui.end_table()
+
+    def _summary(self, session: "Session") -> None:
+        evaluation = session.viewer.evaluation
+        assert evaluation.plan is not None
+        words = []
+        for number in range(len(evaluation.plan.agents)):
+            summary = evaluation.summary(number)
+            if summary is not None:
+                words.append(f"{summary['agent']}: {summary['mean_solve_rate']:.3f}")
+        if words:
+            imgui.same_line(0, px(14))
+            widgets.text(f"Mean solve rate   {'    '.join(words)}")
+
+    def _take_sorting(self) -> None:
+        wish = imgui.table_get_sort_specs()
+        if wish is None or not wish.specs_dirty or wish.specs_count == 0:
+            return
+        spec = wish.get_specs(0)
+        column = spec.column_index
+        form = self._form
+        form.descending = spec.get_sort_direction() == imgui.SortDirection.descending
+        if column == 0:
+            form.sort = "level"
+        else:
+            form.sort_agent, kind = divmod(column - 1, 3)
+            form.sort = ("solve_rate", "mean_return", "mean_length")[kind]
+        wish.specs_dirty = False
+
+    def _row(self, session: "Session", row: Row) -> None:
+        imgui.table_next_row()
+        imgui.table_next_column()
+        widgets.text(row.name)
+        winner = best(row.results)
+        for agent, result in enumerate(row.results):
+            imgui.table_next_column()
+            if result is None:
+                widgets.text("…", COLOURS.faint)
+                imgui.table_next_column()
+                imgui.table_next_column()
+                continue
+            self._rate(session, row, agent, result, winner)
+            imgui.table_next_column()
+            widgets.text(f"{result.mean_return:.3f}", COLOURS.muted)
+            imgui.table_next_column()
+            widgets.text(f"{result.mean_length:.1f}", COLOURS.muted)
+
+    def _rate(
+        self,
+        session: "Session",
+        row: Row,
+        agent: int,
+        result: LevelResult,
+        winner: int | None,
+    ) -> None:
+        """The solve rate with its interval; a click shows the attempts, two open one."""
+        low, high = result.bounds
+        words = f"{result.solve_rate:.2f}   {low:.2f}-{high:.2f}"
+        colour = COLOURS.text
+        if len(row.results) > 1 and winner is not None:
+            words = f"{'▲' if winner == agent else '▼'} {words}"
+            colour = COLOURS.good if winner == agent else COLOURS.muted
+        chosen = self._form.chosen == (row.level, agent)
+        with widgets.coloured(text=colour):
+            flags = imgui.SelectableFlags_.allow_double_click.value
+            pressed = imgui.selectable(f"{words}###{row.level}.{agent}", chosen, flags)[0]
+        widgets.probe(session, f"evaluate.{row.name}.{agent}")
+        detail = f"{result.solved} of {result.attempts} won"
+        if result.failures:
+            detail += f"; otherwise {result.failures}"
+        widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
+        if not pressed:
+            return
+        self._form.chosen = (row.level, agent)
+        if imgui.is_mouse_double_clicked(0):
+            session.queue(lambda: agents.open_attempt(session, row.level, agent, 0))
+
+    def _attempts(self, session: "Session") -> None:
+        """The attempts of the chosen result one by one; a click opens one."""
+        evaluation, chosen = session.viewer.evaluation, self._form.chosen
+        plan = evaluation.plan
+        if chosen is None or plan is None or evaluation.standing is None:
+            return
+        level, agent = chosen
+        if level >= len(plan.levels) or agent >= len(plan.agents):
+            return
+        name = plan.levels[level].name
+        result = next((r for r in evaluation.results(agent) if r.level == name), None)
+        if result is None:
+            return
+        with widgets.font(None, SMALL):
+            widgets.muted(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
+        right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+        for number, episode in enumerate(result.episodes):
+            if number and imgui.get_item_rect_max().x + px(26) < right:
+                imgui.same_line(0, px(3))
+            self._attempt(session, (level, agent, number), episode)
+
+    def _attempt(
+        self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
+    ) -> None:
+        icon, colour = _OUTCOMES[episode.outcome]
+        at, side = imgui.get_cursor_screen_pos(), px(23)
+        pressed = imgui.invisible_button(f"attempt{which}", (side, side))
+        widgets.probe(session, f"evaluate.attempt.{which[2]}")
+        draw = imgui.get_window_draw_list()
+        fill = 0.34 if imgui.is_item_hovered() else 0.16
+        high = (at.x + side, at.y + side)
+        draw.add_rect_filled((at.x, at.y), high, u32(alpha(colour, fill)), px(4))
+        with widgets.font(FONTS.regular, SMALL - 1):
+            extent = imgui.calc_text_size(icon)
+            place = (at.x + (side - extent.x) / 2, at.y + (side - extent.y) / 2)
+            draw.add_text(place, u32(colour), icon)
+        told = f"{episode.outcome} after {episode.length} steps"
+        widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
+        if pressed:
+            session.queue(lambda: agents.open_attempt(session, *which))

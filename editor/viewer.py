@@ -1,0 +1,108 @@
+"""What the agent viewer is set to: the two agents, their draws, the comparison, the evaluation."""
+
+import dataclasses
+from typing import Final, Literal, TypeAlias
+
+from editor.evaluation import Evaluation
+from editor.follower import Follower
+from editor.jobs import Worker
+from editor.playback import Simulator
+from editor.requests import AgentSummary, AgentView, Casting
+from editor.run_watch import RunWatch
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
+
+SlotName: TypeAlias = Literal["a", "b"]
+SLOTS: Final[tuple[SlotName, ...]] = ("a", "b")
+Compare: TypeAlias = Literal["off", "ghost", "side"]
+COMPARE_LABELS: Final[dict[Compare, str]] = {
+    "off": "Off",
+    "ghost": "Ghost",
+    "side": "Side by side",
+}
+
+
+@dataclasses.dataclass(kw_only=True)
+class AgentSlot:
+    """A place for an agent."""
+
+    path: str = ""
+    """What was asked for; empty: nothing."""
+    summary: AgentSummary | None = None
+    error: str = ""
+    """Why it could not be loaded; one sentence."""
+    loading: bool = False
+
+
+class Viewer:
+    """The agent viewer's state; panels and actions change it freely."""
+
+    def __init__(self, worker: Worker, evaluator: Worker, rival: Simulator) -> None:
+        self.slots: dict[SlotName, AgentSlot] = {name: AgentSlot() for name in SLOTS}
+        self.seed = 0
+        self.attempt = 0
+        self.deterministic = False
+        self.by_hand = False
+        """Whether a person has taken over until they hand back."""
+        self.compare: Compare = "off"
+        self.rival = Follower(rival)
+        self.evaluation = Evaluation(evaluator)
+        self.run = RunWatch(worker)
+        self.follow_run = True
+        """Whether the newest checkpoint of the watched run is played as soon as it is there."""
+        self.eye_open = False
+        """Whether the panel with the agent's view is on the screen."""
+        self.timeline_open = False
+        """Whether the timeline is on the screen: then contacts are noted for its marks."""
+        self.eye: AgentView | None = None
+        self.eye_of: object = None
+        """The moment that `eye` shows."""
+        self.eye_agent: AgentSummary | None = None
+        self.eye_pending = False
+        self.eye_error = ""
+        self.eye_stamp = 0
+        self.recorded = 0
+        """Evaluations whose results are kept already."""
+        self.compared_episode = -1
+        """The episode that the rival belongs to."""
+
+    def casting(self, slot: SlotName) -> Casting | None:
+        """The agent of a slot with its draws, or None when there is none."""
+        summary = self.slots[slot].summary
+        if summary is None:
+            return None
+        return Casting(
+            agent=summary.ref,
+            seed=self.seed,
+            attempt=self.attempt,
+            deterministic=self.deterministic,
+        )
+
+    @property
+    def agents(self) -> tuple[AgentSummary, ...]:
+        """The agents that are loaded, each once."""
+        found = [slot.summary for slot in self.slots.values() if slot.summary is not None]
+        return tuple(dict.fromkeys(found))
+
+
+def mismatch(summary: AgentSummary, level: Level) -> str:
+    """Why an agent cannot play a level, or a word of warning; empty when all is well."""
+    needs = capacity_of(level)
+    sizes = (needs.polygons, needs.circles, needs.joints, needs.thrusters)
+    trained = summary.capacity
+    if trained is None:
+        return ""
+    larger = [
+        f"{have} {name} (it knows {most})"
+        for have, most, name in zip(sizes, trained, _KINDS, strict=True)
+        if have > most
+    ]
+    if not larger:
+        return ""
+    needed = f"this level has {' and '.join(larger)}"
+    if summary.any_size:
+        return f"It can play, but {needed}."
+    return f"It cannot play this level: it sees one size only, and {needed}."
+
+
+_KINDS: Final = ("polygons with the arena", "circles", "joints", "thrusters")
