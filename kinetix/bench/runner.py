@@ -61,22 +61,34 @@ def spec_for(trials: Sequence[Trial], solver: AbstractSolver) -> SceneSpec:
     return SceneSpec(capacity=capacity, features=features)
 
 
-def _run(
-    trials: Sequence[Trial], spec: SceneSpec, solver: AbstractSolver, binary64: bool, every: int
-) -> list[Motion]:
-    capacity = spec.capacity
+def compiled_trials(
+    trials: Sequence[Trial], solver: AbstractSolver, spec: SceneSpec | None = None
+) -> tuple[SceneSpec, tuple[World, Control, Parameters], State]:
+    """The trials as numpy arrays with a leading axis: what is given, and the state at the start.
+
+    Args:
+        trials: Of any duration and time step.
+        solver: Provides the empty warm-start cache.
+        spec: Capacity and features; by default exactly what the trials need.
+    """
+    spec = spec or spec_for(trials, solver)
     scenes = [compile_level(trial.level, spec=spec, solver=solver) for trial in trials]
     worlds = [
         _switched_off(scene.world) if trial.inactive else scene.world
         for trial, scene in zip(trials, scenes, strict=True)
     ]
+    controls = [_control(trial, spec.capacity) for trial in trials]
+    given = _stacked(worlds), _stacked(controls), _stacked([_parameters(t) for t in trials])
+    return spec, given, _stacked([scene.state for scene in scenes])
+
+
+def _run(
+    trials: Sequence[Trial], spec: SceneSpec, solver: AbstractSolver, binary64: bool, every: int
+) -> list[Motion]:
+    capacity = spec.capacity
     convert = functools.partial(_converted, binary64=binary64)
-    state = convert(_stacked([scene.state for scene in scenes]))
-    given = (
-        convert(_stacked(worlds)),
-        convert(_stacked([_control(trial, capacity) for trial in trials])),
-        convert(_stacked([_parameters(trial) for trial in trials])),
-    )
+    _, given, state = compiled_trials(trials, solver, spec)
+    given, state = convert(given), convert(state)
     steps = -(-max(trial.steps for trial in trials) // every)
     recorded = _record(state, given, spec, solver, steps, every)
     start = (state.position, state.rotation, state.velocity, state.angular_velocity)
