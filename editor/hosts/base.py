@@ -21,8 +21,8 @@ class Renderer(TextureStore, Protocol):
         """Before `imgui.new_frame`."""
         ...
 
-    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> None:
-        """After `imgui.render`."""
+    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> bool:
+        """After `imgui.render`; returns whether the window shows anything new."""
         ...
 
     def shutdown(self) -> None:
@@ -80,8 +80,9 @@ class Host(abc.ABC):
         self._present()
         self.frame_count += 1
 
-    def _present(self) -> None:
-        self._renderer.present(*self.size, COLOURS.backdrop[:3])
+    def _present(self) -> bool:
+        """Draw the frame; whether it differs from the last one."""
+        return self._renderer.present(*self.size, COLOURS.backdrop[:3])
 
     @property
     def running(self) -> bool:

@@ -3,6 +3,7 @@
 import os
 
 from editor.hosts.pygame_host import PygameHost
+from editor.hosts.renderer import GlRenderer
 from editor.session import Session
 
 ENVIRONMENT = {
@@ -23,3 +24,7 @@ class OffscreenHost(PygameHost):
     ) -> None:
         os.environ.update(ENVIRONMENT)
         super().__init__(session, size=size, scale=scale, vsync=False)
+
+    def _make_renderer(self) -> GlRenderer:
+        self._pictures = GlRenderer(window_lasts=True)
+        return self._pictures

@@ -12,7 +12,6 @@ from imgui_bundle import imgui
 from PIL import Image
 
 from editor import events
-from editor.hosts import gl
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
 from editor.hosts.pygame_events import translate
@@ -114,11 +113,14 @@ class PygameHost(Host):
             ) from error
 
     def _make_renderer(self) -> GlRenderer:
-        return GlRenderer()
+        self._pictures = GlRenderer()
+        return self._pictures
 
-    def _present(self) -> None:
-        super()._present()
-        pygame.display.flip()
+    def _present(self) -> bool:
+        new = super()._present()
+        if new:
+            pygame.display.flip()
+        return new
 
     def poll(self, timeout: float = 0.0) -> list[events.InputEvent]:
         """What happened; waits up to `timeout` seconds for something to happen."""
@@ -132,6 +134,7 @@ class PygameHost(Host):
             self.size = pygame.display.get_window_size()
         if any(event.type == pygame.WINDOWEXPOSED for event in raw):
             self._awake = _SETTLE_FRAMES
+            self._pictures.invalidate()
         return batch
 
     def run(self) -> None:
@@ -175,8 +178,7 @@ class PygameHost(Host):
 
     def screenshot(self) -> np.ndarray:
         """The window as drawn last: uint8[height, width, 3], top row first."""
-        self._renderer.present(*self.size, COLOURS.backdrop[:3])
-        return gl.read_pixels(*self.size)
+        return self._pictures.pixels(*self.size, COLOURS.backdrop[:3])
 
     def save_screenshot(self, path: Path) -> None:
         """Write the last frame as a PNG file; its folder is made if need be."""

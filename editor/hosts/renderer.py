@@ -10,6 +10,8 @@ import numpy as np
 from imgui_bundle import imgui
 
 from editor.hosts import gl
+from editor.hosts.damage import DrawnList, Rect, area, damage, drawn_lists, intersection
+from kinetix.errors import KinetixError
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -20,26 +22,104 @@ class _Slot:
 
 
 class GlRenderer:
-    """Dear ImGui on OpenGL 3.3 core; needs a current context."""
+    """Dear ImGui on OpenGL 3.3 core; needs a current context.
 
-    def __init__(self) -> None:
+    Only what a frame changes is drawn, into a picture that lasts; that is copied into the window,
+    whose own content is undefined after every frame.
+    """
+
+    def __init__(self, *, window_lasts: bool = False) -> None:
+        """Start it.
+
+        Args:
+            window_lasts: Whether the window keeps what was drawn (an EGL pbuffer does): then the
+                picture and its copying are left out.
+        """
         imgui.backends.opengl3_init("#version 330")
         self._slots: dict[str, _Slot] = {}
+        self._canvas: gl.Canvas | None = None
+        self._keeps = True
+        self._window_lasts = window_lasts
+        self._size = (0, 0)
+        self._before: list[DrawnList] | None = None
+        self._touched: set[int] = set()
 
     def new_frame(self) -> None:
         """Prepare the device objects; before `imgui.new_frame`."""
         imgui.backends.opengl3_new_frame()
 
-    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> None:
-        """Clear the window and draw what `imgui.render` left.
+    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> bool:
+        """Draw what `imgui.render` left, as far as it differs from what the window shows.
 
         Args:
             width: Width of the framebuffer [px].
             height: Height of the framebuffer [px].
             colour: Background, 0 … 1 each.
+
+        Returns:
+            Whether anything differs.
         """
-        gl.clear(width, height, colour)
-        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+        data = imgui.get_draw_data()
+        canvas = None if self._window_lasts else self._canvas_of(width, height)
+        if canvas is None and not self._window_lasts:
+            gl.clear(width, height, colour)
+            imgui.backends.opengl3_render_draw_data(data)
+            return True
+        rects = self._differences(data, (width, height))
+        if rects == []:
+            return False
+        if canvas is not None:
+            canvas.bind()
+        if rects is None:
+            gl.clear(width, height, colour)
+            imgui.backends.opengl3_render_draw_data(data)
+        else:
+            for rect in rects:
+                left, top, right, bottom = map(int, rect)
+                gl.clear_part((left, top, right, bottom), height, colour)
+                _draw_part(data, rect)
+        if canvas is not None:
+            canvas.show()
+        return True
+
+    def _differences(self, data: imgui.ImDrawData, size: tuple[int, int]) -> list[Rect] | None:
+        """Where this frame differs from the one before; None: everywhere."""
+        # Textures that are not there yet have no number that could be compared.
+        complete = all(
+            texture.status != imgui.ImTextureStatus.want_create
+            for texture in imgui.get_platform_io().textures
+        )
+        lists = drawn_lists(data) if complete else None
+        rects = None
+        if self._before is not None and lists is not None and self._size == size:
+            rects = damage(self._before, lists, size, self._touched)
+        self._before, self._size = lists, size
+        self._touched.clear()
+        return rects
+
+    def invalidate(self) -> None:
+        """Draw everything in the next frame: the window has lost what it showed."""
+        self._before = None
+
+    def _canvas_of(self, width: int, height: int) -> gl.Canvas | None:
+        """The picture that lasts, as large as the window; None where there can be none."""
+        if not self._keeps or (self._canvas is not None and self._canvas.size == (width, height)):
+            return self._canvas
+        if self._canvas is not None:
+            self._canvas.delete()
+        self._before = self._canvas = None
+        try:
+            self._canvas = gl.Canvas(width, height)
+        except KinetixError:
+            self._keeps = False
+        return self._canvas
+
+    def pixels(self, width: int, height: int, colour: tuple[float, float, float]) -> np.ndarray:
+        """The last frame: uint8[height, width, 3], top row first; arguments as of `present`."""
+        self.present(width, height, colour)
+        if self._canvas is not None:
+            return self._canvas.pixels()
+        return gl.read_pixels(width, height)
 
     def texture(self, key: str, image: np.ndarray, stamp: int) -> imgui.ImTextureRef:
         """See `TextureStore.texture`."""
@@ -49,6 +129,7 @@ class GlRenderer:
             self._slots[key] = slot
         if slot.stamp != stamp or slot.shape != image.shape:
             gl.upload_texture(slot.name, image, resized=slot.shape != image.shape)
+            self._touched.add(slot.name)
             slot.shape, slot.stamp = image.shape, stamp
         return imgui.ImTextureRef(slot.name)
 
@@ -62,7 +143,25 @@ class GlRenderer:
         for slot in self._slots.values():
             gl.delete_texture(slot.name)
         self._slots.clear()
+        if self._canvas is not None:
+            self._canvas.delete()
         imgui.backends.opengl3_shutdown()
+
+
+def _draw_part(data: imgui.ImDrawData, rect: Rect) -> None:
+    """Draw only what lies within a rectangle [px]."""
+    # Only by index are they the commands themselves: going through the buffer gives copies.
+    commands = [one.cmd_buffer[k] for one in data.cmd_lists for k in range(one.cmd_buffer.size())]
+    clips = [command.clip_rect for command in commands]
+    kept = [(clip.x, clip.y, clip.z, clip.w) for clip in clips]
+    for command, clip in zip(commands, kept, strict=True):
+        shared = intersection(clip, rect)
+        # The renderer passes over commands whose rectangle is empty.
+        visible = shared if area(shared) > 0 else (0.0, 0.0, 0.0, 0.0)
+        command.clip_rect = imgui.ImVec4(*visible)
+    imgui.backends.opengl3_render_draw_data(data)
+    for command, clip in zip(commands, kept, strict=True):
+        command.clip_rect = imgui.ImVec4(*clip)
 
 
 class NullRenderer:
@@ -74,7 +173,7 @@ class NullRenderer:
     def new_frame(self) -> None:
         """Nothing to prepare."""
 
-    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> None:
+    def present(self, width: int, height: int, colour: tuple[float, float, float]) -> bool:
         """Tell Dear ImGui that its textures are where it wants them."""
         del width, height, colour
         for texture in imgui.get_platform_io().textures:
@@ -86,6 +185,7 @@ class NullRenderer:
             elif texture.status == imgui.ImTextureStatus.want_destroy:
                 texture.set_tex_id(0)
                 texture.status = imgui.ImTextureStatus.destroyed
+        return True
 
     def texture(self, key: str, image: np.ndarray, stamp: int) -> imgui.ImTextureRef:
         """See `TextureStore.texture`."""

@@ -1,0 +1,55 @@
+"""Run by test_damage.py: compares what partial drawing leaves with frames drawn whole."""
+
+import sys
+
+import numpy as np
+
+from editor.events import Pointer, PointerEvent
+from editor.hosts.bench import crowded_level
+from editor.hosts.offscreen import OffscreenHost
+from editor.hosts.renderer import GlRenderer
+from editor.jobs import Worker
+from editor.look import COLOURS
+from editor.session import Session
+from editor.settings import Settings
+
+LASTING = sys.argv[1] == "window"
+
+
+def refuse(request, progress):
+    raise AssertionError(f"{request} was asked of the worker by {progress}")
+
+
+class Host(OffscreenHost):
+    def _make_renderer(self):
+        self._pictures = GlRenderer(window_lasts=LASTING)
+        return self._pictures
+
+
+session = Session(settings=Settings(), level=crowded_level(), worker=Worker(perform=refuse))
+host = Host(session, size=(1000, 700))
+CHANGES = {
+    6: lambda: setattr(session, "selection", (3, 4, 5)),
+    9: lambda: session.queue("view.debug_draw"),
+    12: lambda: session.queue("app.help"),
+    16: lambda: setattr(session.view, "help", False),
+    18: lambda: session.queue("app.palette"),
+    21: lambda: setattr(session.view, "palette", False),
+    23: lambda: session.toast("A message"),
+    26: lambda: session.queue("edit.duplicate"),
+}
+for _ in range(12):
+    host.step((), 1 / 60)
+partial = different = 0
+for k in range(30):
+    CHANGES.get(k, lambda: None)()
+    at = (300 + 12 * k, 250 + 5 * k)
+    host.step([PointerEvent(kind=Pointer.MOVE, world=(0, 0), screen=at, button=0)], 1 / 60)
+    shown = host.screenshot()
+    host._pictures.invalidate()
+    whole = host._pictures.pixels(*host.size, COLOURS.backdrop[:3])
+    different += int((shown != whole).any())
+    partial += int(np.ptp(shown) > 0)
+host.close()
+session.worker.stop()
+sys.stdout.write(f"{different} {partial}\n")
