@@ -58,7 +58,6 @@ KNOWN_WEAKNESS = {
     ("jacobi", "half"): "a bounce takes the speed of the start of the step",
     ("jacobi", "chain"): "what one joint knows crosses one body an iteration",
     ("jacobi", "pendulum"): "first order in time",
-    ("direct+pgs", "heavy"): "eight sweeps do not carry a load of a hundred times the mass",
 }
 
 
