@@ -86,7 +86,7 @@ def write_arrays(directory: Path, tree: Tree) -> None:
     import orbax.checkpoint as ocp
 
     host = jax.tree.map(np.asarray, dict(tree))
-    with ocp.StandardCheckpointer() as checkpointer:
+    with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
         checkpointer.save(directory.resolve(), host)
     # It says where on this machine the arrays were written; nothing reads it.
     (directory / "commit_success.txt").unlink(missing_ok=True)
@@ -112,7 +112,7 @@ def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
     # Orbax and tensorstore raise whatever their file formats lead them to; here it is all the
     # same: these arrays cannot be read.
     try:
-        with ocp.StandardCheckpointer() as checkpointer:
+        with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
             metadata: Any = checkpointer.metadata(directory.resolve())
         stored = dict(flatten(metadata.item_metadata.tree))
     except Exception as error:
@@ -130,11 +130,26 @@ def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
                 f"expected {leaf.dtype}"
             )
     try:
-        with ocp.PyTreeCheckpointer() as checkpointer:
+        options = _alone()
+        handler = ocp.PyTreeCheckpointHandler(multiprocessing_options=options)
+        with ocp.Checkpointer(handler, multiprocessing_options=options) as checkpointer:
             as_numpy = jax.tree.map(lambda _: ocp.RestoreArgs(restore_type=np.ndarray), shapes)
-            return checkpointer.restore(directory.resolve(), restore_args=as_numpy)
+            wanted: Any = ocp.args.PyTreeRestore(restore_args=as_numpy)
+            return checkpointer.restore(directory.resolve(), wanted)
     except Exception as error:
         raise _damaged(directory, error) from None
+
+
+def _alone() -> Any:
+    """Options by which orbax waits for nobody: where several processes train, one of them writes."""
+    import orbax.checkpoint as ocp
+
+    if jax.process_count() == 1:
+        return ocp.options.MultiprocessingOptions()
+    here = jax.process_index()
+    return ocp.options.MultiprocessingOptions(
+        primary_host=here, active_processes={here}, barrier_sync_key_prefix=f"process_{here}"
+    )
 
 
 def check_inside(directory: Path) -> None:
