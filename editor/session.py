@@ -97,6 +97,8 @@ class View:
     palette: bool = False
     """The command palette."""
     help: bool = False
+    keys: bool = False
+    """The window in which keys are changed."""
     edit_arena: bool = False
     """Whether floor, walls and ceiling can be selected on the canvas."""
     layout_reset: bool = False
@@ -153,6 +155,8 @@ class Session:
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []
         self.log = Journal()
+        self.capture: Callable[[str], None] | None = None
+        """Takes the next chord that is pressed instead of its action (changing keys)."""
         self.held: set[str] = set()
         """Keys that are down."""
         self.cursor: tuple[float, float] | None = None

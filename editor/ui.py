@@ -21,6 +21,7 @@ from editor.panels.gallery import GalleryPage
 from editor.panels.help import HelpOverlay
 from editor.panels.history import HistoryPanel
 from editor.panels.inspector import Inspector
+from editor.panels.keys import KeysWindow
 from editor.panels.level import LevelPanel
 from editor.panels.log import LogPanel
 from editor.panels.menu import MenuBar
@@ -81,6 +82,7 @@ class Ui:
         self._dialogs = Dialogs()
         self._palette = CommandPalette()
         self._help = HelpOverlay()
+        self._keys_window = KeysWindow()
         self._gallery = GalleryPage(textures)
         self.panels: tuple[Panel, ...] = (
             Outliner(),
@@ -170,6 +172,7 @@ class Ui:
             self._dialogs.draw(session)
             self._palette.draw(session)
             self._help.draw(session)
+            self._keys_window.draw(session)
         with session.guard():
             actions.update(session, dt)
         if not gallery:
@@ -232,7 +235,7 @@ class Ui:
         session, io = self.session, imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
-        taken = io.want_text_input or popup
+        taken = (io.want_text_input or popup) and session.capture is None
         navigating = self._navigation(popup)
         for name, key in keys.IMGUI.items():
             if imgui.is_key_released(key):
@@ -242,14 +245,23 @@ class Ui:
             elif imgui.is_key_pressed(key, True):
                 repeat = not imgui.is_key_pressed(key, False)
                 event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
-                if name == "escape" and session.view.help:
-                    session.view.help = False
-                elif not taken and not (not modifiers.ctrl and name in navigating):
+                if name == "escape" and self._closes_overlay():
+                    continue
+                moves = name in navigating and not modifiers.ctrl and session.capture is None
+                if not taken and not moves:
                     actions.handle(session, event)
         if not taken and session.driver.active:
             typed = "".join(chr(code) for code in io.input_queue_characters)
             if typed:
                 actions.handle(session, events.TextEvent(text=typed))
+
+    def _closes_overlay(self) -> bool:
+        """Let Esc close the help or the keys' window; whether there was one to close."""
+        view = self.session.view
+        if self.session.capture is not None or not (view.help or view.keys):
+            return False
+        view.help = view.keys = False
+        return True
 
     def _navigation(self, popup: bool) -> frozenset[str]:
         """Keys that move between the fields of a panel now, so that they are not the app's.

@@ -23,6 +23,9 @@ from editor.session import Session
 from kinetix.errors import CommandError
 
 AUTOSAVE_SECONDS: Final = 30.0
+MODIFIER_KEYS: Final = frozenset(
+    f"{side} {name}" for side in ("left", "right") for name in ("ctrl", "shift", "alt", "meta")
+)
 OUTSIDE_SECONDS: Final = 2.0
 """How often the file in front is looked at for changes from outside."""
 
@@ -113,6 +116,10 @@ def _key(session: Session, event: KeyEvent) -> bool:
     session.modifiers = event.modifiers
     if not event.pressed:
         session.held.discard(event.key)
+        return True
+    if session.capture is not None:
+        if event.key not in MODIFIER_KEYS and not event.repeat:
+            session.capture(event.chord)
         return True
     session.held.add(event.key)
     if session.prompts:

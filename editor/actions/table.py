@@ -740,6 +740,14 @@ APP: Final = (
         run=view.switch("palette"),
     ),
     Action(
+        id="app.keys",
+        label="Change Keys…",
+        menu="Help",
+        tooltip="Other keys for commands, motors and thrusters.",
+        checked=view.is_on("keys"),
+        run=view.switch("keys"),
+    ),
+    Action(
         id="app.help",
         label="Keys and Help",
         menu="Help",

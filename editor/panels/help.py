@@ -69,6 +69,10 @@ class HelpOverlay:
     def _head(self, session: "Session") -> None:
         with widgets.font(FONTS.bold, 22):
             widgets.text(f"{Icons.controls}  Keys and gestures")
+        imgui.same_line(imgui.get_window_width() - px(200))
+        if widgets.button(session, "help.keys", "Change keys…"):
+            session.queue("app.help")
+            session.queue("app.keys")
         imgui.same_line(imgui.get_window_width() - px(58))
         if widgets.icon_button(session, "help.close", Icons.close):
             session.view.help = False

@@ -141,7 +141,7 @@ def entries(session: "Session") -> list[Entry]:
         Entry(
             label=action.label,
             group=action.menu,
-            keys=chord_label(action.keys[0]) if action.keys else "",
+            keys=chord_label(chosen[0]) if (chosen := actions.chords(session, action)) else "",
             run=lambda action=action: session.queue(action.id),
         )
         for action in actions.ACTIONS

@@ -382,3 +382,24 @@ def test_the_suites_scenes_are_examples(gui):
     for body in gui.level.bodies[1:]:
         x, y = gui.screen(*body.position)
         assert low[0] < x < low[0] + high[0] and low[1] < y < low[1] + high[1]
+
+
+def test_a_key_is_changed_with_the_mouse_and_the_keyboard(gui):
+    gui.session.queue("app.keys")
+    gui.frames(4)
+    gui.click("keys.search")
+    gui.text("circle")
+    gui.click("keys.tool.circle")
+    gui.key("r")
+    assert gui.session.tool.id == "select", "the key must not do what it did"
+    gui.click("keys.take")
+    gui.key("escape")
+    assert not gui.shows("keys.close")
+    gui.key("r")
+    assert gui.session.tool.id == "circle"
+    gui.session.queue("app.keys")
+    gui.frames(3)
+    gui.click("keys.reset_all")
+    gui.key("escape")
+    gui.key("r")
+    assert gui.session.tool.id == "rectangle"
