@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
 import jax
@@ -94,12 +94,18 @@ def _timed(run: Callable[..., Any], given: Any, batch: int, devices: int) -> Rat
     return Rate(steps_per_s=batch * steps / median, compile_s=compile_s, devices=devices)
 
 
-def speeds_of(
-    classes: Sequence[str], batches: Sequence[int], measure: Callable[[Trial, int], Rate]
-) -> list[dict[str, Any]]:
-    """A row for every class and batch: class, batch, steps per second, compile time, devices."""
-    return [
-        {"class": group, "batch": batch, **dataclasses.asdict(measure(speed_trial(group), batch))}
-        for group in classes
-        for batch in batches
-    ]
+def measure_scenes(
+    batches: Sequence[int], measure: Callable[[Trial, int], Rate | None]
+) -> Iterator[dict[str, Any]]:
+    """A row for every class and batch: `class`, `scene`, `batch` and the fields of `Rate`.
+
+    Args:
+        batches: Worlds stepped at once.
+        measure: Times an engine on a trial; None where it cannot say the scene.
+    """
+    for group, (scene, _) in SPEED_SCENES.items():
+        for batch in batches:
+            rate = measure(speed_trial(group), batch)
+            if rate is not None:
+                head = {"class": group, "scene": scene, "batch": batch}
+                yield head | dataclasses.asdict(rate)

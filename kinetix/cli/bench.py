@@ -2,6 +2,7 @@
 
 import dataclasses
 import json as json_module
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -27,6 +28,8 @@ class MeasureSpeed:
     """Folder of levels; by default the bundled ones."""
     specialised: bool = False
     """Compile each level for itself alone; the median over the levels counts."""
+    scenes: bool = False
+    """Time the bare step in scenes of the accuracy suite instead of levels."""
     json: bool = False
     """Print one JSON object a figure on stdout, and nothing else there."""
 
@@ -47,18 +50,80 @@ class MeasureAccuracy:
     """core, all, or ids such as B1,D5."""
     physics: str = "balanced"
     """Physics preset or solver."""
+    peer: str | None = None
+    """Another engine instead of ours, such as box2d; `make bench-peers` installs them."""
     json: bool = False
     """Print one JSON object a scene on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MeasurePeers:
+    """Speed of other engines and of ours, in turn, on levels; then their part of the chart."""
+
+    sizes: str = "s,m,l"
+    """Sizes, with commas between them; none leaves the levels out."""
+    batch: int = 1024
+    """Worlds of the environment step."""
+    physics: str = "balanced"
+    """Our physics preset or solver."""
+    levels: Path | None = None
+    """Folder of levels; by default the bundled ones."""
+    chart: str = "none"
+    """Peers whose errors and speeds in the suite's scenes are measured for the chart: names with
+    commas between them, defaults (each engine's), all (their other settings too) or none."""
+    results: Path = Path("bench")
+    """Folder for the measured rows."""
+    json: bool = False
+    """Print one JSON object a figure on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MeasureScaling:
+    """Steps per second and compile time against the number of bodies and of worlds."""
+
+    bodies: str = "8,16,32,64"
+    """Numbers of bodies, with commas between them; none leaves them out."""
+    worlds: str = "1,16,256,1024,4096"
+    """Numbers of worlds, with commas between them; none leaves them out."""
+    devices: str = "1,2"
+    """Numbers of host devices that the worlds are spread over."""
+    size: str = "m"
+    """Size of the levels of which there are many worlds."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    json: bool = False
+    """Print one JSON object a figure on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class DrawChart:
+    """Speed against error: measure our part, and draw it with what is stored of other engines."""
+
+    out: Path = Path("docs")
+    """Folder for chart.png and chart.json."""
+    results: Path = Path("bench")
+    """Folder of the measured rows."""
+    physics: str = "all"
+    """Whose speed is measured: presets and solvers with commas between them, all or none. Errors
+    are measured where the folder of rows has none."""
+    quick: bool = False
+    """Measure the presets with many worlds only."""
+    json: bool = False
+    """Print the chart's data on stdout, and nothing else there."""
 
 
 Bench = (
     Annotated[MeasureSpeed, tyro.conf.subcommand("speed")]
     | Annotated[MeasureRender, tyro.conf.subcommand("render")]
     | Annotated[MeasureAccuracy, tyro.conf.subcommand("accuracy")]
+    | Annotated[MeasurePeers, tyro.conf.subcommand("peers")]
+    | Annotated[MeasureScaling, tyro.conf.subcommand("scaling")]
+    | Annotated[DrawChart, tyro.conf.subcommand("chart")]
 )
+Command = MeasureSpeed | MeasureRender | MeasureAccuracy | MeasurePeers | MeasureScaling | DrawChart
 
 
-def run(command: MeasureSpeed | MeasureRender | MeasureAccuracy) -> int:
+def run(command: Command) -> int:
     """Measure and print one line a figure or scene.
 
     Raises:
@@ -66,10 +131,68 @@ def run(command: MeasureSpeed | MeasureRender | MeasureAccuracy) -> int:
     """
     if isinstance(command, MeasureAccuracy):
         return _accuracy(command)
-    rows = _speed(command) if isinstance(command, MeasureSpeed) else _render()
-    for row in rows:
+    if isinstance(command, DrawChart):
+        return _chart(command)
+    for row in _rows(command):
         print(json_module.dumps(row) if command.json else _text(row), flush=True)
     return 0
+
+
+def _rows(
+    command: MeasureSpeed | MeasureRender | MeasurePeers | MeasureScaling,
+) -> Iterable[dict[str, Any]]:
+    match command:
+        case MeasureSpeed():
+            return _scene_speed(command) if command.scenes else _speed(command)
+        case MeasurePeers():
+            return _peers(command)
+        case MeasureScaling():
+            return _scaling(command)
+    return _render()
+
+
+def _scene_speed(command: MeasureSpeed) -> Iterable[dict[str, Any]]:
+    batches = _integers("--batches", command.batches)
+    from kinetix.bench.scene_speed import measure_scenes, scene_speed
+    from kinetix.engine.presets import solver_named
+
+    solver = solver_named(command.physics)
+    return measure_scenes(batches, lambda trial, batch: scene_speed(trial, solver, batch))
+
+
+def _peers(command: MeasurePeers) -> Iterable[dict[str, Any]]:
+    from kinetix.bench.peers.levels import LevelSettings, measure_levels, ratios
+    from kinetix.bench.peers.store import chosen_peers, measure_for_chart
+
+    peers = chosen_peers(command.chart)
+    sizes = () if command.sizes == "none" else tuple(command.sizes.split(","))
+    settings = LevelSettings(
+        sizes=sizes, batch=command.batch, physics=command.physics, levels=command.levels
+    )
+    rows = []
+    for row in measure_levels(settings):
+        rows.append(row)
+        yield row
+    yield from ratios(rows)
+    for peer in peers:
+        yield from measure_for_chart(peer, command.results)
+
+
+def _scaling(command: MeasureScaling) -> Iterable[dict[str, Any]]:
+    bodies = _integers("--bodies", command.bodies)
+    worlds = _integers("--worlds", command.worlds)
+    devices = _integers("--devices", command.devices)
+    from kinetix.bench.scaling import ScalingSettings, measure_scaling
+
+    return measure_scaling(
+        ScalingSettings(
+            bodies=bodies,
+            worlds=worlds,
+            devices=devices,
+            size=command.size,
+            physics=command.physics,
+        )
+    )
 
 
 def _speed(command: MeasureSpeed) -> Iterable[dict[str, Any]]:
@@ -98,10 +221,17 @@ def _render() -> Iterable[dict[str, Any]]:
 
 def _accuracy(command: MeasureAccuracy) -> int:
     from kinetix.bench.accuracy import AccuracySettings, measure_accuracy
+    from kinetix.bench.peers.accuracy import measure_peer
+    from kinetix.bench.peers.catalogue import peer_named
     from kinetix.bench.report import scene_text, summary_text
 
+    if command.peer:
+        found = measure_peer(peer_named(command.peer), command.scenes)
+    else:
+        settings = AccuracySettings(scenes=command.scenes, physics=command.physics)
+        found = measure_accuracy(settings)
     rows = []
-    for row in measure_accuracy(AccuracySettings(scenes=command.scenes, physics=command.physics)):
+    for row in found:
         rows.append(row)
         print(json_module.dumps(row) if command.json else scene_text(row), flush=True)
     if not command.json:
@@ -109,7 +239,40 @@ def _accuracy(command: MeasureAccuracy) -> int:
     return 0
 
 
+def _chart(command: DrawChart) -> int:
+    from kinetix.bench.chart.build import (
+        BATCHES,
+        QUICK,
+        ChartSettings,
+        build_chart,
+        every_physics,
+        facet_text,
+    )
+    from kinetix.engine.presets import solver_named
+
+    physics = {"all": every_physics(), "none": ()}.get(
+        command.physics, tuple(command.physics.split(","))
+    )
+    for name in physics:
+        solver_named(name)
+    settings = ChartSettings(
+        out=command.out,
+        results=command.results,
+        physics=QUICK if command.quick else physics,
+        batches=BATCHES[-1:] if command.quick else BATCHES,
+    )
+    data = build_chart(settings, lambda text: print(text, file=sys.stderr, flush=True))
+    if command.json:
+        print(json_module.dumps(data))
+    else:
+        print("\n".join(facet_text(facet) for facet in data["facets"]))
+        print(settings.out / "chart.png")
+    return 0
+
+
 def _integers(option: str, text: str) -> tuple[int, ...]:
+    if text == "none":
+        return ()
     try:
         return tuple(int(part) for part in text.split(","))
     except ValueError:

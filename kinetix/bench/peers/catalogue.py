@@ -8,31 +8,40 @@ from kinetix.errors import KinetixError
 
 _JAX2D = Peer(
     name="jax2d",
+    family="jax2d",
     environment="jax2d",
     program="run_jax2d.py",
     settings={"iterations": 10, "substeps": 1},
+    compiled=True,
 )
 _BOX2D = Peer(
     name="box2d",
+    family="box2d",
     environment="box2d",
     program="run_box2d.py",
     settings={"iterations": [8, 3], "substeps": 1, "bullets": False},
 )
 _PYMUNK = Peer(
     name="pymunk",
+    family="pymunk",
     environment="pymunk",
     program="run_pymunk.py",
     settings={"iterations": 10, "substeps": 1},
 )
 _MUJOCO = Peer(
     name="mujoco",
+    family="mujoco",
     environment="mujoco",
     program="run_mujoco.py",
     settings={"substeps": 1},
 )
 
 KINETIX_ENV: Final = Peer(
-    name="kinetix-env", environment="jax2d", program="run_kinetix_env.py", settings={}
+    name="kinetix-env",
+    family="kinetix-env",
+    environment="jax2d",
+    program="run_kinetix_env.py",
+    settings={},
 )
 """The peer's environment: levels only."""
 NATIVE: Final = (_BOX2D, _PYMUNK)

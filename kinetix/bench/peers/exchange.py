@@ -29,7 +29,7 @@ def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, 
     """
     level = trial.level
     references = _references(level)
-    index = {reference: k for k, reference in enumerate(references)}
+    index: dict[BodyReference, int] = {each: k for k, each in enumerate(references)}
     model = inertia or level.inertia_model
     groups = _groups(level, index)
     return {
@@ -87,7 +87,7 @@ def motion_of(trial: Trial, rows: Float[np.ndarray, "k b 6"]) -> Motion:
 
 def _references(level: Level) -> list[BodyReference]:
     joined = {end for joint in level.joints for end in (joint.a, joint.b)}
-    arena = [
+    arena: list[BodyReference] = [
         name
         for name in ARENA_NAMES
         if name in joined or getattr(level.arena, name).collision != "ghost"

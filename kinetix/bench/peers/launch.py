@@ -27,12 +27,16 @@ class Peer:
 
     name: str
     """As it is printed."""
+    family: str
+    """The engine without its settings."""
     environment: str
     """Folder below `ENVIRONMENTS`."""
     program: str
     """File below `PROGRAMS`."""
     settings: Mapping[str, Any]
     """What its program is told."""
+    compiled: bool = False
+    """Whether it steps whole batches in one compiled program, or one world at a call."""
     own_inertia: bool = False
     """Moments of inertia by kinetix-env's rule instead of the true ones."""
 

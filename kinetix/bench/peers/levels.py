@@ -1,10 +1,6 @@
 """Speed on levels, other engines and ours in turn: where the documentation's ratios come from."""
 
 import dataclasses
-import json
-import os
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,6 +9,7 @@ from typing import Any, Final
 from kinetix.bench.peers.catalogue import KINETIX_ENV, NATIVE
 from kinetix.bench.peers.exchange import scene_of
 from kinetix.bench.peers.launch import Peer, ask
+from kinetix.bench.processes import host_devices, measured_apart
 from kinetix.bench.speed import level_files
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
@@ -130,21 +127,11 @@ def _kinetix_env(files: Sequence[Path], head: dict[str, Any], devices: int) -> d
 def _ours(folder: Path, head: dict[str, Any], physics: str, devices: int) -> dict[str, Any]:
     """Our own figures, from a new process: the number of devices is fixed when one starts."""
     observation = "symbolic_flat" if head["what"] == "env" else "none"
-    command = [
-        *(sys.executable, "-m", "kinetix", "bench", "speed", "--json"),
-        *("--sizes", head["size"], "--batches", str(head["batch"]), "--physics", physics),
-        *("--observation", observation, "--levels", str(folder)),
-    ]
-    done = subprocess.run(
-        command,
-        env={**os.environ, "JAX_PLATFORMS": "cpu", **host_devices(devices)},
-        capture_output=True,
-        text=True,
-        check=False,
+    (row,) = measured_apart(
+        *("speed", "--sizes", head["size"], "--batches", str(head["batch"])),
+        *("--physics", physics, "--observation", observation, "--levels", str(folder)),
+        devices=devices,
     )
-    if done.returncode:
-        raise KinetixError(f"kinetix bench speed: {done.stderr.strip()}")
-    row = json.loads(done.stdout)
     rate = row["env_steps_per_s" if head["what"] == "env" else "engine_steps_per_s"]
     return {
         "version": physics,
@@ -152,9 +139,3 @@ def _ours(folder: Path, head: dict[str, Any], physics: str, devices: int) -> dic
         "steps_per_s": rate,
         "compile_s": row["compile_s"],
     }
-
-
-def host_devices(count: int) -> dict[str, str]:
-    """Variables of a process that shall see so many devices on the CPU."""
-    flags = [flag for flag in os.environ.get("XLA_FLAGS", "").split() if "device_count" not in flag]
-    return {"XLA_FLAGS": " ".join([*flags, f"--xla_force_host_platform_device_count={count}"])}

@@ -1,0 +1,136 @@
+"""What the chart shows: one point an engine, class and batch size, from stored measurements."""
+
+import dataclasses
+import datetime
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from statistics import geometric_mean
+from typing import Any, Final
+
+from kinetix.bench.report import class_errors, scene_error
+from kinetix.scenes import SCENE_CLASSES, SCENES
+from kinetix.scenes.model import STEP
+
+OURS: Final = "kinetix"
+"""The family of our own engine."""
+ACCURACY: Final = "accuracy"
+"""Folder of results: rows of the suite, one file a physics of ours."""
+PEER_ACCURACY: Final = "peers"
+"""Folder of results: the same for other engines."""
+SPEED: Final = "scene_speed"
+"""Folder of results: speeds in the scenes of `kinetix.bench.scene_speed`, one file an engine."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Point:
+    """An engine with its settings, in one class and with one number of worlds."""
+
+    family: str
+    """The engine; `OURS` for ours."""
+    name: str
+    """Engine and settings; of ours the physics."""
+    group: str
+    """The class of scenes."""
+    batch: int
+    """Worlds stepped at once."""
+    speed: float
+    """Simulated seconds per second, of all worlds together."""
+    error: float
+    """Class error; of the class `robustness` the share of verdicts that are failures."""
+    failed: int
+    """How many of the core scenes fail."""
+    scenes: int
+    """How many core scenes there are verdicts for."""
+    devices: int = 1
+    measured: str = ""
+    """Day of the measurement of speed."""
+
+
+def file_name(name: str) -> str:
+    """An engine's name as the stem of a file."""
+    return re.sub(r"[^a-z0-9+]+", "-", name.lower()).strip("-")
+
+
+def read_points(results: Path) -> list[Point]:
+    """All points for which both error and speed have been measured.
+
+    Args:
+        results: The folder with the folders `ACCURACY`, `PEER_ACCURACY` and `SPEED`.
+    """
+    found = []
+    for file in sorted((results / SPEED).glob("*.jsonl")):
+        speeds = read_rows(file)
+        name, family = speeds[0]["name"], speeds[0]["family"]
+        folder = ACCURACY if family == OURS else PEER_ACCURACY
+        rows = results / folder / f"{file_name(name)}.jsonl"
+        if rows.exists():
+            found += points_of(speeds, read_rows(rows))
+    return found
+
+
+def read_rows(file: Path) -> list[dict[str, Any]]:
+    """A file of one JSON object a line."""
+    return [json.loads(line) for line in file.read_text().splitlines() if line]
+
+
+def write_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write one JSON object a line, as far as they come."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("w") as stream:
+        for row in rows:
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+
+
+def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Store the speeds of one engine; those in `rows` replace older ones of their batch sizes."""
+    file = results / SPEED / f"{file_name(name)}.jsonl"
+    head = {"family": family, "name": name, "measured": datetime.date.today().isoformat()}
+    fresh = [{**head, **row} for row in rows]
+    batches = {row["batch"] for row in fresh}
+    kept = [row for row in read_rows(file) if row["batch"] not in batches] if file.exists() else []
+    write_rows(file, [*kept, *fresh])
+
+
+def points_of(
+    speeds: Sequence[Mapping[str, Any]], rows: Sequence[Mapping[str, Any]]
+) -> list[Point]:
+    """The points of one engine.
+
+    The class `robustness` has no scene of its own to be timed in: its speed is the geometric mean
+    of the others', its error the share of failures among the verdicts of all core scenes.
+    """
+    errors = class_errors(rows)
+    core = [row for row in rows if SCENES[row["scene"]].core and scene_error(row) is not None]
+    verdicts = [each["verdict"] for row in core for each in row["metrics"] if each["verdict"]]
+    errors["robustness"] = verdicts.count("fail") / len(verdicts)
+    batches = dict.fromkeys(row["batch"] for row in speeds)
+    return [
+        Point(
+            family=speeds[0]["family"],
+            name=speeds[0]["name"],
+            group=group,
+            batch=batch,
+            speed=STEP * geometric_mean([row["steps_per_s"] for row in timed]),
+            error=errors[group],
+            failed=sum(row["verdict"] == "fail" for row in _within(core, group)),
+            scenes=len(_within(core, group)),
+            devices=max(row["devices"] for row in timed),
+            measured=speeds[0]["measured"],
+        )
+        for group in SCENE_CLASSES
+        for batch in batches
+        if group in errors and (timed := _timed(speeds, group, batch))
+    ]
+
+
+def _within(rows: Sequence[Mapping[str, Any]], group: str) -> list[Mapping[str, Any]]:
+    return [row for row in rows if group in (row["class"], "robustness")]
+
+
+def _timed(speeds: Sequence[Mapping[str, Any]], group: str, batch: int) -> list[Mapping[str, Any]]:
+    return [
+        row for row in speeds if row["batch"] == batch and group in (row["class"], "robustness")
+    ]

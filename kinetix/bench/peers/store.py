@@ -1,0 +1,40 @@
+"""Measures peers for the chart and keeps the rows where the chart finds them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from kinetix.bench.chart.build import BATCHES
+from kinetix.bench.chart.points import PEER_ACCURACY, file_name, write_rows, write_speeds
+from kinetix.bench.peers.accuracy import measure_peer
+from kinetix.bench.peers.catalogue import PEERS, SWEPT, peer_named
+from kinetix.bench.peers.launch import Peer
+from kinetix.bench.peers.scenes import measure_peer_scenes
+
+
+def chosen_peers(text: str) -> tuple[Peer, ...]:
+    """The peers that a command line means: names, `defaults`, `all` or `none`.
+
+    Of `defaults` and `all`, those that are not installed are left out.
+
+    Raises:
+        KinetixError: A name is unknown.
+    """
+    groups = {"none": (), "defaults": PEERS, "all": (*PEERS, *SWEPT)}
+    if text in groups:
+        return tuple(peer for peer in groups[text] if peer.installed)
+    return tuple(peer_named(name.strip()) for name in text.split(","))
+
+
+def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
+    """Errors where there are none yet, speeds anew; yields the rows of speed as they are stored.
+
+    Raises:
+        KinetixError: The peer is not installed or its program failed.
+    """
+    errors = results / PEER_ACCURACY / f"{file_name(peer.name)}.jsonl"
+    if not errors.exists():
+        write_rows(errors, list(measure_peer(peer, "core")))
+    rows = list(measure_peer_scenes(peer, BATCHES))
+    write_speeds(results, peer.name, peer.family, rows)
+    yield from ({"engine": peer.name, **row} for row in rows)
