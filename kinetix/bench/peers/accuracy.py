@@ -12,6 +12,8 @@ from kinetix.scenes import SuiteScene, scenes_named
 
 UNSAID: Final = "cannot be said"
 """What stands for the metric of a scene that an engine has no words for."""
+COMPARED: Final = ("I7", "R1", "R2")
+"""Scenes whose trials are judged together: all or none."""
 
 
 def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
@@ -51,7 +53,7 @@ def judged(scene: SuiteScene, answer: Answer) -> Sequence[Metric]:
         return [Metric(name="not run on other engines", unit="1", value=None)]
     trials = scene.make_trials()
     said = [k for k in range(len(trials)) if f"{scene.id}/{k}" in answer.motions]
-    if not said:
+    if not said or (scene.id in COMPARED and len(said) < len(trials)):
         return [Metric(name=UNSAID, unit="1", value=None)]
     motions = [motion_of(trials[k], answer.motions[f"{scene.id}/{k}"]) for k in said]
     found = JUDGES[scene.id](motions)
