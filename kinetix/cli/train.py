@@ -34,6 +34,13 @@ class Common:
     """Fine-tune this agent instead of starting from nothing."""
     dummy_env: bool = False
     """An environment that does nothing, to debug training code quickly."""
+    coordinator: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    """Train together with other machines: where the first of them is reached, or `auto` under a
+    scheduler that tells. Every machine is given the same command and a directory that all share."""
+    num_processes: int | None = None
+    """How many processes train together."""
+    process_id: int | None = None
+    """Which of them this is, from 0."""
 
 
 def _arguments(algorithm: str) -> type[Common]:
@@ -69,14 +76,19 @@ Train: Any = Union[  # noqa: UP007 (made at run time)
 def run(command: Common) -> int:
     """Train to the end; 0 when that is reached."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    import jax
-
     from kinetix.agents.agent import load_agent
+    from kinetix.training.devices import is_leader, join
     from kinetix.training.memory import estimate
     from kinetix.training.run import train
     from kinetix.training.settings import make_config
     from kinetix.training.setup import make_setup
 
+    if command.coordinator is not None:
+        join(
+            command.coordinator,
+            num_processes=command.num_processes,
+            process_id=command.process_id,
+        )
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
     own = {field.name for field in dataclasses.fields(Common)}
     values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
@@ -91,17 +103,27 @@ def run(command: Common) -> int:
     config = make_config(
         algorithm, preset=command.preset, file=command.config, values=values, run=command.out
     )
-    need = estimate(make_setup(config, gradient_steps=1, teacher=teacher))
+    if is_leader():
+        _announce(
+            algorithm, config, estimate(make_setup(config, gradient_steps=1, teacher=teacher))
+        )
+    last = train(algorithm, config, command.out, teacher=teacher, report=_report)
+    if is_leader():
+        print(last)
+    return 0
+
+
+def _announce(algorithm: str, config: Any, need: Any) -> None:
+    import jax
+
+    devices = jax.devices()
     print(
-        f"{algorithm} on {config.size}, {config.physics}, {jax.devices()[0].platform}: "
+        f"{algorithm} on {config.size}, {config.physics}, {len(devices)} × {devices[0].platform}: "
         f"{config.num_updates} updates of {config.steps_per_update} steps; about "
         f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
         f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})",
         file=sys.stderr,
     )
-    last = train(algorithm, config, command.out, teacher=teacher, report=_report)
-    print(last)
-    return 0
 
 
 def _like(card: Any) -> dict[str, Any]:

@@ -112,6 +112,8 @@ class PpoConfig:
     """How many filtered random levels to evaluate on besides."""
     checkpoint_save_freq: int = 512
     """Updates between two checkpoints; the last update makes one in any case."""
+    wandb_project: str = ""
+    """Send metrics to this project of Weights & Biases too (needs the extra `wandb`)."""
 
     @property
     def num_updates(self) -> int:
@@ -272,6 +274,7 @@ RESUMABLE = frozenset(
         "eval_num_attempts",
         "eval_sampled_levels",
         "checkpoint_save_freq",
+        "wandb_project",
     }
 )
 """Fields that may change when a run goes on: they do not alter what has been learnt so far."""

@@ -1,11 +1,15 @@
-"""Where metrics go: JSON lines, CSV and TensorBoard events in the run's own directory."""
+"""Where metrics go: files in the run's own directory, and services where they are asked for."""
 
 import csv
 import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
+
+from kinetix.level.atomic import write_atomically
+from kinetix.training.config import PpoConfig
+from kinetix.training.settings import as_table
 
 JSONL: Final = "metrics.jsonl"
 CSV: Final = "metrics.csv"
@@ -14,6 +18,37 @@ UPDATE: Final = "timing/num_updates"
 """Column that counts updates; a run that goes on drops the rows after its checkpoint by it."""
 STEPS: Final = "timing/num_env_steps"
 """Column that counts environment steps; TensorBoard's axis."""
+
+
+class Sink(Protocol):
+    """Something that takes metrics."""
+
+    def write(self, metrics: Mapping[str, float]) -> None:
+        """Take the metrics of one update, by name; those that count are among them."""
+        ...
+
+    def close(self) -> None:
+        """Write out what is buffered."""
+        ...
+
+
+def open_sinks(run: Path, config: PpoConfig, *, updates: int = 0) -> list[Sink]:
+    """The run's own files, and what the configuration asks for besides.
+
+    Args:
+        run: The run's directory.
+        config: The configuration.
+        updates: How many updates are done; the run goes on from there.
+
+    Raises:
+        KinetixError: A service was asked for whose extra is not installed.
+    """
+    sinks: list[Sink] = []
+    if config.wandb_project:
+        from kinetix.training.wandb import WandbSink
+
+        sinks.append(WandbSink(run, config.wandb_project, as_table(config)))
+    return [MetricsLog(run, updates=updates), *sinks]
 
 
 class MetricsLog:
@@ -37,7 +72,8 @@ class MetricsLog:
         rows = [row for row in read_metrics(run) if row.get(UPDATE, 0) <= updates]
         self._columns = _columns(rows)
         text = "".join(json.dumps(row) + "\n" for row in rows)
-        self._path.write_text(text, encoding="utf-8")
+        # In one piece: a kill in between must not cost the rows of a whole training.
+        write_atomically(self._path, text.encode())
         self._rewrite_csv(rows)
         purge = int(rows[-1][STEPS]) + 1 if rows else 0
         self._board = SummaryWriter(str(run / TENSORBOARD), purge_step=purge)

@@ -1,12 +1,13 @@
 """A training run: a directory that can be stopped at any moment and goes on where it was."""
 
+import contextlib
 import dataclasses
 import importlib.metadata
 import json
 import math
 import shutil
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -20,11 +21,13 @@ from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run, write_check
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
 from kinetix.errors import KinetixError
+from kinetix.level.atomic import write_atomically
 from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
+from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
-from kinetix.training.logging import STEPS, UPDATE, MetricsLog
+from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.settings import CONFIG, dumps_config, loads_config, make_config
 from kinetix.training.setup import Setup
@@ -101,7 +104,9 @@ def train(
         KinetixError: The directory holds a run with another configuration; the sentence says where
             they differ.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    if is_leader():
+        out.mkdir(parents=True, exist_ok=True)
+    wait_for_all("the directory is there")
     _check_same_run(out, algorithm, config)
     trainer = make_trainer(config, teacher)
     progress = _Progress(updates=0, seconds=0.0)
@@ -111,12 +116,16 @@ def train(
     else:
         state = load_state(newest, jax.eval_shape(trainer.start))
         progress = msgspec.json.decode((newest / PROGRESS).read_bytes(), type=_Progress)
-    (out / CONFIG).write_text(dumps_config(algorithm, config), encoding="utf-8")
-    log = MetricsLog(out, updates=progress.updates)
-    try:
-        state, progress = _loop(algorithm, trainer, state, progress, out, log, report)
-    finally:
-        log.close()
+    wait_for_all("everybody has read what is there")
+    with contextlib.ExitStack() as stack:
+        sinks: list[Sink] = []
+        if is_leader():
+            _sweep(out)
+            write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
+            sinks = open_sinks(out, config, updates=progress.updates)
+        for sink in sinks:
+            stack.callback(sink.close)
+        state, progress = _loop(algorithm, trainer, state, progress, out, sinks, report)
     return out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update)
 
 
@@ -133,7 +142,7 @@ def _loop(
     state: Any,
     progress: _Progress,
     out: Path,
-    log: MetricsLog,
+    sinks: Sequence[Sink],
     report: Callable[[Report], None] | None,
 ) -> tuple[Any, _Progress]:
     config = trainer.setup.config
@@ -150,10 +159,11 @@ def _loop(
         if config.eval_freq and (done % config.eval_freq == 0 or last):
             numbers |= evaluation(_agent(algorithm, trainer, state, progress, {}))
         numbers |= _timing(config, progress, took)
-        log.write(numbers)
+        for sink in sinks:
+            sink.write(numbers)
         if done % config.checkpoint_save_freq == 0 or last:
             _save(algorithm, trainer, state, progress, out, numbers)
-        if report is not None:
+        if report is not None and is_leader():
             report(_report(config, progress, took, numbers))
     return state, progress
 
@@ -202,10 +212,10 @@ def _agent(
         name=f"{algorithm}-{config.size}-{steps}",
         description=f"{algorithm} on {config.level_mode} levels of size {config.size}",
         training=training,
-        normalisation=to_card(state.statistics),
+        normalisation=to_card(to_host(state.statistics)),
         results={k: v for k, v in results.items() if k.startswith("eval") and math.isfinite(v)},
     )
-    return Agent(card, state.learner.params["params"])
+    return Agent(card, to_host(state.learner.params["params"]))
 
 
 def _save(
@@ -217,10 +227,13 @@ def _save(
     results: Mapping[str, float],
 ) -> None:
     agent = _agent(algorithm, trainer, state, progress, results)
+    host = to_host(state)
+    if not is_leader():
+        return
     steps = progress.updates * trainer.setup.config.steps_per_update
 
     def beside(directory: Path) -> None:
-        save_state(directory, state)
+        save_state(directory, host)
         (directory / PROGRESS).write_bytes(msgspec.json.encode(progress))
 
     target = out / RUN_CHECKPOINTS / str(steps)
@@ -238,11 +251,21 @@ def _newest_with_state(out: Path) -> Path | None:
     return None
 
 
+def _sweep(out: Path) -> None:
+    """Remove what kills have left half written."""
+    for folder in (out, out / RUN_CHECKPOINTS):
+        for path in folder.glob(".*.tmp"):
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink(missing_ok=True)
+
+
 def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
     """Refuse to go on with a run under other hyper-parameters than it began with."""
     path = out / CONFIG
     if not path.is_file():
-        if any(out.iterdir()):
+        if any(not entry.name.startswith(".") for entry in out.iterdir()):
             raise KinetixError(f"{out}: is not empty and holds no training run")
         return
     name, values = loads_config(path.read_text(encoding="utf-8"), str(path))

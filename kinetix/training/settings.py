@@ -125,6 +125,15 @@ def dumps_config(algorithm: str, config: PpoConfig) -> str:
     return "\n".join(lines) + "\n"
 
 
+def as_table(config: PpoConfig) -> dict[str, Any]:
+    """A configuration as plain values by name, the network's options under `network`.
+
+    Args:
+        config: The configuration.
+    """
+    return dataclasses.asdict(config)
+
+
 def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
     """The inverse of `dumps_config`, as values for `make_config`.
 

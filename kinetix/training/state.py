@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from kinetix.agents.arrays import read_arrays, write_arrays
@@ -18,7 +17,7 @@ def save_state(directory: Path, state: Any) -> None:
 
     Args:
         directory: The checkpoint; `state/` is made in it.
-        state: Any pytree of arrays.
+        state: Any pytree of numpy arrays.
     """
     leaves = jax.tree.leaves(state)
     write_arrays(directory / STATE, {_name(index): leaf for index, leaf in enumerate(leaves)})
@@ -31,6 +30,9 @@ def load_state(directory: Path, like: Any) -> Any:
         directory: The checkpoint.
         like: A state of the same structure, or its shapes.
 
+    Returns:
+        The state as numpy arrays, which are the same in all processes that train together.
+
     Raises:
         CheckpointError: It is damaged, or has another structure.
     """
@@ -40,9 +42,7 @@ def load_state(directory: Path, like: Any) -> Any:
         for index, leaf in enumerate(leaves)
     }
     arrays = read_arrays(directory / STATE, shapes)
-    return jax.tree.unflatten(
-        structure, [jnp.asarray(arrays[_name(index)]) for index in range(len(leaves))]
-    )
+    return jax.tree.unflatten(structure, [arrays[_name(index)] for index in range(len(leaves))])
 
 
 def _name(index: int) -> str:

@@ -2,10 +2,14 @@
 
 import csv
 import json
+import sys
+from types import SimpleNamespace
 
 import pytest
 
-from kinetix.training.logging import MetricsLog, read_metrics
+from kinetix.errors import KinetixError
+from kinetix.training.config import PpoConfig
+from kinetix.training.logging import MetricsLog, open_sinks, read_metrics
 
 
 def _row(update, **more):
@@ -46,3 +50,43 @@ def test_a_line_that_a_kill_cut_off_is_left_out(run):
     assert len(read_metrics(run)) == 3
     MetricsLog(run, updates=3).close()
     assert len(path.read_text().splitlines()) == 3
+
+
+class _Service:
+    """Stands in for the package wandb: remembers what it was told."""
+
+    def __init__(self):
+        self.runs, self.rows, self.finished = [], [], 0
+
+    def init(self, **options):
+        self.runs.append(options)
+        return SimpleNamespace(
+            define_metric=lambda *_, **__: None, log=self.rows.append, finish=self._finish
+        )
+
+    def _finish(self):
+        self.finished += 1
+
+
+def test_a_service_gets_the_same_rows_and_the_run_keeps_its_name_there(tmp_path, monkeypatch):
+    service = _Service()
+    monkeypatch.setitem(sys.modules, "wandb", service)
+    config = PpoConfig(wandb_project="mine", gamma=0.9)
+    for updates in (0, 1):
+        sinks = open_sinks(tmp_path, config, updates=updates)
+        for sink in sinks:
+            sink.write(_row(updates + 1, a=0.5, b=float("inf")))
+            sink.close()
+    assert service.rows == [_row(1, a=0.5), _row(2, a=0.5)] == read_metrics(tmp_path)
+    first, second = service.runs
+    assert (first["project"], first["config"]["gamma"]) == ("mine", 0.9)
+    assert first["id"] == second["id"]
+    assert second["resume"] == "allow"
+    assert service.finished == 2
+
+
+def test_without_the_extra_one_sentence_names_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "wandb", None)
+    with pytest.raises(KinetixError, match=r"pip install 'kinetix-editor\[wandb\]'"):
+        open_sinks(tmp_path, PpoConfig(wandb_project="mine"))
+    assert len(open_sinks(tmp_path, PpoConfig())) == 1

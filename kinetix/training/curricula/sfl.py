@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from kinetix.agents.agent import Agent
@@ -273,7 +274,8 @@ def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
             f"num_to_save = {config.num_to_save}"
         )
     states = [level_state(level.source, setup.env.static_env_params) for level in levels]
-    return stack_states(states)
+    # On the host, where every process that trains has the same.
+    return jax.tree.map(np.asarray, stack_states(states))
 
 
 def _add(tally: Tally, picked: Int[Array, " d"], trajectory: Trajectory) -> Tally:

@@ -1,0 +1,63 @@
+"""Metrics for Weights & Biases, for those who have an account there and ask for it."""
+
+import importlib
+import math
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from kinetix.errors import KinetixError
+from kinetix.training.logging import STEPS
+
+RUN_ID: Final = "wandb.id"
+"""File in the run's directory that names the run there, so that it goes on as the same one."""
+
+
+class WandbSink:
+    """Sends one row an update; nothing of the run depends on it."""
+
+    def __init__(self, run: Path, project: str, configuration: Mapping[str, Any]) -> None:
+        """Begin the run there, or go on with it.
+
+        Args:
+            run: The run's directory.
+            project: Name of the project there.
+            configuration: All hyper-parameters.
+
+        Raises:
+            KinetixError: The package is not installed.
+        """
+        try:
+            wandb: Any = importlib.import_module("wandb")
+        except ImportError:
+            raise KinetixError(
+                "wandb_project: the package wandb is missing; pip install 'kinetix-editor[wandb]'"
+            ) from None
+        known = run / RUN_ID
+        if not known.is_file():
+            known.write_text(uuid.uuid4().hex[:12], encoding="utf-8")
+        self._run = wandb.init(
+            project=project,
+            name=run.name,
+            dir=str(run),
+            id=known.read_text(encoding="utf-8"),
+            resume="allow",
+            config=dict(configuration),
+        )
+        # Rows that are made again after a kill carry the same number of steps, and an axis of our
+        # own takes them where the service's counter refuses.
+        self._run.define_metric("*", step_metric=STEPS)
+
+    def write(self, metrics: Mapping[str, float]) -> None:
+        """Send a row; numbers that are not finite are left out.
+
+        Args:
+            metrics: By name.
+        """
+        row = {name: value for name, value in metrics.items() if math.isfinite(value)}
+        self._run.log(row)
+
+    def close(self) -> None:
+        """Send what is buffered."""
+        self._run.finish()
