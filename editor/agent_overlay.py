@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.commands.bodies import posed
-from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
+from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.marks import arrow
 from editor.recording import Mind, Snapshot
 from editor.vectors import Painter, Placement, poses_of
@@ -138,6 +138,8 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top:
         return
     lines: list[tuple[str, Rgba]] = []
     who = playback.player or "You"
+    if session.viewer.other_physics:
+        who = f"{who}, {playback.physics}"
     draws = ""
     if playback.casting is not None:
         casting = playback.casting
@@ -148,7 +150,7 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top:
         lines.append((draws, COLOURS.muted))
     if other is not None:
         difference = snapshot.total_reward - other.total_reward
-        sign = "▲" if difference > 0.005 else "▼" if difference < -0.005 else "="
+        sign = Icons.worse if difference > 0.005 else Icons.better if difference < -0.005 else "="
         ended = f"  {other.outcome}" if other.outcome else ""
         words = f"{rival.player}    return {other.total_reward:+.2f}{ended}   {sign}"
         lines.append((words, COLOURS.info))

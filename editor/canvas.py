@@ -98,7 +98,7 @@ class Canvas:
     def _split(self, session: "Session") -> None:
         """Give the left half to one player and the right half to the other, or all to one."""
         rival = session.viewer.rival
-        wanted = not session.editing and session.viewer.compare == "side" and rival.active
+        wanted = not session.editing and session.viewer.arrangement == "side" and rival.active
         if wanted and self._before_split is None:
             self._before_split = session.camera
         elif not wanted and self._before_split is not None:
@@ -251,6 +251,8 @@ class Canvas:
         draw.add_line(low, (low[0], high[1]), u32(COLOURS.line), px(2))
         draw.pop_clip_rect()
         names = (session.playback.player or "You", session.viewer.rival.player)
+        if session.viewer.other_physics:
+            names = (session.playback.physics, session.viewer.other_physics)
         with font(FONTS.bold, TEXT):
             for name, left in zip(names, (x, low[0]), strict=True):
                 extent = imgui.calc_text_size(name)

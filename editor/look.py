@@ -148,4 +148,7 @@ class Icons:
     duplicate = fa.ICON_FA_CLONE
     reorder = fa.ICON_FA_LAYER_GROUP
     agent = fa.ICON_FA_ROBOT
+    better = fa.ICON_FA_CARET_UP
+    worse = fa.ICON_FA_CARET_DOWN
+    beside = fa.ICON_FA_TABLE_COLUMNS
     chip = fa.ICON_FA_MICROCHIP

@@ -188,6 +188,11 @@ class Playback:
         return simulated / (last - first) if last > first else 0.0
 
     @property
+    def actions(self) -> tuple[Action, ...]:
+        """What was done in every step of the episode so far."""
+        return self._replay.actions if self._replay is not None else tuple(self._actions)
+
+    @property
     def trace(self) -> Trace | None:
         """The episode so far, as far back as the ring reaches."""
         if self.mode is Mode.REPLAY:

@@ -45,6 +45,8 @@ class Viewer:
         self.by_hand = False
         """Whether a person has taken over until they hand back."""
         self.compare: Compare = "off"
+        self.other_physics = ""
+        """Preset or solver under which the same is played beside; empty: nothing is."""
         self.rival = Follower(rival)
         self.evaluation = Evaluation(evaluator)
         self.run = RunWatch(worker)
@@ -77,6 +79,11 @@ class Viewer:
             attempt=self.attempt,
             deterministic=self.deterministic,
         )
+
+    @property
+    def arrangement(self) -> Compare:
+        """How the second episode is shown: another physics always stands beside."""
+        return "side" if self.other_physics else self.compare
 
     @property
     def agents(self) -> tuple[AgentSummary, ...]:

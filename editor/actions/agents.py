@@ -28,6 +28,7 @@ from editor.session import Session
 from editor.viewer import AgentSlot, Compare, SlotName
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import level_hash
+from kinetix.level.model import Level
 from kinetix.level.sets import gather_levels
 from kinetix.paths import checkpoints_dir, levels_dir
 
@@ -106,7 +107,8 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     if path not in SCRIPTED:
         recents = [path, *(other for other in session.settings.recent_agents if other != path)]
         session.settings.recent_agents = recents[:RECENT_AGENTS]
-    session.toast(f"Loaded {summary.name}. F6 lets it play.", "success")
+    use = "F6 lets it play." if slot == "a" else "It can be compared with agent A, or with you."
+    session.toast(f"Loaded {summary.name}. {use}", "success")
     if session.editing and slot == "a":
         _rehearse(session)
 
@@ -496,21 +498,34 @@ def _rival(session: Session) -> None:
     """Start, advance or stop the second episode so that it belongs to the one on show."""
     viewer, playback = session.viewer, session.playback
     rival = viewer.rival
-    if not playback.active or viewer.compare == "off" or playback.level is None:
+    if not playback.active or viewer.arrangement == "off" or playback.level is None:
         if rival.active:
             rival.stop()
         viewer.compared_episode = -1
         return
-    casting, summary = viewer.casting("b"), viewer.slots["b"].summary
-    if casting is None or summary is None:
+    if viewer.compared_episode != playback.episode and not _challenge(session, playback.level):
         return
-    if viewer.compared_episode != playback.episode:
-        viewer.compared_episode = playback.episode
-        rival.start(playback.level, playback.physics, casting, player=summary.name)
     try:
         rival.tick(playback.engine_step)
     except KinetixError as error:
-        session.toast(f"Agent B: {error}", "error")
+        session.toast(f"{rival.player}: {error}", "error")
+
+
+def _challenge(session: Session, level: Level) -> bool:
+    """Start the second episode: another agent, or the same player under another physics."""
+    viewer, playback = session.viewer, session.playback
+    other = viewer.other_physics
+    if other:
+        viewer.rival.start(
+            level, other, playback.casting, player=other, mirror=lambda: playback.actions
+        )
+    else:
+        casting, summary = viewer.casting("b"), viewer.slots["b"].summary
+        if casting is None or summary is None:
+            return False
+        viewer.rival.start(level, playback.physics, casting, player=summary.name)
+    viewer.compared_episode = playback.episode
+    return True
 
 
 def _look(session: Session) -> None:

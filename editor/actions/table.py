@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import edit, export, file, gallery, level, play, view
+from editor.actions import edit, export, file, gallery, level, physics, play, view
 from editor.actions.agent_table import AGENTS
 from editor.actions.base import Action, Context, editing, playing, selecting
 from editor.playback import SPEEDS, Mode
@@ -531,6 +531,15 @@ RUN: Final = (
         tooltip="Back to editing; the level is as it was.",
         enabled=playing,
         run=play.stop,
+    ),
+    Action(
+        id="run.compare_physics",
+        label="Compare Physics…",
+        menu="Run",
+        context=Context.LEVEL,
+        tooltip="The same level and the same keys under two presets or solvers, side by side.",
+        checked=physics.comparing,
+        run=physics.ask_other,
     ),
     Action(
         id="run.edit_from_here",

@@ -141,10 +141,9 @@ def _changed(old: DrawnList, new: DrawnList, touched: Collection[int]) -> list[R
     rects = [
         _box(_used(new, command), command[0]) for command in new.commands if command[1] in touched
     ]
-    same_clips = [c[:2] for c in old.commands] == [c[:2] for c in new.commands]
-    if not same_clips:
-        gone = set(old.commands) ^ set(new.commands)
-        return [*rects, union([command[0] for command in gone])]
+    if [c[:2] for c in old.commands] != [c[:2] for c in new.commands]:
+        # The same triangles may be cut off elsewhere, or have another texture.
+        rects += [command[0] for command in set(old.commands) ^ set(new.commands)]
     a, b = old.vertices, new.vertices
     clip = union([old.clip, new.clip])
     if len(a) == len(b):

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, widgets
+from editor.actions import physics
 from editor.keys import label as chord_label
 from editor.look import COLOURS, Icons, Rgba
 from editor.physics import PHYSICS
@@ -79,7 +80,7 @@ class Toolbar:
         left = imgui.get_item_rect_max().x - imgui.get_window_pos().x - start
         self._right(session, space)
         if roomy:
-            self._wanted = left + self._right_width() + px(40)
+            self._wanted = left + self._right_width(session) + px(40)
 
     def _files(self, session: "Session") -> None:
         for index, (action, icon) in enumerate(
@@ -137,11 +138,12 @@ class Toolbar:
                 session, action, icon, tint=COLOURS.play if action == "run.pause" else COLOURS.text
             )
 
-    def _right_width(self) -> float:
-        return 2 * imgui.get_frame_height() + px(150) + px(24)
+    def _right_width(self, session: "Session") -> float:
+        second = px(150) + px(4) if physics.comparing(session) else 0.0
+        return 3 * imgui.get_frame_height() + px(150) + px(32) + second
 
     def _right(self, session: "Session", space: float) -> None:
-        imgui.same_line(space - self._right_width() - imgui.get_style().window_padding.x)
+        imgui.same_line(space - self._right_width(session) - imgui.get_style().window_padding.x)
         action_button(session, "snap.smart", Icons.magnet)
         imgui.same_line(0, px(2))
         action_button(session, "view.grid", Icons.grid)
@@ -150,14 +152,22 @@ class Toolbar:
         options = [(name, f"{Icons.chip}  {name}") for name in self.physics]
         picked = widgets.choice(session, "physics", session.playback.physics, options)
         if picked is not None:
-            session.queue(lambda: choose_physics(session, picked))
+            session.queue(lambda: physics.choose(session, picked))
         widgets.tooltip(
             "Physics", "Preset or solver of the next episode. It never changes the level."
         )
+        imgui.same_line(0, px(4))
+        action_button(session, "run.compare_physics", Icons.beside)
+        if physics.comparing(session):
+            imgui.same_line(0, px(4))
+            imgui.set_next_item_width(px(150))
+            self._second(session, options)
 
-
-def choose_physics(session: "Session", name: str) -> None:
-    """Use another preset from the next episode on; a running episode starts anew."""
-    session.playback.physics = session.settings.physics = name
-    if session.mode in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED):
-        session.playback.reset()
+    def _second(self, session: "Session", options: list[tuple[str, str]]) -> None:
+        """The physics beside the first one."""
+        other = session.viewer.other_physics
+        choices = [*options, ("", f"{Icons.close}  only one")]
+        picked = widgets.choice(session, "physics.other", other, choices)
+        if picked is not None:
+            session.queue(lambda: physics.compare_with(session, picked))
+        widgets.tooltip("The physics beside", "Plays the same level with the same keys.")

@@ -10,6 +10,7 @@ from editor.hosts.offscreen import OffscreenHost
 from editor.hosts.renderer import GlRenderer
 from editor.jobs import Worker
 from editor.look import COLOURS
+from editor.prompts import Choice, MenuQuestion
 from editor.session import Session
 from editor.settings import Settings
 
@@ -28,7 +29,11 @@ class Host(OffscreenHost):
 
 session = Session(settings=Settings(), level=crowded_level(), worker=Worker(perform=refuse))
 host = Host(session, size=(1000, 700))
+CHOICES = tuple(Choice(id=str(k), label=f"Choice {k}") for k in range(12))
+MENU = MenuQuestion(title="Menu", choices=CHOICES, at=(300.0, 420.0), answer=lambda choice: None)
 CHANGES = {
+    1: lambda: session.ask(MENU),
+    4: lambda: session.answer(MENU, None),
     6: lambda: setattr(session, "selection", (3, 4, 5)),
     9: lambda: session.queue("view.debug_draw"),
     12: lambda: session.queue("app.help"),
