@@ -3,11 +3,12 @@
 import json
 
 import jax
+import numpy as np
 import pytest
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
-from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+from kinetix.agents.evaluate import NamedLevel, Settings, evaluate, record
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.results import summarise
 from kinetix.agents.scripted import ScriptedPlayer
@@ -155,3 +156,26 @@ def test_the_published_agent_solves_as_often_as_published(peer, size):
     results = _last(evaluate(agent, levels, Settings(physics="jax2d"))).results
     assert len(results) == len(levels)
     assert summarise(results)["mean_solve_rate"] == pytest.approx(published, abs=0.05)
+
+
+def test_attempts_are_told_one_by_one():
+    results = _last(evaluate(ScriptedPlayer("noop"), LEVELS, _FAST)).results
+    near, deadly, nothing = results
+    assert [episode.outcome for episode in near.episodes] == ["won"] * 3
+    assert (near.failures, deadly.failures, nothing.failures) == ("", "3 lost", "3 timeout")
+    assert deadly.mean_length == deadly.episodes[0].length
+
+
+def test_an_episode_of_an_evaluation_is_played_again_to_the_bit():
+    player, crane = ScriptedPlayer("random"), NamedLevel(name="crane", source=_CRANE)
+    settings = Settings(attempts=5, physics="jax2d", seed=2)
+    measured = _last(evaluate(player, [*LEVELS, crane], settings, segment=7)).results[3]
+    for attempt in (0, 4):
+        moments = list(record(player, crane, attempt, settings))
+        assert moments[-1].result == measured.episodes[attempt]
+        assert len(moments) == measured.episodes[attempt].length + 1
+        assert moments[0].action is None and moments[1].action.shape == (6,)
+    again = list(record(player, crane, 4, settings))
+    for one, other in zip(moments, again, strict=True):
+        positions = one.state.physics.position, other.state.physics.position
+        np.testing.assert_array_equal(*positions)
