@@ -8,6 +8,7 @@ SOLVERS: Final = (
     "pgs_baumgarte",
     "pgs_soft",
     "soft_step",
+    "xpbd",
     "jacobi",
     "direct+pgs",
     "direct+admm",
