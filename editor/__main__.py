@@ -10,6 +10,7 @@ import tyro
 
 from editor.actions.agents import load_agent
 from editor.hosts.pygame_host import PygameHost
+from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
 from kinetix.errors import KinetixError
@@ -68,7 +69,10 @@ def _run(options: Options) -> int:
         print_table(_size(options.size))
         return 0
     scripted = options.replay is not None
-    session = Session(settings=Settings() if scripted or options.offscreen else Settings.load())
+    alone = scripted or options.offscreen
+    session = Session(
+        settings=Settings() if alone else Settings.load(), results=Results(stored=not alone)
+    )
     host = _host(options, session)
     status = 0
     try:

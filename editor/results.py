@@ -37,9 +37,16 @@ class Record:
 class Results:
     """Records by level hash and player; read once, written at every change."""
 
-    def __init__(self, path: Path | None = None) -> None:
+    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
+        """Start with what the file says.
+
+        Args:
+            path: The file; by default the user's own.
+            stored: Whether there is a file at all; scripted runs leave no traces.
+        """
         self._path = path
-        self._levels: dict[str, dict[str, Record]] | None = None
+        self._stored = stored
+        self._levels: dict[str, dict[str, Record]] | None = None if stored else {}
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
 
@@ -97,6 +104,8 @@ class Results:
         return self._levels
 
     def _write(self) -> None:
+        if not self._stored:
+            return
         tree = {
             sha256: {name: [r.attempts, r.solved] for name, r in records.items()}
             for sha256, records in self._read().items()

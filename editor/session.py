@@ -178,6 +178,8 @@ class Session:
         """What the mouse pulls at in Play."""
         self.pan: tuple[Point, Point, bool] | None = None
         """While a button pans: where it began, where it was last [px], whether it has moved."""
+        self.noted_episode = -1
+        """The last episode whose end was kept in the results."""
         self.recording: int | None = None
         """From which step on what is played is to become a film, or None."""
         self.screenshot: Path | None = None

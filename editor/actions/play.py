@@ -5,8 +5,10 @@ from editor.actions import agents
 from editor.commands.level import TakePoses
 from editor.document import Document
 from editor.playback import Mode
+from editor.results import HUMAN
 from editor.session import Session
 from kinetix.errors import CommandError
+from kinetix.level.codec import level_hash
 
 
 def play(session: Session) -> None:
@@ -23,6 +25,18 @@ def pause(session: Session) -> None:
         reset(session)
     else:
         session.playback.pause()
+
+
+def note_end(session: Session) -> None:
+    """Keep how an episode of the user's own ended, once; pulled bodies and agents do not count."""
+    playback = session.playback
+    ended = playback.mode is Mode.ENDED and playback.level is not None
+    if not ended or playback.episode == session.noted_episode:
+        return
+    session.noted_episode = playback.episode
+    if playback.casting is None and not playback.perturbed and playback.level is not None:
+        won = playback.outcome == "won"
+        session.results.add_episode(HUMAN, level_hash(playback.level), won=won)
 
 
 def step(session: Session) -> None:

@@ -1,4 +1,4 @@
-"""The command palette: every action, recent file and example by typing a few letters."""
+"""The command palette: every action, recent file, level, scene and agent by a few letters."""
 
 import dataclasses
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, widgets
-from editor.actions import file
+from editor.actions import agents, examples, file
 from editor.keys import label as chord_label
 from editor.look import COLOURS, SMALL, Icons, u32
 from editor.widgets import px
@@ -50,6 +50,7 @@ class CommandPalette:
         self._typed = ""
         self._index = 0
         self._was_open = False
+        self._entries: list[Entry] = []
 
     def draw(self, session: "Session") -> None:
         """Draw it while `session.view.palette` is on."""
@@ -59,6 +60,7 @@ class CommandPalette:
         appearing = not self._was_open
         if appearing:
             self._typed, self._index, self._was_open = "", 0, True
+            self._entries = entries(session)
         viewport = imgui.get_main_viewport()
         at = (viewport.work_pos.x + viewport.work_size.x / 2, viewport.work_pos.y + px(60))
         imgui.set_next_window_pos(at, 0, (0.5, 0.0))
@@ -87,7 +89,7 @@ class CommandPalette:
     def _contents(self, session: "Session") -> None:
         imgui.set_next_item_width(-1)
         changed, self._typed = imgui.input_text_with_hint(
-            "###palette.text", f"{Icons.search}  Command, level or example", self._typed
+            "###palette.text", f"{Icons.search}  Command, level, scene or agent", self._typed
         )
         widgets.probe(session, "palette.text")
         if changed:
@@ -125,9 +127,11 @@ class CommandPalette:
         return pressed
 
     def _found(self, session: "Session") -> list[Entry]:
+        # Scenes are imported when they are looked for: opening the palette must not wait.
+        offered = self._entries + (scene_entries(session) if self._typed else [])
         rated = [
             (rating, number, entry)
-            for number, entry in enumerate(entries(session))
+            for number, entry in enumerate(offered)
             if (rating := score(entry.label, self._typed)) is not None
         ]
         if self._typed:
@@ -163,7 +167,29 @@ def entries(session: "Session") -> list[Entry]:
                 run=lambda path=folder: _open(session, path),
             )
         )
+    for path, name in agents.known_agents(session):
+        found.append(
+            Entry(
+                label=name,
+                group="Agent A",
+                run=lambda path=path: agents.load_agent(session, path),
+            )
+        )
     return found
+
+
+def scene_entries(session: "Session") -> list[Entry]:
+    """The scenes of the accuracy suite, by id and name."""
+    from kinetix.scenes import SCENES
+
+    return [
+        Entry(
+            label=f"{scene.id} {scene.name}",
+            group="Scene",
+            run=lambda scene_id=scene.id: examples.open_scene(session, scene_id),
+        )
+        for scene in SCENES.values()
+    ]
 
 
 def _open(session: "Session", path: str | Path) -> None:

@@ -364,3 +364,17 @@ def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
     doing.load_into_set(session, tmp_path / "set" / "set.json")
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
+
+
+@pytest.mark.parametrize("pulled", [False, True])
+def test_the_users_own_episodes_count_once(pulled):
+    session = a_session()
+    session.playback.simulator.ends_at = 8
+    actions.run(session, "run.play_human")
+    actions.update(session, 0.01)
+    session.playback.perturbed = pulled
+    for _ in range(60):
+        actions.update(session, 1 / 60)
+    assert session.playback.outcome == "timeout"
+    records = session.results.of(level_hash(session.document.level))
+    assert records == ({} if pulled else {HUMAN: Record(attempts=1, solved=0)})
