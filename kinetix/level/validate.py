@@ -111,15 +111,25 @@ def _issue(
 
 
 def describe(reference: BodyReference, entity: Entity | None = None) -> str:
-    """An entity in words: `circle 4`, `joint 8`, `the left wall`."""
+    """An entity in the words of the editor: `green circle 4`, `weld 8`, `the left wall`."""
     if isinstance(reference, str):
         return f"the {reference.replace('_', ' ')}"
     kind = "entity"
     if isinstance(entity, Body):
-        kind = entity.shape.kind
-    elif isinstance(entity, (Joint, Thruster)):
-        kind = type(entity).__name__.lower()
+        kind = _shape_word(entity)
+    elif isinstance(entity, Joint):
+        kind = "weld" if entity.kind == "fixed" else "joint"
+    elif isinstance(entity, Thruster):
+        kind = "thruster"
     return f"{kind} {reference}"
+
+
+def _shape_word(body: Body) -> str:
+    """Role and shape; any four corners are called a rectangle."""
+    noun = "circle"
+    if isinstance(body.shape, Polygon):
+        noun = "triangle" if len(body.shape.vertices) == 3 else "rectangle"
+    return noun if body.role == "none" else f"{body.role} {noun}"
 
 
 def _capital(text: str) -> str:
@@ -263,12 +273,13 @@ def _joint_issues(
         path, a, b = f"$.joints[{k}]", bodies.get(joint.a), bodies.get(joint.b)
         if a is None or b is None or joint.a == joint.b or joint.id in broken:
             continue
+        name = _capital(describe(joint.id, joint))
         if a.fixed and b.fixed:
-            message = f"Joint {joint.id} between two fixed shapes has no effect."
+            message = f"{name} between two fixed shapes has no effect."
             yield _issue("W207", message, path=path, ids=(joint.id,))
         gap = math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
         if gap > ANCHOR_TOLERANCE:
-            message = f"Joint {joint.id}: anchor mismatch {gap:.3g} u, will be pulled together."
+            message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
             yield _issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
         if joint.kind == "revolute":
             yield from _limit_issues(joint, path)
@@ -343,7 +354,7 @@ def _touch_issues(a: _Placed, b: _Placed, depth: float, *, pushing: bool) -> Ite
     if pushing and depth > OVERLAP_TOLERANCE:
         first, second = describe(a.reference, a.body), describe(b.reference, b.body)
         message = (
-            f"{_capital(first)} and {second} overlap by {depth:.3g} u and will be pushed apart."
+            f"{_capital(first)} and {second} overlap by {depth:.3g} m and will be pushed apart."
         )
         yield _issue("W202", message, path=path, ids=ids)
 
@@ -360,7 +371,7 @@ def _place_issues(placed: list[_Placed]) -> Iterator[Issue]:
         size = extent(each.body.shape)
         if size > MAX_SHAPE_SIZE + _ROUNDING:
             message = (
-                f"{_capital(name)} is larger than {MAX_SHAPE_SIZE:g} u: training generators will "
+                f"{_capital(name)} is larger than {MAX_SHAPE_SIZE:g} m: training generators will "
                 f"not produce it."
             )
             yield _issue("W206", message, path=f"{each.path}.shape", ids=(each.reference,))

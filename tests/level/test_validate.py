@@ -61,8 +61,8 @@ CASES = {
     "E103": (with_body(role="green"), "2 green and 1 blue shapes; expected exactly one each"),
     "E104": (with_green(position=(3.61, 2)), "Green already touches blue at the start"),
     "E105": (with_green(position=(1, 0.59)).replace(arena=RED_FLOOR), "lost at t=0"),
-    "E106": (with_body(density=0.0), "Polygon 9: density: expected 0.001 ≤ x ≤ 1000, got 0.0."),
-    "E107": (with_body(shape=CLOCKWISE), "Polygon 9: expected counter-clockwise vertices"),
+    "E106": (with_body(density=0.0), "Rectangle 9: density: expected 0.001 ≤ x ≤ 1000, got 0.0."),
+    "E107": (with_body(shape=CLOCKWISE), "Rectangle 9: expected counter-clockwise vertices"),
     "E108": (with_joint(b=77), "Joint 8: bodies missing."),
     "E109": (
         with_body(shape=Circle(radius=0.2)).replace(size="s"),
@@ -73,14 +73,14 @@ CASES = {
         "Binding 2 of thruster 3 is out of range 0–1.",
     ),
     "W201": (GOOD.replace(thrusters=()), "Nothing is controllable"),
-    "W202": (with_body(position=(2.5, 0.5)), "The floor and polygon 9 overlap by 0.1 u"),
-    "W203": (with_body(position=(-8, 2)), "Polygon 9 lies outside the arena."),
+    "W202": (with_body(position=(2.5, 0.5)), "The floor and rectangle 9 overlap by 0.1 m"),
+    "W203": (with_body(position=(-8, 2)), "Rectangle 9 lies outside the arena."),
     "W204": (
         GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True))),
         "Green and blue are both fixed",
     ),
     "W205": (with_joint(limits=Limits(min=1, max=-1)), "the limits are swapped, min > max"),
-    "W206": (with_body(shape=box(2.0, 0.3)), "Polygon 9 is larger than 2 u"),
+    "W206": (with_body(shape=box(2.0, 0.3)), "Rectangle 9 is larger than 2 m"),
     "W207": (
         with_joint(a="floor", b=2, anchor_a=(1.5, 6.8)).replace(
             bodies=(GREEN, BLUE.replace(fixed=True))
@@ -88,7 +88,7 @@ CASES = {
         "Joint 8 between two fixed shapes has no effect.",
     ),
     "W208": (with_joint(motor=Motor(speed=0)), "Joint 8: motor speed 0."),
-    "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 u"),
+    "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
 
 
