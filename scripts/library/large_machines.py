@@ -119,13 +119,13 @@ def chimes() -> Draft:
     hub = draft.ball((2.5, 3.0), 0.12, fixed=True)
     upper, elbow = draft.rod((2.5, 3.0), -90, 0.8, width=0.1)
     draft.hinge(
-        hub, upper, (2.5, 3.0), control=LEFT_RIGHT, speed=0.8, power=0.15, limits=(-100, 100)
+        hub, upper, (2.5, 3.0), control=LEFT_RIGHT, speed=0.8, power=0.4, limits=(-100, 100)
     )
     lower, tip = draft.rod(elbow, -90, 0.8, width=0.1)
     draft.hinge(upper, lower, elbow)
     clapper = draft.ball(tip, 0.18, "green")
     draft.weld(lower, clapper, tip)
-    draft.ball((3.9, 4.2), 0.3, "blue", fixed=True)
+    draft.ball((4.1, 3.4), 0.3, "blue", fixed=True)
     return draft
 
 

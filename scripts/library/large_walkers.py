@@ -65,7 +65,7 @@ def caterpillar() -> Draft:
     head, _ = draft.rod(second, 0, 0.7, "green", width=0.16)
     draft.hinge(tail, middle, first, control=LEFT_RIGHT, speed=1.0, power=2.0, limits=(-80, 80))
     draft.hinge(middle, head, second, control=UP_DOWN, speed=1.0, power=2.0, limits=(-80, 80))
-    _wall(draft, 4.3)
+    _wall(draft, 3.9)
     return draft
 
 

@@ -34,16 +34,18 @@ def car(
 ) -> Car:
     """A board on two driven wheels that stand on the ground; Left drives left."""
     axle = ground + radius
+    # The wheels stay just behind the board's ends, so that the board is what arrives first.
+    reach = length / 2 - radius - 0.02
     chassis = draft.box((x, axle + height / 2), length, height, role, **more)
     rear, front = (
-        draft.ball((x + side * 0.36 * length, axle), radius, wheel_role)
+        draft.ball((x + side * reach, axle), radius, wheel_role)
         for side, wheel_role in zip((-1, 1), wheel_roles, strict=True)
     )
     for side, wheel in ((-1, rear), (1, front)):
         draft.hinge(
             chassis,
             wheel,
-            (x + side * 0.36 * length, axle),
+            (x + side * reach, axle),
             control=LEFT_RIGHT,
             speed=speed,
             power=power,

@@ -31,7 +31,7 @@ def salute() -> Draft:
     """
     draft = Draft("arm", "reach", "hazard", difficulty=2, floor="red")
     arm(draft, (2.2, 2.0), ((-10, 0.9, "none"), (20, 0.9, "green")), power=1.5)
-    draft.ball((2.2, 4.2), 0.28, "blue", fixed=True)
+    draft.ball((2.2, 3.7), 0.28, "blue", fixed=True)
     return draft
 
 
@@ -73,7 +73,7 @@ def tee_off() -> Draft:
     draft.hinge(hub, club, (1.0, 1.9), control=LEFT_RIGHT, speed=2.0, power=1.5)
     draft.box((1.22, 0.6), 0.34, 0.4, fixed=True)
     draft.ball((1.22, 0.96), 0.15, "green", density=0.4)
-    draft.ball((4.3, 1.6), 0.45, "blue", fixed=True)
+    draft.ball((4.3, 0.95), 0.45, "blue", fixed=True)
     return draft
 
 
@@ -219,7 +219,7 @@ def juggling_sled() -> Draft:
     draft.hinge(sled, pole, (1.2, 0.6))
     draft.thruster(sled, (0.9, 0.54), 0, 0.6, KEY_1)
     draft.thruster(sled, (1.5, 0.54), 180, 0.6, KEY_2)
-    draft.ball((4.2, 1.5), 0.3, "blue", fixed=True)
+    draft.ball((3.0, 1.4), 0.35, "blue", fixed=True)
     return draft
 
 

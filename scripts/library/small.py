@@ -49,10 +49,10 @@ def tugboat() -> Draft:
 
 
 def wheelbarrow() -> Draft:
-    """Right pushes the green wheelbarrow along: run it into the blue ball before time is up."""
+    """Right rolls the wheelbarrow along: run its green wheel into the blue ball in time."""
     draft = Draft("wheels", difficulty=1, steps=160)
-    barrow = draft.box((0.98, 0.62), 1.1, 0.16, "green", turn=9)
-    wheel = draft.ball((1.5, 0.66), 0.26)
+    barrow = draft.box((0.98, 0.62), 1.1, 0.16, turn=9)
+    wheel = draft.ball((1.5, 0.66), 0.26, "green")
     draft.hinge(barrow, wheel, (1.5, 0.66), control=LEFT_RIGHT, speed=1.5, power=1.0)
     draft.ball((4.1, 0.75), 0.35, "blue", density=0.3)
     return draft
@@ -89,7 +89,7 @@ def ski_jump() -> Draft:
     draft.shape(((1.9, 0.4), (3.1, 0.4), (3.1, 1.0)), fixed=True)
     puck = draft.ball((0.5, 0.58), 0.18, "green")
     draft.thruster(puck, (0.36, 0.58), 0, 0.07)
-    draft.ball((4.5, 2.0), 0.28, "blue", fixed=True)
+    draft.ball((4.5, 1.5), 0.3, "blue", fixed=True)
     return draft
 
 
