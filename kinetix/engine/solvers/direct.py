@@ -21,11 +21,11 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
-from kinetix.engine.pairs import pair_counts
 from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
 from kinetix.engine.solvers.joint_system import JointSystem, Step, joint_system, project
+from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import (
     Masses,
     Rows,
@@ -41,7 +41,7 @@ from kinetix.engine.solvers.rows import (
     speeds,
     stack,
 )
-from kinetix.engine.spec import ARENA_BODIES, SceneSpec
+from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree
@@ -110,25 +110,8 @@ class Direct(AbstractSolver):
     """Room for contacts; None: by the capacity."""
 
     def slots_for(self, spec: SceneSpec) -> Slots:
-        """Room for contacts in scenes of this capacity.
-
-        Measured on the published levels under random actions: at most 7, 9 and 17 points are near
-        at once in sizes s, m and l (99.9 %). A stack needs two points a polygon.
-        """
-        if self.slots is not None:
-            return self.slots
-        polygons = spec.capacity.polygons - ARENA_BODIES
-        circles = spec.capacity.circles
-        counts = pair_counts(spec.capacity)
-        near = Slots(
-            polygon_polygon=min(counts[0], polygons + 3 if polygons <= 8 else 2 * polygons),
-            circle_polygon=min(counts[1], circles + 3),
-            circle_circle=min(counts[2], max(1, circles - 1)),
-            points=0,
-        )
-        most = 2 * near.polygon_polygon + near.circle_polygon + near.circle_circle
-        points = max(polygons + circles + 5, 2 * polygons + circles)
-        return dataclasses.replace(near, points=min(most, points))
+        """Room for contacts in scenes of this capacity."""
+        return self.slots or usual_room(spec)
 
     def empty_cache(self, spec: SceneSpec) -> Any:
         """No impulses."""

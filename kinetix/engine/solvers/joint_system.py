@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators, constants
-from kinetix.engine.maths import Vec, nonzero, rotate, vec
+from kinetix.engine.maths import Vec, rotate, vec
 from kinetix.engine.shapes import take, take_vec
 from kinetix.engine.solvers.rows import (
     Masses,
@@ -107,7 +107,10 @@ def joint_system(
         & take(world.bodies.active, b)
         & (a != b)
     )
-    wanted, compliance = store(_motors(step, velocity, angle, duration))
+    spin = take(velocity.angular, b) - take(velocity.angular, a)
+    wanted, compliance = store(
+        actuators.motor_row(world, angle, spin, step.control.motor, step.parameters, duration)
+    )
     turns = acts & (joints.fixed | (compliance > 0))
     live = jnp.concatenate([acts, acts, turns], axis=0)
     live, compliance = store((live, jnp.concatenate([zero, zero, compliance], axis=0)))
@@ -133,40 +136,6 @@ def joint_system(
         arm_a=arm_a,
         arm_b=arm_b,
     )
-
-
-def _motors(
-    step: Step,
-    velocity: Velocity,
-    angle: Float[Array, "j n"],
-    duration: Float[Array, " n"],
-) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
-    """Target speed and compliance of each motor; compliance 0 where none runs.
-
-    The law is torque = −(strength/inertia)·tanh(k·error). Over the phase it is replaced by its
-    secant through the present error, taken at the error that *remains*: exact at rest, at stall and
-    at full speed, first order in between, stable at any strength.
-    """
-    world, parameters = step.world, step.parameters
-    joints, bodies = world.joints, world.bodies
-    action = step.control.motor
-    target = parameters.base_motor_speed * joints.motor_speed * action
-    error = take(velocity.angular, joints.body_b) - take(velocity.angular, joints.body_a) - target
-    inertia = take(bodies.inverse_inertia, joints.body_a) + take(
-        bodies.inverse_inertia, joints.body_b
-    )
-    strength = (
-        parameters.base_motor_power
-        * joints.motor_power
-        * actuators.motor_fade(world, angle, action, parameters)
-        / nonzero(inertia)
-    )
-    k = parameters.motor_decay_coefficient
-    x = jnp.maximum(k * jnp.abs(error), 1e-4)
-    secant = k * jnp.tanh(x) / x
-    slope = duration * strength * secant
-    runs = actuators.motor_runs(world, action) & (slope > 0)
-    return jnp.where(runs, target, 0), jnp.where(runs, 1 / nonzero(slope), 0)
 
 
 def project(
