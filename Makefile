@@ -2,11 +2,13 @@
 # Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup-run setup-test run editor test check format lint type bench screenshots levels docs
+.PHONY: help setup-run setup-test run editor test check format lint type bench bench-peers accuracy chart screenshots levels docs
 
 export PYTHON
 # Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
 ARGS ?=
+# Whom `make accuracy` measures.
+PHYSICS ?= jax2d fast balanced accurate
 # `make check TESTS=0` leaves the tests out.
 TESTS ?= 1
 
@@ -49,6 +51,22 @@ lint: setup-test ## ruff, layers and, for information, the longest files and fun
 
 type: setup-test ## the type checker
 	$(VENV)/basedpyright
+
+bench-peers: setup-run ## install other engines beside .venv and measure them and us in turn
+	@scripts/peers/install.sh
+	@mkdir -p bench
+	$(VENV)/kinetix bench peers --chart all --json $(ARGS) | tee bench/peers.jsonl
+	@$(VENV)/python scripts/accuracy_docs.py
+
+accuracy: setup-run ## measure PHYSICS in all scenes of the suite, two at a time, for docs/accuracy.md
+	@mkdir -p bench/accuracy
+	@printf '%s\n' $(PHYSICS) | xargs -P 2 -I NAME sh -c '$(VENV)/kinetix bench accuracy \
+	  --scenes all --physics NAME --json >bench/accuracy/.NAME && \
+	  mv bench/accuracy/.NAME bench/accuracy/NAME.jsonl && echo bench/accuracy/NAME.jsonl'
+	@$(VENV)/python scripts/accuracy_docs.py
+
+chart: setup-test ## measure our speed in the suite's scenes and draw docs/chart.png
+	$(VENV)/kinetix bench chart $(ARGS)
 
 bench: setup-run ## measure speed and rendering into bench/, one JSON object a line
 	@mkdir -p bench

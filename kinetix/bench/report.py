@@ -53,9 +53,11 @@ def scene_text(row: Row) -> str:
     """One line for people."""
     limits = "" if row["good"] is None else f"  (good {row['good']:g}, fail {row['fail']:g})"
     verdict = row["verdict"] or "reported"
-    name = SCENES[row["scene"]].name
+    head = f"{row['scene']:4}{SCENES[row['scene']].name:22}"
+    if row["verdict"] is None and row["value"] is None:
+        return f"{head}{MARKS[None]:9}{row['metric']}"
     value = value_text(row["value"], row["unit"])
-    return f"{row['scene']:4}{name:18}{verdict:9}{row['metric']}: {value}{limits}"
+    return f"{head}{verdict:9}{row['metric']}: {value}{limits}"
 
 
 def summary_text(rows: Sequence[Row]) -> str:
@@ -88,4 +90,6 @@ def markdown_table(results: Mapping[str, Sequence[Row]]) -> str:
 def _cell(row: Row | None) -> str:
     if row is None:
         return ""
+    if row["verdict"] is None and row["value"] is None:
+        return MARKS[None]
     return f"{MARKS[row['verdict']]} {value_text(row['value'], row['unit'])} {row['metric']}"

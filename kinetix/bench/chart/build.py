@@ -56,6 +56,13 @@ def every_physics() -> tuple[str, ...]:
     return tuple(found.values())
 
 
+def stored_physics(results: Path) -> tuple[str, ...]:
+    """Those of `every_physics` whose errors have been measured; the quick ones where none has."""
+    stored = {file.stem for file in (results / ACCURACY).glob("*.jsonl")}
+    found = tuple(name for name in every_physics() if file_name(name) in stored)
+    return found or QUICK
+
+
 def build_chart(settings: ChartSettings, say: Callable[[str], None]) -> dict[str, Any]:
     """Measure what was asked for, then write chart.json and chart.png from all stored rows.
 

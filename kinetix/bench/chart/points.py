@@ -3,6 +3,7 @@
 import dataclasses
 import datetime
 import json
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -46,11 +47,13 @@ class Point:
     devices: int = 1
     measured: str = ""
     """Day of the measurement of speed."""
+    load: float = 0.0
+    """How many processes wanted to run then: well above 1, and the speed is too low."""
 
 
 def file_name(name: str) -> str:
     """An engine's name as the stem of a file."""
-    return re.sub(r"[^a-z0-9+]+", "-", name.lower()).strip("-")
+    return re.sub(r"[^a-z0-9+_]+", "-", name.lower()).strip("-")
 
 
 def read_points(results: Path) -> list[Point]:
@@ -87,7 +90,12 @@ def write_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
 def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[str, Any]]) -> None:
     """Store the speeds of one engine; those in `rows` replace older ones of their batch sizes."""
     file = results / SPEED / f"{file_name(name)}.jsonl"
-    head = {"family": family, "name": name, "measured": datetime.date.today().isoformat()}
+    head = {
+        "family": family,
+        "name": name,
+        "measured": datetime.date.today().isoformat(),
+        "load": round(os.getloadavg()[0], 1),
+    }
     fresh = [{**head, **row} for row in rows]
     batches = {row["batch"] for row in fresh}
     kept = [row for row in read_rows(file) if row["batch"] not in batches] if file.exists() else []
@@ -119,6 +127,7 @@ def points_of(
             scenes=len(_within(core, group)),
             devices=max(row["devices"] for row in timed),
             measured=speeds[0]["measured"],
+            load=max(row.get("load", 0.0) for row in timed),
         )
         for group in SCENE_CLASSES
         for batch in batches
