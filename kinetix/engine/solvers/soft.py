@@ -292,7 +292,9 @@ def _substep(
     relaxed = store(
         Drives(contacts=relaxed_contacts(phase.gap, h), joints=relaxed_joints(phase.joints))
     )
-    return _swept(parts, phase, relaxed, h, scheme.split, scheme.relax)
+    phase = _swept(parts, phase, relaxed, h, scheme.split, scheme.relax)
+    # A gap that closed exactly at the end of the drift pushes for the first time here.
+    return dataclasses.replace(phase, hit=phase.hit | (phase.contact_impulse.normal > 0))
 
 
 def _warm_started(parts: Parts, velocity: Twist, phase: SoftPhase) -> Twist:
