@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import strokes
+from editor.impulses import received_impulses
 from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.marks import arrow, dashed
 from editor.recording import Snapshot
 from editor.vectors import Painter, Placement, pack
 from editor.widgets import font, px
+from kinetix.level.graph import components, may_push
 from kinetix.level.model import BodyReference, Circle, Joint
 
 if TYPE_CHECKING:
@@ -28,20 +30,30 @@ LAYERS: Final[dict[str, str]] = {
     "contacts": "Contacts",
     "normals": "Contact normals",
     "penetration": "Penetration",
+    "impulses": "Impulses received",
     "anchors": "Joint anchors and error",
     "limits": "Joint limits",
     "motors": "Motor drive",
     "thrust": "Thruster force",
     "groups": "Collision groups",
+    "matrix": "Collision matrix",
 }
 """Names in the settings and what the switches say."""
 
-SIMULATED: Final = frozenset({"trails", "contacts", "normals", "penetration", "motors", "thrust"})
+SIMULATED: Final = frozenset(
+    {"trails", "contacts", "normals", "penetration", "impulses", "motors", "thrust"}
+)
 """Those that show nothing before a simulation runs."""
 
 _VELOCITY_SECONDS: Final = 0.15
 """An arrow is as long as the way in this time."""
 _TRAIL_STATES: Final = 120
+_LEAST_IMPULSE: Final = 1e-3
+"""Less is not drawn [N s]."""
+_IMPULSE_LENGTH: Final = 0.6
+"""Length of the arrow of 1 N s [m]."""
+_MATRIX_MOST: Final = 40
+"""With more bodies the table would fill the canvas."""
 _BLUE: Final[Rgba] = (0.10, 0.45, 0.95, 1.0)
 _PINK: Final[Rgba] = (0.90, 0.15, 0.50, 1.0)
 _ORANGE: Final[Rgba] = (0.95, 0.45, 0.05, 1.0)
@@ -69,6 +81,8 @@ def paint_debug(session: "Session", painter: Painter, where: Placement) -> None:
     for name in session.settings.debug_draw:
         if name == "trails":
             pen.trails(ring[-_TRAIL_STATES:])
+        elif name == "impulses":
+            pen.impulses(ring[-2:])
         elif name in LAYERS and (snapshot is not None or name not in SIMULATED):
             getattr(pen, name)()
 
@@ -160,6 +174,31 @@ class _Pen:
                     words = f"{-contact.separation * 1000:.1f} mm"
                     self.draw.add_text((x + px(6), y - px(16)), u32(COLOURS.bad), words)
 
+    def impulses(self, states: tuple[Snapshot, ...]) -> None:
+        """What contacts and joints gave each body in the last step, with its size."""
+        level = self.where.level
+        if len(states) < 2 or states[1].step != states[0].step + 1:
+            return
+        received = received_impulses(level, states[0], states[1])
+        with font(FONTS.mono, SMALL - 1):
+            for pose, impulse in zip(self.where.poses, received, strict=True):
+                size = math.hypot(*impulse) if impulse is not None else 0.0
+                if impulse is None or size < _LEAST_IMPULSE:
+                    continue
+                # The square root keeps a touch and a crash on one screen.
+                length = _IMPULSE_LENGTH * math.sqrt(size)
+                tip = (
+                    pose[0] + impulse[0] / size * length,
+                    pose[1] + impulse[1] / size * length,
+                )
+                end = self._at(tip)
+                arrow(self.draw, self._at((pose[0], pose[1])), end, u32(_PINK), px(2.5), px(9))
+                words = f"{size:.2g} Ns"
+                low, room = (end[0] + px(5), end[1] - px(8)), imgui.calc_text_size(words)
+                high = (low[0] + room.x + px(6), low[1] + room.y + px(2))
+                self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.85)), px(3))
+                self.draw.add_text((low[0] + px(3), low[1] + px(1)), u32(COLOURS.text), words)
+
     def anchors(self) -> None:
         for joint in self.where.level.joints:
             a = self._at(self.where.point(joint.a, joint.anchor_a))
@@ -238,6 +277,39 @@ class _Pen:
                 if pose is not None:
                     at = self._at((pose[0], pose[1]))
                     self.draw.add_circle(at, px(9), colour, 0, px(3))
+
+    def matrix(self) -> None:
+        """Which bodies can push each other: a table in the corner, a row and a column a body."""
+        level = self.where.level
+        bodies = [(body.id, body) for body in level.bodies]
+        count = len(bodies)
+        if not 2 <= count <= _MATRIX_MOST:
+            return
+        component = components(level)
+        side, edge = px(11), px(26)
+        left, bottom = self.draw.get_clip_rect_min().x + px(14), self.draw.get_clip_rect_max().y
+        top = bottom - px(14) - count * side
+        low = (left - px(4), top - edge + px(4))
+        high = (left + edge + count * side + px(6), bottom - px(8))
+        self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.95)), px(5))
+        with font(FONTS.mono, 9):
+            for k, (body_id, _) in enumerate(bodies):
+                words = str(body_id)
+                size = imgui.calc_text_size(words)
+                row, column = top + k * side, left + edge + k * side
+                at = (left + edge - size.x - px(3), row + (side - size.y) / 2)
+                self.draw.add_text(at, u32(COLOURS.muted), words)
+                at = (column + (side - size.x) / 2, top - size.y - px(2))
+                self.draw.add_text(at, u32(COLOURS.muted), words)
+        for i, a in enumerate(bodies):
+            for j, b in enumerate(bodies):
+                if i == j:
+                    continue
+                x, y = left + edge + j * side, top + i * side
+                box = ((x + px(1), y + px(1)), (x + side - px(1), y + side - px(1)))
+                pushes = may_push(a, b, component)
+                colour = alpha(COLOURS.good, 0.9) if pushes else COLOURS.field
+                self.draw.add_rect_filled(*box, u32(colour), px(2))
 
 
 def _components(where: Placement) -> list[list[int]]:

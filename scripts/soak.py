@@ -1,0 +1,155 @@
+"""Use the app offscreen for a while and watch its memory: drawing, playing, gallery, undo, tabs.
+
+    python scripts/soak.py --minutes 30
+
+Prints the resident memory every few seconds, and at the end how much it has grown since everything
+had been done once, and what that makes in 30 minutes (a straight line through the measurements).
+"""
+
+import argparse
+import itertools
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from editor import actions
+from editor.actions import file
+from editor.events import KeyEvent, Pointer, PointerEvent
+from editor.hosts.offscreen import OffscreenHost
+from editor.playback import Mode
+from editor.results import Results
+from editor.session import Session
+from editor.settings import Settings
+from kinetix.paths import levels_dir
+
+TARGET_MB = 50.0
+"""Most growth in 30 minutes (editor.md PE10)."""
+_WARM_UP = 0.3
+"""Share of the time that counts as warming up: sizes are compiled, caches filled."""
+_FRAME = 1 / 60
+
+
+def resident_mb() -> float:
+    """Resident memory of this process [MB]."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+class Soak:
+    """A tireless user."""
+
+    def __init__(self, host: OffscreenHost) -> None:
+        self.host = host
+        self.session = host.session
+        self.levels = itertools.cycle(sorted(levels_dir().glob("s/*.json")))
+        self.rounds = 0
+
+    def frames(self, count: int) -> Iterator[None]:
+        """Draw frames; a step of the soak each."""
+        for _ in range(count):
+            self.host.step((), _FRAME)
+            yield
+
+    def key(self, name: str) -> None:
+        """Press and release a key."""
+        for pressed in (True, False):
+            self.host.step((KeyEvent(key=name, pressed=pressed),), _FRAME)
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Draw with the mouse, in level metres."""
+        to_screen = self.session.camera.to_screen
+        for kind, at, button in (
+            (Pointer.MOVE, start, 0),
+            (Pointer.PRESS, start, 1),
+            (Pointer.MOVE, end, 1),
+            (Pointer.RELEASE, end, 1),
+        ):
+            event = PointerEvent(kind=kind, world=at, screen=to_screen(at), button=button)
+            self.host.step((event,), _FRAME)
+
+    def run(self) -> Iterator[None]:
+        """One round: open, draw, undo, play, look at the gallery, close."""
+        session = self.session
+        file.open_path(session, next(self.levels))
+        yield from self.frames(20)
+        for key, end in (("r", (3.4, 3.2)), ("c", (2.4, 3.0))):
+            self.key(key)
+            self.drag((2.0, 2.6), end)
+            yield from self.frames(5)
+        for _ in range(4):
+            actions.run(session, "edit.undo")
+            yield from self.frames(5)
+        actions.run(session, "run.play_human")
+        self.host.step((KeyEvent(key="left", pressed=True),), _FRAME)
+        deadline = time.monotonic() + 120
+        while session.playback.step_count < 120 and time.monotonic() < deadline:
+            if session.mode is Mode.ENDED:
+                break
+            self.host.step((), _FRAME)
+            time.sleep(0.004)
+            yield
+        self.host.step((KeyEvent(key="left", pressed=False),), _FRAME)
+        actions.run(session, "run.stop")
+        yield from self.frames(10)
+        actions.run(session, "level.gallery")
+        yield from self.frames(60)
+        actions.run(session, "gallery.close")
+        for document in [tab.document for tab in session.tabs]:
+            document.mark_saved()
+        actions.run(session, "file.close_tab")
+        yield from self.frames(5)
+        self.rounds += 1
+
+
+def slope(points: list[tuple[float, float]]) -> float:
+    """The least-squares line's growth a minute."""
+    if len(points) < 3:
+        return 0.0
+    return statistics.linear_regression(*zip(*points, strict=True)).slope
+
+
+def main(write: Callable[[str], object] = sys.stdout.write) -> int:
+    """Run it.
+
+    Returns:
+        0 when the growth in 30 minutes stays within the target, else 1.
+    """
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=30.0)
+    minutes = parser.parse_args().minutes
+    session = Session(settings=Settings(), results=Results(stored=False))
+    host = OffscreenHost(session, size=(1280, 800))
+    soak = Soak(host)
+    start = shown = time.monotonic()
+    samples: list[tuple[float, float]] = []
+    work = soak.run()
+    while (elapsed := (time.monotonic() - start) / 60) < minutes:
+        if next(work, soak) is soak:
+            work = soak.run()
+        if time.monotonic() - shown > 5.0:
+            shown = time.monotonic()
+            samples.append((elapsed, resident_mb()))
+            write(f"{elapsed:6.2f} min  {samples[-1][1]:8.1f} MB  {soak.rounds} rounds\n")
+    settled = [point for point in samples if point[0] > _WARM_UP * minutes]
+    textures = host._pictures.texture_count
+    session.worker.stop(5)
+    session.evaluator.stop(5)
+    session.library.stop(5)
+    host.close()
+    if len(settled) < 3:
+        write("too short to say anything: give it more minutes\n")
+        return 1
+    grown, expected = settled[-1][1] - settled[0][1], 30 * slope(settled)
+    write(
+        f"grown by {grown:.1f} MB in {settled[-1][0] - settled[0][0]:.1f} min after warming up; "
+        f"a straight line makes that {expected:.0f} MB in 30 min (target {TARGET_MB:.0f}); "
+        f"{textures} textures of the app's own\n"
+    )
+    return int(expected > TARGET_MB)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
