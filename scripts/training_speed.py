@@ -1,0 +1,60 @@
+"""PPO steps per second, ours and kinetix-env's in turn: one loop, see scripts/peers/ppo_loop.py.
+
+Usage: .venv/bin/python scripts/training_speed.py [NETWORK …] [--physics P] > bench/training.jsonl
+`make bench-peers` installs kinetix-env; without it only our rows are printed.
+"""
+
+import argparse
+import dataclasses
+import json
+from typing import Any
+
+from kinetix.bench.peers.launch import ENVIRONMENTS, Peer, ask
+
+JOB = {"environments": 256, "steps": 64, "minibatches": 8, "epochs": 4, "updates": 5}
+"""As in the preset `small`."""
+PEER = Peer(
+    name="kinetix-env",
+    family="kinetix-env",
+    environment="jax2d",
+    program="ppo_loop.py",
+    settings={},
+    compiled=True,
+)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Ours(Peer):
+    """Our own environment, by the same program."""
+
+    @property
+    def python(self) -> Any:
+        """Our interpreter."""
+        return ENVIRONMENTS.parent / ".venv" / "bin" / "python"
+
+
+OURS = Ours(**(dataclasses.asdict(PEER) | {"name": "kinetix", "family": "kinetix"}))
+
+
+def main() -> None:
+    """Measure and print a row a figure, then the ratios."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("networks", nargs="*", default=["flat", "entity"])
+    parser.add_argument("--physics", default="balanced")
+    options = parser.parse_args()
+    for network in options.networks:
+        speed = {}
+        for peer in (OURS, PEER):
+            if not peer.installed:
+                continue
+            job = JOB | {"network": network, "physics": options.physics}
+            told = ask(peer, job).told
+            speed[peer.name] = told["steps_per_s"]
+            print(json.dumps({"network": network, **JOB, **told}), flush=True)
+        if len(speed) > 1:
+            ratio = speed["kinetix"] / speed["kinetix-env"]
+            print(json.dumps({"network": network, "ratio": ratio}), flush=True)
+
+
+if __name__ == "__main__":
+    main()
