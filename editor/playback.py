@@ -108,7 +108,7 @@ class Playback:
         """The part of a replay that is shown again and again, first and last index."""
         self.ring = Ring()
         self.perturbed = False
-        """Whether the mouse pulled at a body in this episode."""
+        """Whether the mouse pulled at a body, or a person drove instead of the agent."""
         self.failure = ""
         """Why the last episode could not start or go on; empty while all is well."""
         self._actions: list[Action] = []
@@ -416,7 +416,8 @@ class Playback:
 
     def _send(self, actions: tuple[Action | None, ...], pull: Pull | None) -> None:
         self._sent += actions
-        self.perturbed = self.perturbed or pull is not None
+        helped = self.casting is not None and any(action is not None for action in actions)
+        self.perturbed = self.perturbed or helped or pull is not None
         self.simulator.advance(actions, pull)
 
     def _take(self) -> None:

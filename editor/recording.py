@@ -150,7 +150,8 @@ class Trace:
 
     physics: str
     perturbed: bool
-    """Whether the mouse pulled at a body; such episodes count in no statistics."""
+    """Whether the mouse pulled at a body, or a person drove instead of the agent; such episodes
+    count in no statistics."""
     snapshots: tuple[Snapshot, ...]
     actions: tuple[Action, ...]
     """One a step: `actions[k]` led from `snapshots[k]` to `snapshots[k + 1]`."""

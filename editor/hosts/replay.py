@@ -331,7 +331,8 @@ def _known_key(name: str) -> str:
 
 
 def _playing(session: Session) -> bool:
-    return session.mode is Mode.PLAYING and session.playback.step_count > 0
+    playback = session.playback
+    return session.mode is Mode.PLAYING and playback.step_count > 0 and not playback.waiting
 
 
 def _compiled(session: Session) -> bool:

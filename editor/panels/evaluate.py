@@ -44,6 +44,8 @@ _HEADS: Final[dict[Column, str]] = {
     "mean_length": "Steps",
 }
 MOST_ATTEMPTS: Final = 1000
+_ATTEMPTS: Final = 250.0
+"""Width of the attempts beside the table [px at 100 %]."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -111,8 +113,26 @@ class EvaluatePanel(Panel):
                 "Every agent plays every level several times; a row a level, a column an agent."
             )
             return
-        self._table(session)
-        self._attempts(session)
+        self._head(session)
+        form = self._form
+        space = imgui.get_content_region_avail()
+        beside = px(_ATTEMPTS) if form.chosen is not None else 0.0
+        size = (space.x - beside - (px(10) if beside else 0.0), max(space.y, px(64)))
+        self._table(session, size)
+        if beside:
+            imgui.same_line(0, px(10))
+            imgui.begin_child("attempts", (0.0, size[1]))
+            self._attempts(session)
+            imgui.end_child()
+
+    def _head(self, session: "Session") -> None:
+        """Filter and means."""
+        imgui.set_next_item_width(px(210))
+        _, self._form.wanted = imgui.input_text_with_hint(
+            "###wanted", "Filter levels", self._form.wanted
+        )
+        widgets.probe(session, "evaluate.filter")
+        self._summary(session)
 
     def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
         scripted = tuple(scripted_summary(name) for name in self._form.scripted)
@@ -146,6 +166,11 @@ class EvaluatePanel(Panel):
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
         names = [agent.name for agent in session.viewer.agents]
+        if (
+            imgui.get_item_rect_max().x + px(430)
+            < imgui.get_window_pos().x + imgui.get_window_width()
+        ):
+            imgui.same_line(0, px(16))
         imgui.align_text_to_frame_padding()
         widgets.muted(f"Agents: {', '.join(names) or 'none loaded'}")
         for name in SCRIPTED:
@@ -223,14 +248,10 @@ class EvaluatePanel(Panel):
                 imgui.same_line()
                 widgets.muted("Cancelled; what was done stays.")
 
-    def _table(self, session: "Session") -> None:
+    def _table(self, session: "Session", size: tuple[float, float]) -> None:
         form, evaluation = self._form, session.viewer.evaluation
         plan = evaluation.plan
         assert plan is not None
-        imgui.set_next_item_width(px(210))
-        _, form.wanted = imgui.input_text_with_hint("###wanted", "Filter levels", form.wanted)
-        widgets.probe(session, "evaluate.filter")
-        self._summary(session)
         flags = (
             imgui.TableFlags_.row_bg.value
             | imgui.TableFlags_.scroll_y.value
@@ -239,9 +260,6 @@ class EvaluatePanel(Panel):
             | imgui.TableFlags_.borders_inner_h.value
         )
         count = len(plan.agents)
-        space = imgui.get_content_region_avail().y
-        below = px(74) if form.chosen is not None else 0.0
-        size = (0.0, max(space - below, px(90)))
         if not imgui.begin_table("results", 1 + 3 * count, flags, size):
             return
         imgui.table_setup_scroll_freeze(1, 1)
@@ -323,7 +341,7 @@ class EvaluatePanel(Panel):
         words = f"{result.solve_rate:.2f}   {low:.2f}-{high:.2f}"
         colour = COLOURS.text
         if len(row.results) > 1 and winner is not None:
-            words = f"{'▲' if winner == agent else '▼'} {words}"
+            words = f"{Icons.better if winner == agent else Icons.worse}  {words}"
             colour = COLOURS.good if winner == agent else COLOURS.muted
         chosen = self._form.chosen == (row.level, agent)
         with widgets.coloured(text=colour):
@@ -353,8 +371,7 @@ class EvaluatePanel(Panel):
         result = next((r for r in evaluation.results(agent) if r.level == name), None)
         if result is None:
             return
-        with widgets.font(None, SMALL):
-            widgets.muted(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
+        widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
         right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
         for number, episode in enumerate(result.episodes):
             if number and imgui.get_item_rect_max().x + px(26) < right:

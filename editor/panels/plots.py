@@ -200,6 +200,8 @@ class PlotsPanel(Panel):
                 spec = implot.Spec()
                 spec.line_color = imgui.ImVec4(*series.colour[:3], opacity)
                 spec.line_weight = px(1.75)
+                if owner == "b":
+                    spec.flags = implot.ItemFlags_.no_legend.value
                 drawing = implot.plot_stairs if plot.steps else implot.plot_line
                 drawing(f"{series.label}###{owner}{series.label}", time, values, spec)
         self._cursor(session, states)

@@ -71,12 +71,11 @@ class FakeSimulator:
         self.outstanding = 0
 
     def advance(self, actions, pull=None):
-        for action in actions:
+        for asked in actions:
             if self.state.outcome is not None:
                 break
             step = self.state.step + 1
-            if action is None:
-                action = self.agent_action
+            action = self.agent_action if asked is None else asked
             drift = np.array([0.01 * action[0], -0.003 * step], np.float32)
             self.state = dataclasses.replace(
                 self.state,

@@ -1,0 +1,534 @@
+"""The agent viewer without a window: agents, draws, hands, comparison, evaluation, runs."""
+
+import csv
+import dataclasses
+import io
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from editor import actions
+from editor.actions import agents
+from editor.evaluation import best
+from editor.events import DropEvent
+from editor.follower import Follower
+from editor.jobs import Worker
+from editor.playback import Mode
+from editor.recording import Mind, Trace, channels_of
+from editor.requests import (
+    SCRIPTED,
+    AgentRef,
+    AgentSummary,
+    Evaluate,
+    EvaluatedLevel,
+    LoadAgent,
+    Observe,
+    Opened,
+    OpenEpisode,
+    ReadRun,
+    RunNews,
+    Score,
+    Standing,
+)
+from editor.results import Results
+from editor.session import Session
+from editor.settings import Settings
+from editor.viewer import mismatch
+from kinetix.agents.results import EpisodeResult, LevelResult
+from kinetix.errors import CheckpointError, KinetixError
+from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
+
+NOOP = (0,) * 6
+
+
+def a_summary(name="Tester", **changes):
+    return dataclasses.replace(
+        AgentSummary(
+            ref=AgentRef(path=f"/agents/{name}", stamp="1"),
+            name=name,
+            description="",
+            observation="symbolic_entity",
+            action="multi_discrete",
+            network="entity transformer",
+            parameters=10,
+            recurrent=False,
+            capacity=None,
+            any_size=True,
+            physics="jax2d",
+            frame_skip=2,
+            steps=None,
+            training="PPO",
+            folder=f"/agents/{name}",
+        ),
+        **changes,
+    )
+
+
+def a_result(name, *outcomes):
+    episodes = [EpisodeResult(outcome=o, total_reward=0.5, length=10) for o in outcomes]
+    return LevelResult.of(name, episodes)
+
+
+class Stage:
+    """A worker's answers: what is asked is noted, what is answered is set."""
+
+    def __init__(self):
+        self.asked = []
+        self.agents = {}
+        self.news = RunNews(rows=(), total=0, newest=None)
+        self.wait = 0.0
+
+    def __call__(self, request, progress):
+        self.asked.append(request)
+        match request:
+            case LoadAgent(path=path):
+                if path not in self.agents:
+                    raise CheckpointError(f"{path}: expected the directory of an agent, found none")
+                return self.agents[path]
+            case Evaluate():
+                return self.evaluate(request, progress)
+            case ReadRun():
+                return self.news
+            case OpenEpisode():
+                return Opened(level=a_level(), trace=a_trace())
+            case Observe():
+                raise KinetixError("the agent is blind")
+        return None
+
+    def evaluate(self, request, progress):
+        scores = ()
+        total = len(request.levels) * request.attempts
+        for number, level in enumerate(request.levels):
+            outcomes = ["won", "lost"] * (request.attempts // 2)
+            scores += (Score(agent=0, result=a_result(level.name, *outcomes)),)
+            standing = Standing(done=(number + 1) * request.attempts, total=total, scores=scores)
+            progress.share(standing)
+            progress.report(standing.done / total, "")
+            until = time.monotonic() + self.wait
+            while time.monotonic() < until:
+                progress.report(None, "")
+                time.sleep(0.005)
+        return standing
+
+
+def a_trace(steps=6):
+    simulator = FakeSimulator()
+    simulator.start(a_level(), "balanced")
+    simulator.advance((None,) * steps)
+    snapshots = tuple(simulator.take())
+    channels = tuple(channels_of(snapshot.action) for snapshot in snapshots[1:])
+    return Trace(
+        physics="jax2d", perturbed=False, snapshots=snapshots, actions=channels, player="Tester"
+    )
+
+
+@pytest.fixture
+def stage():
+    return Stage()
+
+
+@pytest.fixture
+def session(stage, tmp_path):
+    made = Session(
+        settings=Settings(snap_smart=False, snap_grid=False),
+        simulator=FakeSimulator(),
+        worker=Worker(perform=stage),
+        evaluator=Worker(perform=stage),
+        results=Results(tmp_path / "results.json"),
+        level=a_level(),
+    )
+    made.viewer.rival = Follower(FakeSimulator())
+    yield made
+    made.worker.stop()
+    made.evaluator.stop()
+
+
+def settle(session, seconds=3.0):
+    until = time.monotonic() + seconds
+    actions.update(session, 1 / 60)
+    while not (session.worker.idle and session.evaluator.idle):
+        assert time.monotonic() < until
+        session.worker.wait(0.01)
+        session.evaluator.wait(0.01)
+        actions.update(session, 1 / 60)
+
+
+def run(session, seconds, fps=60):
+    for _ in range(round(seconds * fps)):
+        actions.update(session, 1 / fps)
+
+
+@pytest.fixture
+def with_agent(session, stage):
+    stage.agents["/agents/Tester"] = a_summary()
+    agents.load_agent(session, "/agents/Tester")
+    settle(session)
+    return session
+
+
+def test_the_scripted_agents_are_those_of_the_package():
+    from kinetix.agents.scripted import SCRIPTED as THEIRS
+
+    assert SCRIPTED == THEIRS
+
+
+def test_loading_an_agent_takes_its_physics_and_gets_ready(with_agent, stage):
+    place = with_agent.viewer.slots["a"]
+    assert (place.summary.name, place.loading, place.error) == ("Tester", False, "")
+    assert with_agent.playback.physics == "jax2d"
+    assert [type(request).__name__ for request in stage.asked] == ["LoadAgent", "Rehearse"]
+    assert with_agent.settings.recent_agents == ["/agents/Tester"]
+
+
+def test_what_cannot_be_loaded_is_one_sentence_and_the_old_agent_stays(with_agent):
+    agents.load_agent(with_agent, "/nothing/here")
+    settle(with_agent)
+    place = with_agent.viewer.slots["a"]
+    assert place.error == "/nothing/here: expected the directory of an agent, found none"
+    assert place.summary.name == "Tester"
+    assert any("/nothing/here" in text for text in texts(with_agent))
+
+
+def test_a_dropped_folder_is_an_agent(session, stage, tmp_path):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "agent.json").write_text("{}")
+    stage.agents[str(folder)] = a_summary("mine")
+    for dropped in (folder, folder / "agent.json"):
+        session.viewer.slots["a"].summary = None
+        actions.handle(session, DropEvent(path=str(dropped)))
+        settle(session)
+        assert session.viewer.slots["a"].summary.name == "mine"
+    assert session.view.front == "agents"
+
+
+def test_f6_without_an_agent_asks_which(session):
+    assert actions.run(session, "run.play_agent")
+    assert session.prompts[-1].title == "Agent A"
+    ids = [choice.id for choice in session.prompts[-1].choices]
+    assert "random" in ids and "browse" in ids
+    assert any(Path(path).name == "goalkeeper" for path in ids)
+
+
+def test_the_agent_plays_and_the_document_stays(with_agent):
+    before = with_agent.document.hash
+    Hand(with_agent).key("f6")
+    assert with_agent.playback.casting == with_agent.viewer.casting("a")
+    run(with_agent, 1.0)
+    snapshot = with_agent.playback.snapshot
+    assert snapshot.step in (29, 30)
+    # The stage's agent goes backwards on motor 0 all the time.
+    assert snapshot.action[0] == -1.0
+    assert with_agent.playback.trace.actions[-1] == (2, 0, 0, 0, 0, 0)
+    assert with_agent.playback.trace.player == "Tester"
+    actions.run(with_agent, "run.stop")
+    assert with_agent.document.hash == before
+
+
+def test_held_keys_take_over_and_letting_go_hands_back(with_agent):
+    hand = Hand(with_agent)
+    hand.key("f6")
+    run(with_agent, 0.5)
+    assert not with_agent.playback.perturbed
+    hand.down("left")
+    run(with_agent, 0.2)
+    assert with_agent.playback.snapshot.action[0] == 1.0
+    assert with_agent.playback.perturbed
+    hand.up("left")
+    run(with_agent, 0.2)
+    assert with_agent.playback.snapshot.action[0] == -1.0
+
+
+def test_taking_over_lasts_until_handing_back(with_agent):
+    hand = Hand(with_agent)
+    hand.key("f6")
+    run(with_agent, 0.2)
+    hand.key("t")
+    run(with_agent, 0.2)
+    assert with_agent.playback.snapshot.action[0] == 0.0
+    hand.key("t")
+    run(with_agent, 0.2)
+    assert with_agent.playback.snapshot.action[0] == -1.0
+
+
+def test_another_attempt_starts_anew_with_other_draws(with_agent):
+    hand = Hand(with_agent)
+    hand.key("f6")
+    run(with_agent, 0.5)
+    hand.key("n")
+    assert with_agent.playback.casting.attempt == 1
+    assert with_agent.playback.waiting
+    run(with_agent, 0.1)
+    hand.key("b")
+    assert with_agent.playback.casting.attempt == 0
+    assert not actions.run(with_agent, "agent.previous_attempt")
+    actions.run(with_agent, "agent.deterministic")
+    assert with_agent.playback.casting.deterministic
+
+
+def test_an_agent_that_fails_pauses_with_the_reason(with_agent):
+    Hand(with_agent).key("f6")
+    run(with_agent, 0.5)
+    with_agent.playback.simulator.error = "The agent 'Tester' gave something that is no number."
+    run(with_agent, 0.1)
+    assert with_agent.mode is Mode.PAUSED
+    assert agents.paused_by_failure(with_agent).startswith("The agent 'Tester' gave")
+    assert actions.run(with_agent, "run.stop")
+
+
+def test_looking_back_and_starting_from_there(with_agent):
+    Hand(with_agent).key("f6")
+    run(with_agent, 1.0)
+    playback = with_agent.playback
+    seen = playback.moments
+    playback.scrub(10)
+    assert (with_agent.mode, playback.step_count) == (Mode.REPLAY, 10)
+    assert playback.snapshot is seen[10]
+    run(with_agent, 0.5)
+    assert playback.step_count == 10
+    assert actions.run(with_agent, "run.start_here")
+    assert (with_agent.mode, len(playback.ring)) == (Mode.PAUSED, 11)
+    actions.run(with_agent, "run.pause")
+    run(with_agent, 0.2)
+    assert 13 <= playback.step_count <= 18
+    np.testing.assert_array_equal(playback.moments[10].position, seen[10].position)
+    np.testing.assert_array_equal(playback.moments[12].position, seen[12].position)
+
+
+def test_a_replay_plays_loops_and_stops_at_its_end(with_agent):
+    Hand(with_agent).key("f6")
+    run(with_agent, 1.0)
+    playback = with_agent.playback
+    playback.scrub(3)
+    actions.run(with_agent, "run.loop_from")
+    playback.scrub(6)
+    actions.run(with_agent, "run.loop_to")
+    assert playback.loop == (3, 6)
+    actions.run(with_agent, "run.pause")
+    indexes = []
+    for _ in range(60):
+        run(with_agent, 1 / 30, 30)
+        indexes.append(playback.replay_index)
+    assert set(indexes) == {3, 4, 5, 6}
+    actions.run(with_agent, "run.loop_clear")
+    run(with_agent, 3.0)
+    assert playback.replay_index == len(playback.moments) - 1
+    assert not playback.running
+
+
+def test_an_episode_from_elsewhere_can_be_branched_from(with_agent):
+    playback = with_agent.playback
+    casting = with_agent.viewer.casting("a")
+    playback.replay(a_trace(), a_level(), casting, player="Tester")
+    playback.scrub(4)
+    playback.branch()
+    actions.update(with_agent, 1 / 60)
+    assert (with_agent.mode, playback.step_count) == (Mode.PAUSED, 4)
+    playback.pause()
+    run(with_agent, 0.2)
+    assert playback.step_count > 4
+    assert playback.moments[4] is playback.ring.snapshots[4]
+
+
+def test_the_end_cannot_be_branched_from(with_agent):
+    with_agent.playback.simulator.ends_at = 5
+    Hand(with_agent).key("f6")
+    run(with_agent, 1.0)
+    assert with_agent.mode is Mode.ENDED
+    with_agent.playback.scrub(5)
+    assert not actions.run(with_agent, "run.start_here")
+    with_agent.playback.scrub(4)
+    assert actions.run(with_agent, "run.start_here")
+
+
+def test_the_second_player_keeps_step(with_agent, stage):
+    stage.agents["/agents/Other"] = a_summary("Other", frame_skip=2)
+    agents.load_agent(with_agent, "/agents/Other", "b")
+    settle(with_agent)
+    assert actions.run(with_agent, "agent.compare_ghost")
+    Hand(with_agent).key("f6")
+    run(with_agent, 1.0)
+    playback, rival = with_agent.playback, with_agent.viewer.rival
+    assert rival.player == "Other"
+    assert rival.simulator.casting.agent.path == "/agents/Other"
+    shown = rival.shown(playback.engine_step)
+    assert shown.step == playback.step_count
+    playback.scrub(7)
+    assert rival.shown(playback.engine_step).step == 7
+    actions.run(with_agent, "run.reset")
+    actions.update(with_agent, 1 / 60)
+    assert len(rival.snapshots) < 5
+    actions.run(with_agent, "run.stop")
+    actions.update(with_agent, 1 / 60)
+    assert not rival.active
+
+
+def test_a_person_plays_against_an_agent(with_agent, stage):
+    stage.agents["/agents/Other"] = a_summary("Other")
+    agents.load_agent(with_agent, "/agents/Other", "b")
+    settle(with_agent)
+    actions.run(with_agent, "agent.compare_side")
+    Hand(with_agent).key("space")
+    run(with_agent, 0.5)
+    assert with_agent.playback.casting is None
+    assert with_agent.viewer.rival.shown(with_agent.playback.engine_step).step > 10
+
+
+def test_players_of_different_frame_skip_meet_in_time():
+    follower = Follower(FakeSimulator())
+    follower.start(a_level(), "balanced", None, player="slow")
+    follower.tick(0)
+    follower.snapshots = [dataclasses.replace(follower.snapshots[0], frame_skip=4)]
+    for engine_step in range(0, 41, 2):
+        follower.tick(engine_step)
+    assert follower.shown(20).step == 5
+    assert follower.shown(22).step == 5
+    assert follower.shown(24).step == 6
+
+
+def test_comparing_needs_a_second_agent(with_agent):
+    actions.run(with_agent, "agent.compare_ghost")
+    assert with_agent.viewer.compare == "off"
+    assert any("agent B" in text for text in texts(with_agent))
+
+
+def evaluation_of(session, *names, attempts=4):
+    level = a_level()
+    sources = tuple(EvaluatedLevel(name=name, source=level) for name in names)
+    plan = agents.Plan(
+        agents=session.viewer.agents,
+        levels=sources,
+        hashes=tuple(f"hash {name}" for name in names),
+        attempts=attempts,
+    )
+    session.viewer.evaluation.start(plan)
+    return session.viewer.evaluation
+
+
+def test_the_table_sorts_filters_and_says_what_the_command_says(with_agent):
+    evaluation = evaluation_of(with_agent, "s/a", "s/b", "m/c")
+    settle(with_agent)
+    assert evaluation.complete
+    assert [row.name for row in evaluation.rows(wanted="S/")] == ["s/a", "s/b"]
+    assert [row.name for row in evaluation.rows(descending=True)] == ["s/b", "s/a", "m/c"]
+    lines = [json.loads(line) for line in evaluation.json_lines().splitlines()]
+    assert lines[0] == a_result("s/a", "won", "lost", "won", "lost").as_dict()
+    assert lines[-1]["mean_solve_rate"] == 0.5 and lines[-1]["agent"] == "Tester"
+    rows = list(csv.DictReader(io.StringIO(evaluation.csv_text())))
+    assert [row["level"] for row in rows] == ["s/a", "s/b", "m/c"]
+    assert rows[0]["failures"] == "2 lost"
+
+
+def test_results_are_kept_for_the_gallery(with_agent):
+    evaluation_of(with_agent, "s/a")
+    settle(with_agent)
+    actions.update(with_agent, 1 / 60)
+    record = with_agent.results.of("hash s/a")["Tester"]
+    assert (record.attempts, record.solved) == (4, 2)
+
+
+def test_an_evaluation_is_cancelled_at_once_and_keeps_what_is_done(with_agent, stage):
+    stage.wait = 30.0
+    evaluation = evaluation_of(with_agent, "s/a", "s/b")
+    until = time.monotonic() + 3
+    while evaluation.standing is None and time.monotonic() < until:
+        actions.update(with_agent, 1 / 60)
+        time.sleep(0.01)
+    start = time.monotonic()
+    assert actions.run(with_agent, "agent.cancel_evaluation")
+    assert not evaluation.running
+    settle(with_agent)
+    assert time.monotonic() - start < 1.0
+    assert [row.results[0] is None for row in evaluation.rows()] == [False, True]
+
+
+def test_the_best_of_several_results():
+    good, bad = a_result("x", "won", "won"), a_result("x", "won", "lost")
+    assert best((good, bad)) == 0
+    assert best((bad, bad)) is None
+    assert best((None, bad)) == 1
+
+
+def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
+    evaluation_of(with_agent, "s/a")
+    settle(with_agent)
+    agents.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    playback = with_agent.playback
+    assert (with_agent.mode, playback.player) == (Mode.REPLAY, "Tester")
+    assert playback.casting.attempt == 3
+    assert with_agent.view.front == "timeline"
+
+
+def test_levels_are_named_as_on_the_command_line(session, tmp_path):
+    ((level, sha256),) = agents.levels_named(session, ())
+    assert level.source == session.document.level and sha256 == session.document.hash
+    ((level, _),) = agents.levels_named(session, ("s/goalkeeper",))
+    assert level.name == "s/goalkeeper"
+    assert Path(level.source).name == "goalkeeper.json"
+
+
+def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
+    stage.agents["/runs/one"] = a_summary("one", ref=AgentRef(path="/runs/one", stamp="a"))
+    stage.news = RunNews(rows=({"loss": 1.0}, {"loss": 0.5}), total=2, newest=100)
+    agents.watch_run(session, "/runs/one")
+    settle(session)
+    run_ = session.viewer.run
+    assert [row["loss"] for row in run_.rows] == [1.0, 0.5]
+    assert session.viewer.slots["a"].summary.ref.stamp == "a"
+    Hand(session).key("f6")
+    run(session, 0.5)
+    stage.agents["/runs/one"] = a_summary("one", ref=AgentRef(path="/runs/one", stamp="b"))
+    stage.news = RunNews(rows=({"loss": 0.25},), total=3, newest=200)
+    run(session, 2.0)
+    settle(session)
+    assert [row["loss"] for row in run_.rows] == [1.0, 0.5, 0.25]
+    assert session.viewer.slots["a"].summary.ref.stamp == "b"
+    # The episode under way goes on with the agent that began it.
+    assert session.playback.casting.agent.stamp == "a"
+    actions.run(session, "run.reset")
+    assert session.playback.casting.agent.stamp == "b"
+
+
+def test_a_run_that_was_set_back_is_read_anew(session, stage):
+    stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}), total=2, newest=None)
+    agents.watch_run(session, "/runs/one")
+    settle(session)
+    stage.news = RunNews(rows=({"x": 7.0},), total=1, newest=None)
+    run(session, 2.1)
+    settle(session)
+    assert session.viewer.run.rows == [{"x": 7.0}]
+
+
+def test_a_mismatch_is_explained():
+    level = a_level()
+    flat = a_summary(capacity=(5, 1, 1, 1), any_size=False)
+    sentence = mismatch(flat, level)
+    assert sentence.startswith("It cannot play this level: it sees one size only")
+    assert "circles (it knows 1)" in sentence
+    assert mismatch(dataclasses.replace(flat, any_size=True), level).startswith("It can play, but")
+    assert mismatch(a_summary(), level) == ""
+
+
+def test_what_the_agent_sees_is_asked_for_while_it_is_on_the_screen(with_agent):
+    with_agent.viewer.eye_open = True
+    settle(with_agent)
+    assert with_agent.viewer.eye_error == "the agent is blind"
+
+
+def test_unified_actions_become_channels():
+    assert channels_of((1.0, -0.5, 0.0, 0.2, 1.0, 0.0)) == (1, 2, 0, 1, 1, 0)
+
+
+def test_a_trace_keeps_what_the_agent_thought():
+    trace = a_trace()
+    mind = Mind(intention=(0.0,) * 6, own_action=(0.0,) * 6, value=0.5, entropy=1.5)
+    last = dataclasses.replace(trace.snapshots[-1], mind=mind)
+    trace = dataclasses.replace(trace, snapshots=(*trace.snapshots[:-1], last))
+    arrays = trace.arrays()
+    assert arrays["value"][-1] == 0.5 and np.isnan(arrays["value"][0])
+    assert arrays["entropy"][-1] == 1.5
+    assert str(arrays["player"]) == "Tester"
