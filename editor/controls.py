@@ -34,6 +34,26 @@ DEFAULT_KEYS: Final[Mapping[str, Drive]] = {
 }
 """The first key of each pair drives its motors at +1."""
 
+PAD: Final[Mapping[str, Drive]] = {
+    "pad left": Drive(channel=0, value=1),
+    "pad right": Drive(channel=0, value=2),
+    "pad up": Drive(channel=1, value=1),
+    "pad down": Drive(channel=1, value=2),
+    "pad right-stick up": Drive(channel=2, value=1),
+    "pad right-stick down": Drive(channel=2, value=2),
+    "pad right-stick left": Drive(channel=3, value=1),
+    "pad right-stick right": Drive(channel=3, value=2),
+    "pad a": Drive(channel=4, value=1),
+    "pad b": Drive(channel=5, value=1),
+}
+"""What a gamepad drives: its sticks the motors, as arrows and letters do, A and B the thrusters."""
+PAD_ACTIONS: Final[Mapping[str, str]] = {
+    "pad start": "run.pause",
+    "pad back": "run.stop",
+    "pad y": "run.reset",
+}
+"""What else a gamepad does in Play; Start begins it."""
+
 _GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
 

@@ -90,6 +90,14 @@ class WheelEvent:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class PadEvent:
+    """A stick or button of a gamepad; `control` is such as `pad left` or `pad a`."""
+
+    control: str
+    pressed: bool
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class FocusEvent:
     """The window gained or lost the keyboard."""
 
@@ -121,6 +129,7 @@ InputEvent: TypeAlias = (
     | KeyEvent
     | TextEvent
     | WheelEvent
+    | PadEvent
     | FocusEvent
     | ResizeEvent
     | DropEvent

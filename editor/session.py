@@ -287,7 +287,7 @@ class Session:
     @property
     def action(self) -> tuple[int, ...]:
         """What the held keys drive."""
-        return controls.action_of(self.held, self.control_keys)
+        return controls.action_of(self.held, {**self.control_keys, **controls.PAD})
 
     @property
     def control_keys(self) -> dict[str, controls.Drive]:

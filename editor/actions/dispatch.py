@@ -8,12 +8,14 @@ from editor.actions import agents, file, play
 from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
+from editor.controls import PAD, PAD_ACTIONS
 from editor.events import (
     NO_MODIFIERS,
     DropEvent,
     FocusEvent,
     InputEvent,
     KeyEvent,
+    PadEvent,
     PointerEvent,
     QuitEvent,
     TextEvent,
@@ -90,6 +92,8 @@ def handle(session: Session, event: InputEvent) -> bool:
                 use_pointer(session, event)
         case WheelEvent():
             move_wheel(session, event)
+        case PadEvent():
+            return _pad(session, event)
         case FocusEvent(focused=False):
             session.release_all()
             session.modifiers = NO_MODIFIERS
@@ -136,6 +140,20 @@ def _key(session: Session, event: KeyEvent) -> bool:
     if driving and event.key in session.control_keys:
         return True
     return run(session, action.id)
+
+
+def _pad(session: Session, event: PadEvent) -> bool:
+    """A gamepad's sticks and buttons are held like keys; three of its buttons do something."""
+    if not event.pressed:
+        session.held.discard(event.control)
+        return True
+    if session.prompts or session.gallery.open:
+        return False
+    action = PAD_ACTIONS.get(event.control)
+    if action is None:
+        session.held.add(event.control)
+        return event.control in PAD
+    return run(session, "run.play_human" if session.editing and action == "run.pause" else action)
 
 
 def _repeats(action: Action) -> bool:

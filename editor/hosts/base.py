@@ -13,6 +13,8 @@ from editor.session import Session
 from editor.textures import TextureStore
 from editor.ui import Ui
 
+_NOT_FOR_WIDGETS = events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent
+
 
 class Renderer(TextureStore, Protocol):
     """Where finished frames go."""
@@ -71,7 +73,7 @@ class Host(abc.ABC):
         io.delta_time = max(dt, 1e-5)
         self._feeder.feed(batch)
         for event in batch:
-            if isinstance(event, events.DropEvent | events.QuitEvent | events.FocusEvent):
+            if isinstance(event, _NOT_FOR_WIDGETS):
                 self.ui.notice(event)
         self._renderer.new_frame()
         imgui.new_frame()

@@ -14,6 +14,7 @@ from PIL import Image
 from editor import events
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
+from editor.hosts.gamepad import Gamepads
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
 from editor.look import COLOURS
@@ -85,6 +86,7 @@ class PygameHost(Host):
         clipboard = Clipboard()
         clipboard.install()
         session.clipboard = clipboard
+        self._pads = Gamepads()
         self._title = ""
         self._cursor: int | None = None
         self._fullscreen = False
@@ -130,6 +132,7 @@ class PygameHost(Host):
             raw += [first] if first.type != pygame.NOEVENT else []
         raw += pygame.event.get()
         batch = [event for event in map(translate, raw) if event is not None]
+        batch += [event for one in raw for event in self._pads.translate(one)]
         if any(isinstance(event, events.ResizeEvent) for event in batch):
             self.size = pygame.display.get_window_size()
         if any(event.type == pygame.WINDOWEXPOSED for event in raw):

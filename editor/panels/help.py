@@ -29,6 +29,7 @@ _MOUSE: Final = (
     ("Ctrl while dragging", "Turn snapping around"),
     ("Digits while drawing", "Set the size exactly"),
     ("Drag in Play", "Pull a body"),
+    ("Gamepad", "Sticks turn motors, A and B fire thrusters, Start plays"),
 )
 
 

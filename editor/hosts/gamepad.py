@@ -1,0 +1,83 @@
+"""Gamepads: sticks and the cross drive motors, buttons fire thrusters, pause and stop.
+
+SDL knows the layout of most pads and gives their parts common names, whatever the maker.
+"""
+
+import contextlib
+from typing import Final
+
+import pygame
+from pygame._sdl2 import controller
+
+from editor import events
+
+PRESS: Final = 0.5
+"""A stick counts as pushed from this share of its way on …"""
+RELEASE: Final = 0.35
+"""… until it comes back to this: between them it keeps what it was."""
+_FULL: Final = 32767.0
+
+_AXES: Final = {
+    pygame.CONTROLLER_AXIS_LEFTX: ("pad left", "pad right"),
+    pygame.CONTROLLER_AXIS_LEFTY: ("pad up", "pad down"),
+    pygame.CONTROLLER_AXIS_RIGHTX: ("pad right-stick left", "pad right-stick right"),
+    pygame.CONTROLLER_AXIS_RIGHTY: ("pad right-stick up", "pad right-stick down"),
+}
+"""Names of an axis's low and high end."""
+_BUTTONS: Final = {
+    pygame.CONTROLLER_BUTTON_DPAD_LEFT: "pad left",
+    pygame.CONTROLLER_BUTTON_DPAD_RIGHT: "pad right",
+    pygame.CONTROLLER_BUTTON_DPAD_UP: "pad up",
+    pygame.CONTROLLER_BUTTON_DPAD_DOWN: "pad down",
+    pygame.CONTROLLER_BUTTON_A: "pad a",
+    pygame.CONTROLLER_BUTTON_B: "pad b",
+    pygame.CONTROLLER_BUTTON_X: "pad x",
+    pygame.CONTROLLER_BUTTON_Y: "pad y",
+    pygame.CONTROLLER_BUTTON_START: "pad start",
+    pygame.CONTROLLER_BUTTON_BACK: "pad back",
+}
+
+
+class Gamepads:
+    """Opens every pad that is plugged in and turns its events into ours."""
+
+    def __init__(self) -> None:
+        self._open: dict[int, controller.Controller] = {}
+        self._pushed: set[str] = set()
+        # Without pads, or without the rights to them, the app does as well.
+        with contextlib.suppress(pygame.error):
+            controller.init()
+
+    def translate(self, event: pygame.event.Event) -> list[events.InputEvent]:
+        """What an event of a pad means; nothing for all others."""
+        if event.type == pygame.CONTROLLERDEVICEADDED:
+            with contextlib.suppress(pygame.error):
+                self._open[event.device_index] = controller.Controller(event.device_index)
+        elif event.type == pygame.CONTROLLERDEVICEREMOVED:
+            return self._let_go()
+        elif event.type == pygame.CONTROLLERAXISMOTION:
+            return self._axis(event.axis, event.value / _FULL)
+        elif event.type in (pygame.CONTROLLERBUTTONDOWN, pygame.CONTROLLERBUTTONUP):
+            name = _BUTTONS.get(event.button)
+            if name is not None:
+                return self._set(name, event.type == pygame.CONTROLLERBUTTONDOWN)
+        return []
+
+    def _axis(self, axis: int, value: float) -> list[events.InputEvent]:
+        found: list[events.InputEvent] = []
+        for name, way in zip(_AXES.get(axis, ()), (-value, value), strict=False):
+            if way >= PRESS:
+                found += self._set(name, True)
+            elif way <= RELEASE:
+                found += self._set(name, False)
+        return found
+
+    def _set(self, name: str, pressed: bool) -> list[events.InputEvent]:
+        if pressed == (name in self._pushed):
+            return []
+        (self._pushed.add if pressed else self._pushed.discard)(name)
+        return [events.PadEvent(control=name, pressed=pressed)]
+
+    def _let_go(self) -> list[events.InputEvent]:
+        """A pad was pulled out: nothing of it is held any more."""
+        return [event for name in tuple(self._pushed) for event in self._set(name, False)]
