@@ -178,10 +178,10 @@ def test_fine_tuning_starts_from_the_agent(finished, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("algorithm", ["sfl", "accel", "dr"])
+@pytest.mark.parametrize("algorithm", ["sfl", "plr", "accel", "dr"])
 def test_curricula_run_and_go_on_exactly(algorithm, tmp_path):
     steps = 8 * 32 * (1 if algorithm == "sfl" else 2)
-    # The filter costs compile time; one of the three has it.
+    # The filter costs compile time; one of them has it.
     changes = {"num_steps": 32, "total_timesteps": steps * 6, "filter_levels": algorithm == "sfl"}
     config = _config(algorithm, **changes)
     with pytest.raises(_Stop):
@@ -198,6 +198,8 @@ def test_curricula_run_and_go_on_exactly(algorithm, tmp_path):
             kind for row in rows for kind in ("replay", "mutate") if row[f"level_sampler/{kind}"]
         ]
         assert kinds[:2] == ["replay", "mutate"]
+    if algorithm in ("plr", "accel"):
+        assert any(row["level_sampler/replay"] for row in rows)
     if algorithm == "dr":
         assert all(row["level_sampler/new"] == 1 for row in rows)
     if algorithm != "sfl":
