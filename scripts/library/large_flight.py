@@ -36,8 +36,8 @@ def zigzag() -> Draft:
     """
     draft = Draft("thruster", "maze", "hazard", difficulty=2, friction=0.3, steps=320)
     crate = draft.box((0.6, 4.2), 0.36, 0.36, "green")
-    draft.thruster(crate, (0.42, 4.2), 0, 0.07, KEY_1)
-    draft.thruster(crate, (0.78, 4.2), 180, 0.07, KEY_2)
+    draft.thruster(crate, (0.42, 4.2), 0, 0.1, KEY_1)
+    draft.thruster(crate, (0.78, 4.2), 180, 0.1, KEY_2)
     for x in (0.9, 2.7):
         draft.box((x, 3.5), 1.8, 0.14, fixed=True)
     for x in (4.1, 2.3):

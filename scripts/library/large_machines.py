@@ -67,11 +67,11 @@ def skittles() -> Draft:
     floor.
     """
     draft = Draft("catapult", "tower", difficulty=1, floor="blue")
-    beam, knee = draft.rod((1.5, 4.9), -90, 1.3, width=0.1)
+    beam, knee = draft.rod((2.1, 4.9), -90, 1.55, width=0.1)
     draft.hinge(
-        "ceiling", beam, (1.5, 4.9), control=LEFT_RIGHT, speed=0.6, power=0.5, limits=(-80, 80)
+        "ceiling", beam, (2.1, 4.9), control=LEFT_RIGHT, speed=0.6, power=0.5, limits=(-80, 80)
     )
-    rope, end = draft.rod(knee, -90, 1.3, width=0.06)
+    rope, end = draft.rod(knee, -90, 1.55, width=0.06)
     draft.hinge(beam, rope, knee)
     weight = draft.ball(end, 0.32, density=2.0)
     draft.weld(rope, weight, end)

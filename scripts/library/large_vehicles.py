@@ -98,7 +98,7 @@ def waiter() -> Draft:
     draft.hinge(made.chassis, pole, (1.2, 0.75))
     glass = draft.ball((1.2, 1.75), 0.14, "green", density=0.4)
     draft.weld(pole, glass, (1.2, 1.65))
-    draft.box((4.3, 1.75), 0.5, 0.6, "blue", fixed=True)
+    draft.box((3.1, 1.6), 0.4, 0.9, "blue", fixed=True)
     return draft
 
 

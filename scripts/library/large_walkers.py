@@ -85,7 +85,7 @@ def hot_foot() -> Draft:
     """
     draft = _course(4, "red", "hopper")
     _hopper(draft, 1.6)
-    _wall(draft, 4.2)
+    _wall(draft, 3.0)
     return draft
 
 
@@ -93,7 +93,7 @@ def sprint() -> Draft:
     """Back leg on Left, Right, Up, Down and front leg on W, S, A, D: gallop to the blue wall."""
     draft = _course(2, "none", "cheetah")
     _cheetah(draft, 1.3)
-    _wall(draft, 4.3)
+    _wall(draft, 3.6)
     return draft
 
 
@@ -103,7 +103,7 @@ def hot_pursuit() -> Draft:
     """
     draft = _course(4, "red", "cheetah")
     _cheetah(draft, 1.1)
-    _wall(draft, 4.5)
+    _wall(draft, 3.0)
     return draft
 
 
@@ -121,7 +121,7 @@ def hot_coals() -> Draft:
     """
     draft = _course(5, "red", "walker-2d")
     _walker(draft, 1.3)
-    _wall(draft, 4.3)
+    _wall(draft, 2.9)
     return draft
 
 
