@@ -101,8 +101,10 @@ class View:
     """The window in which keys are changed."""
     edit_arena: bool = False
     """Whether floor, walls and ceiling can be selected on the canvas."""
-    layout_reset: bool = False
-    """Ask the window for the default layout; it clears the flag."""
+    layout: str = ""
+    """A layout that the window shall take (`edit`, `play`, `evaluate`, or a kept one's name)."""
+    layout_name: str = ""
+    """The name under which the window shall keep its present layout."""
 
 
 @dataclasses.dataclass(kw_only=True)

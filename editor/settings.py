@@ -45,6 +45,8 @@ class Settings:
     reduced_motion: bool = False
     layout: str = ""
     """The dock layout as the toolkit writes it."""
+    layouts: dict[str, str] = dataclasses.field(default_factory=dict)
+    """Layouts that the user has kept, by name."""
     keys: dict[str, list[str]] = dataclasses.field(default_factory=dict)
     """Rebound chords by action id."""
     controls: dict[str, list[int]] = dataclasses.field(default_factory=dict)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions, events, keys, theme
+from editor import actions, events, keys, layouts, theme
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
@@ -148,6 +148,7 @@ class Ui:
         """
         session = self.session
         self._rescale()
+        self._take_kept_layout()
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps
         session.probe.clear()
@@ -185,10 +186,11 @@ class Ui:
     def _workplace(self, space: int, bars: bool) -> None:
         """The canvas and the panels around it."""
         self._gallery.closed()
-        if not self._laid_out or self.session.view.layout_reset:
+        if not self._laid_out or self.session.view.layout:
             self._lay_out(space)
         self._canvas(space, bars)
         self._follow_switches()
+        self._keep_layout()
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
@@ -312,42 +314,17 @@ class Ui:
             imgui.pop_style_color()
 
     def _lay_out(self, space: int) -> None:
-        """Put the panels where they belong: a stored layout, or the one we think best."""
-        session, node = self.session, imgui.internal
-        self._laid_out = True
+        """Put the panels where they belong: as asked for, as it was last time, or as at first."""
+        session = self.session
+        first, self._laid_out = not self._laid_out, True
         self._first_frame = imgui.get_frame_count()
-        reset, session.view.layout_reset = session.view.layout_reset, False
+        asked, session.view.layout = session.view.layout, ""
         stored = session.settings.layout
-        # A layout from before a panel existed has no place for it.
-        complete = all(f"###panel-{panel.id}]" in stored for panel in self.panels)
-        if complete and not reset:
-            imgui.load_ini_settings_from_memory(session.settings.layout)
+        if first and not asked and layouts.restore(stored, self.panels):
             return
-        size = imgui.get_main_viewport().work_size
-        node.dock_builder_remove_node_child_nodes(space)
-        node.dock_builder_set_node_size(space, size)
-        left_share = min(px(250) / size.x, 0.24)
-        split = node.dock_builder_split_node(space, imgui.Dir.left, left_share)
-        left, rest = split.id_at_dir, split.id_at_opposite_dir
-        right_share = min(px(310) / (size.x * (1 - left_share)), 0.34)
-        split = node.dock_builder_split_node(rest, imgui.Dir.right, right_share)
-        right, middle = split.id_at_dir, split.id_at_opposite_dir
-        bottom_share = min(px(190) / size.y, 0.28)
-        split = node.dock_builder_split_node(middle, imgui.Dir.down, bottom_share)
-        bottom = split.id_at_dir
-        split = node.dock_builder_split_node(left, imgui.Dir.down, 0.5)
-        lower_left, left = split.id_at_dir, split.id_at_opposite_dir
-        homes = {
-            "outliner": left,
-            "level": lower_left,
-            "inspector": right,
-            "agents": right,
-            "eye": right,
-        }
-        for panel in self.panels:
-            node.dock_builder_dock_window(panel.window_name, homes.get(panel.id, bottom))
-        node.dock_builder_finish(space)
-        self._in_front = ["problems", "inspector"]
+        plan = layouts.ARRANGEMENTS.get(asked, layouts.ARRANGEMENTS["edit"])
+        layouts.arrange(space, self.panels, plan)
+        self._in_front = list(plan.front)
 
     def _canvas(self, space: int, bars: bool) -> None:
         node = imgui.internal.dock_builder_get_central_node(space)
@@ -399,6 +376,23 @@ class Ui:
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""
         self.session.settings.layout = imgui.save_ini_settings_to_memory()
+
+    def _take_kept_layout(self) -> None:
+        """Put the panels where a kept layout has them; only before any window is drawn."""
+        view, kept = self.session.view, self.session.settings.layouts
+        if self._laid_out and view.layout in kept and not self.session.gallery.open:
+            if layouts.restore(kept[view.layout], self.panels):
+                view.layout = ""
+            else:
+                self.session.complain(f"{view.layout} is from an older version: keep it anew.")
+
+    def _keep_layout(self) -> None:
+        """Remember where the panels are under the name that was asked for."""
+        view = self.session.view
+        if view.layout_name:
+            self.session.settings.layouts[view.layout_name] = imgui.save_ini_settings_to_memory()
+            self.session.toast(f"Kept this layout as {view.layout_name}", "success")
+            view.layout_name = ""
 
 
 def _middle() -> tuple[tuple[float, float], tuple[float, float]]:

@@ -437,6 +437,29 @@ VIEW: Final = (
         checked=view.is_on("plots"),
         run=view.switch("plots"),
     ),
+    *(
+        Action(
+            id=f"view.layout_{name}",
+            label=f"Layout: {name.capitalize()}",
+            menu="View",
+            context=Context.LEVEL,
+            tooltip=tooltip,
+            run=view.lay_out(name),
+        )
+        for name, tooltip in (
+            ("edit", "Outliner, level and inspector around the canvas."),
+            ("play", "Timeline and plots under a wider canvas."),
+            ("evaluate", "A high table of results."),
+        )
+    ),
+    Action(
+        id="view.keep_layout",
+        label="Keep This Layout…",
+        menu="View",
+        context=Context.LEVEL,
+        tooltip="Where the panels are now, under a name.",
+        run=view.keep_layout,
+    ),
     Action(
         id="view.next_tab",
         label="Next Tab",

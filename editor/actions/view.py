@@ -2,11 +2,16 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Final
 
 from editor.camera import ARENA
 from editor.picking import selection_box
+from editor.prompts import TextQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
+
+BUILT_IN_LAYOUTS: Final = ("edit", "play", "evaluate")
+"""Layouts that come with the app (`editor.layouts` has them)."""
 
 
 def choose(tool: str) -> Callable[[Session], None]:
@@ -51,6 +56,33 @@ def switch(name: str) -> Callable[[Session], None]:
         setattr(session.view, name, not getattr(session.view, name))
 
     return run
+
+
+def lay_out(name: str) -> Callable[[Session], None]:
+    """An action that puts the panels where a layout has them."""
+
+    def run(session: Session) -> None:
+        session.view.layout = name
+
+    return run
+
+
+def keep_layout(session: Session) -> None:
+    """Keep the present layout under a name."""
+
+    def answer(name: str | None) -> None:
+        if name is None:
+            return
+        if name.lower() in BUILT_IN_LAYOUTS:
+            raise CommandError(f"{name} comes with the app: choose another name.")
+        session.view.layout_name = name[:40]
+
+    session.ask(TextQuestion(title="Keep this layout as", accept="Keep", answer=answer))
+
+
+def forget_layout(session: Session, name: str) -> None:
+    """Forget a layout that was kept."""
+    session.settings.layouts.pop(name, None)
 
 
 def bring(panel: str) -> Callable[[Session], None]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from imgui_bundle import imgui
 
 from editor import actions, widgets
-from editor.actions import examples, file
+from editor.actions import examples, file, view
 from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS, Icons
 from editor.settings import GRID_STEPS, Settings
@@ -137,8 +137,24 @@ class MenuBar:
             _choices(settings, "grid_step", [(step, f"{step:g} m") for step in GRID_STEPS])
             imgui.end_menu()
         _switch(settings, "reduced_motion", "Reduced motion")
-        if imgui.menu_item_simple("Reset layout"):
-            session.view.layout_reset = True
+        self._layouts(session)
+
+    def _layouts(self, session: "Session") -> None:
+        """The layouts that the user has kept."""
+        names = sorted(session.settings.layouts)
+        if not imgui.begin_menu("Kept layouts", bool(names)):
+            return
+        for name in names:
+            if imgui.menu_item_simple(f"{name}###layout-{name}"):
+                session.view.layout = name
+            widgets.probe(session, f"menu.layout.{name}")
+        imgui.separator()
+        if imgui.begin_menu("Forget"):
+            for name in names:
+                if imgui.menu_item_simple(f"{name}###forget-{name}"):
+                    session.queue(lambda name=name: view.forget_layout(session, name))
+            imgui.end_menu()
+        imgui.end_menu()
 
 
 def _switch(settings: Settings, name: str, label: str) -> None:

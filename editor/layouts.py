@@ -1,0 +1,93 @@
+"""Where the panels are: three arrangements that come with the app, and those that users keep."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Final
+
+from imgui_bundle import imgui
+
+from editor.panels.base import Panel
+from editor.widgets import px
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Arrangement:
+    """How the window is divided, and what is in front where several panels share a place."""
+
+    label: str
+    left: float = 250.0
+    """Width of the left column [px at 100 %]; 0: what belongs there goes to the right."""
+    right: float = 310.0
+    bottom: float = 190.0
+    """Height of the lower row [px at 100 %]."""
+    most: float = 0.28
+    """Largest share of the window's height for the lower row."""
+    front: tuple[str, ...] = ()
+
+
+ARRANGEMENTS: Final = {
+    "edit": Arrangement(label="Edit", front=("problems", "inspector")),
+    "play": Arrangement(label="Play", left=0.0, bottom=230.0, front=("timeline", "agents")),
+    "evaluate": Arrangement(
+        label="Evaluate", left=0.0, bottom=420.0, most=0.52, front=("evaluate", "agents")
+    ),
+}
+"""Those that come with the app, by id."""
+
+_COLUMNS: Final = {
+    "outliner": "left",
+    "level": "lower left",
+    "inspector": "right",
+    "agents": "right",
+    "eye": "right",
+}
+"""Where panels belong; all others share the lower row."""
+
+
+def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
+    """Divide the dock space and put every panel into its place.
+
+    Args:
+        space: Id of the dock space.
+        panels: All panels.
+        plan: The arrangement.
+    """
+    node = imgui.internal
+    size = imgui.get_main_viewport().work_size
+    node.dock_builder_remove_node_child_nodes(space)
+    node.dock_builder_set_node_size(space, size)
+    rest, left_share = space, 0.0
+    places: dict[str, int] = {}
+    if plan.left:
+        left_share = min(px(plan.left) / size.x, 0.24)
+        split = node.dock_builder_split_node(space, imgui.Dir.left, left_share)
+        left, rest = split.id_at_dir, split.id_at_opposite_dir
+        split = node.dock_builder_split_node(left, imgui.Dir.down, 0.5)
+        places["lower left"], places["left"] = split.id_at_dir, split.id_at_opposite_dir
+    right_share = min(px(plan.right) / (size.x * (1 - left_share)), 0.34)
+    split = node.dock_builder_split_node(rest, imgui.Dir.right, right_share)
+    places["right"], middle = split.id_at_dir, split.id_at_opposite_dir
+    bottom_share = min(px(plan.bottom) / size.y, plan.most)
+    split = node.dock_builder_split_node(middle, imgui.Dir.down, bottom_share)
+    bottom = split.id_at_dir
+    for panel in panels:
+        column = _COLUMNS.get(panel.id)
+        place = bottom if column is None else places.get(column, places["right"])
+        node.dock_builder_dock_window(panel.window_name, place)
+    node.dock_builder_finish(space)
+
+
+def restore(stored: str, panels: Sequence[Panel]) -> bool:
+    """Take a layout that was kept.
+
+    Args:
+        stored: As Dear ImGui wrote it.
+        panels: All panels.
+
+    Returns:
+        Whether it was taken: one from before a panel existed has no place for it.
+    """
+    if not all(f"panel-{panel.id}]" in stored for panel in panels):
+        return False
+    imgui.load_ini_settings_from_memory(stored)
+    return True

@@ -1,0 +1,67 @@
+"""Layouts: those that come with the app, and those that are kept under a name."""
+
+from pathlib import Path
+
+import pytest
+
+from editor.session import Session
+from editor.settings import Settings
+
+
+def apply(gui, action):
+    gui.session.queue(action)
+    gui.frames(8)
+
+
+def height_of_canvas(gui):
+    probe = gui.probe("canvas")
+    return probe.high[1] - probe.low[1]
+
+
+def width_of_canvas(gui):
+    probe = gui.probe("canvas")
+    return probe.high[0] - probe.low[0]
+
+
+def test_the_apps_own_layouts_differ_and_edit_is_the_first(gui):
+    first = gui.probe("canvas")
+    apply(gui, "view.layout_evaluate")
+    assert height_of_canvas(gui) < 0.8 * (first.high[1] - first.low[1])
+    apply(gui, "view.layout_play")
+    assert width_of_canvas(gui) > 1.2 * (first.high[0] - first.low[0])
+    apply(gui, "view.layout_edit")
+    again = gui.probe("canvas")
+    assert (again.low, again.high) == (
+        pytest.approx(first.low, abs=2),
+        pytest.approx(first.high, abs=2),
+    )
+
+
+def test_a_kept_layout_comes_back_in_this_run_and_in_the_next(make_gui, tmp_path: Path):
+    gui = make_gui()
+    apply(gui, "view.layout_play")
+    wide = width_of_canvas(gui)
+    apply(gui, "view.keep_layout")
+    gui.text("Mine")
+    gui.click("line.accept")
+    assert "Mine" in gui.session.settings.layouts
+    apply(gui, "view.layout_edit")
+    narrow = width_of_canvas(gui)
+    assert narrow < wide
+    gui.session.view.layout = "Mine"
+    gui.frames(10)
+    assert width_of_canvas(gui) == pytest.approx(wide, abs=2)
+    gui.session.settings.save(tmp_path / "settings.json")
+    later = make_gui(session=Session(settings=Settings.load(tmp_path / "settings.json")))
+    assert width_of_canvas(later) == pytest.approx(narrow, abs=2)
+    later.session.view.layout = "Mine"
+    later.frames(10)
+    assert width_of_canvas(later) == pytest.approx(wide, abs=2)
+
+
+def test_names_of_the_apps_layouts_are_taken(gui):
+    apply(gui, "view.keep_layout")
+    gui.text("Play")
+    gui.click("line.accept")
+    assert gui.session.settings.layouts == {}
+    assert "comes with the app" in gui.session.toasts[-1].text
