@@ -16,6 +16,7 @@ from editor.commands.bodies import posed
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
 from editor.marks import Marker
+from editor.minimap import Minimap
 from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
 from editor.play_image import PlayImage
@@ -60,6 +61,7 @@ class Canvas:
         self.images = PlayImage()
         """The JAX renderer's pictures of what is played."""
         self._textures = textures
+        self._minimap = Minimap()
         self._down: list[int] = []
         self._mouse = (0.0, 0.0)
         self._before_split: Camera | None = None
@@ -93,7 +95,11 @@ class Canvas:
             session.camera = session.camera.fitted(*ARENA, margin=px(28))
             # The layout needs some frames to settle; until then the viewport is not the last one.
             session.tab.fitted = imgui.get_frame_count() > _SETTLED_FRAME
-        self._mouse_input(session)
+        mouse = imgui.get_io().mouse_pos
+        # A drag that began on the level goes on over the map.
+        free = self.hovered and not self._down
+        if not self._minimap.takes(session, (mouse.x, mouse.y), hovered=free):
+            self._mouse_input(session)
 
     def _split(self, session: "Session") -> None:
         """Give the left half to one player and the right half to the other, or all to one."""
@@ -192,6 +198,7 @@ class Canvas:
             marker.key_caps(session.control_keys, session.held if not session.editing else ())
         if session.editing and not scene.bodies and not session.driver.active:
             self._teach(draw)
+        self._minimap.paint(session, draw, where, high)
         self._frame(session, draw)
         draw.pop_clip_rect()
 

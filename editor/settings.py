@@ -22,6 +22,8 @@ class Settings:
     snap_smart: bool = True
     snap_grid: bool = True
     grid_visible: bool = True
+    minimap: bool = False
+    """Whether the canvas has a small map of the arena in its corner."""
     grid_step: float = 0.1
     """[m]"""
     angle_step_deg: float = 15.0

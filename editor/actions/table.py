@@ -379,6 +379,15 @@ VIEW: Final = (
         run=view.switch_setting("grid_visible"),
     ),
     Action(
+        id="view.minimap",
+        label="Show Map",
+        menu="View",
+        context=Context.LEVEL,
+        tooltip="The whole arena, small, in the corner; a click moves the view there.",
+        checked=view.is_set("minimap"),
+        run=view.switch_setting("minimap"),
+    ),
+    Action(
         id="view.frame_selection",
         label="Frame Selection",
         menu="View",

@@ -403,3 +403,18 @@ def test_a_key_is_changed_with_the_mouse_and_the_keyboard(gui):
     gui.key("escape")
     gui.key("r")
     assert gui.session.tool.id == "rectangle"
+
+
+def test_the_map_moves_the_view_and_draws_nothing_in_the_level(make_gui):
+    gui = make_gui(level=BALL)
+    gui.session.queue("view.minimap")
+    gui.session.queue("tool.circle")
+    gui.frames(3)
+    gui.session.camera = gui.session.camera.zoomed(3.0, gui.screen(2.5, 2.5))
+    gui.frames(2)
+    low, size = gui.host.ui.canvas.area
+    side = gui.host.ui.canvas._minimap._side
+    corner = (low[0] + size[0] - side - 14, low[1] + size[1] - side - 14)
+    gui.click_at(corner[0] + side * 0.25, corner[1] + side * 0.25)
+    assert gui.session.camera.centre == pytest.approx((1.25, 3.75), abs=0.05)
+    assert gui.level == BALL.replace(next_id=gui.level.next_id)
