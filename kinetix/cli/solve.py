@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _OPEN_START = ("E104", "E105")
 """Codes of levels that end before they begin."""
+_UNSOLVED = "unsolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -37,9 +38,9 @@ class Solve:
     seconds: float = 60.0
     """How long to search for each level; where there are many, compilation comes on top."""
     write: bool = False
-    """Record the actions in the level's file."""
+    """Record the actions in the level's file; a recorded solution that wins no more is dropped."""
     unsolved: bool = False
-    """Leave out levels that record a solution already."""
+    """Leave out levels whose recorded solution wins."""
 
 
 def run(command: Solve) -> int:
@@ -53,13 +54,11 @@ def run(command: Solve) -> int:
     """
     if not command.levels:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
-    chosen = [
-        each
-        for each in gather_levels(command.levels)
-        if not (command.unsolved and each.level.solution)
-    ]
+    chosen = gather_levels(command.levels)
     for each in chosen:
         _check(each, write=command.write)
+    if command.unsolved:
+        chosen = [each for each in chosen if not _proven(each.level)]
     found = [_solve(each, command, env) for each, env in _with_environments(chosen, command)]
     return 0 if all(found) else 1
 
@@ -76,6 +75,12 @@ def _check(each: SetLevel, *, write: bool) -> None:
             f"{each.path}: a file of the format kinetix-env cannot hold a solution; "
             "turn it into a native level with `kinetix convert`"
         )
+
+
+def _proven(level: Level) -> bool:
+    from kinetix.environment.replay import replay_solution
+
+    return level.solution is not None and replay_solution(level) == "won"
 
 
 def _with_environments(
@@ -106,6 +111,10 @@ def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
     )
     if solution is None:
         print(f"{level.name}: no solution found in {command.seconds:g} s", file=sys.stderr)
+        if command.write and each.path and level.solution and not _proven(level):
+            tags = (*(tag for tag in level.tags if tag != _UNSOLVED), _UNSOLVED)
+            save_level(level.replace(solution=None, tags=tags), each.path)
+            print(f"dropped the solution in {each.path}: it does not win", flush=True)
         return False
     steps = sum(repeat for repeat, _ in solution.actions)
     print(f"{level.name}: won after {steps} steps under {solution.physics}", flush=True)
@@ -116,7 +125,7 @@ def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
 
 def _record(level: Level, solution: Solution, path: Path) -> None:
     # What is solved is no longer unsolved.
-    tags = tuple(tag for tag in level.tags if tag != "unsolved")
+    tags = tuple(tag for tag in level.tags if tag != _UNSOLVED)
     save_level(level.replace(solution=solution, tags=tags), path)
     print(f"recorded in {path}", flush=True)
 

@@ -30,6 +30,9 @@ def search(monkeypatch):
 
     module.solving_env, module.solve_level = solving_env, solve_level
     monkeypatch.setitem(sys.modules, "kinetix.environment.search", module)
+    replay = types.ModuleType("kinetix.environment.replay")
+    replay.replay_solution = lambda level: "won" if level.solution == SOLUTION else "lost"
+    monkeypatch.setitem(sys.modules, "kinetix.environment.replay", replay)
     return seen
 
 
@@ -57,6 +60,20 @@ def test_solved_levels_can_be_left_out(search, folder):
     search.levels.clear()
     assert main(["solve", str(folder), "--unsolved"]) == 1
     assert search.levels == [11]
+
+
+def test_a_solution_that_wins_no_more_is_replaced_or_dropped(search, folder):
+    stale = SOLUTION.replace(actions=((9, (2, 0, 0, 0, 0, 0)),))
+    for name in ("10", "11"):
+        level = load_level(folder / f"{name}.json")
+        save_level(level.replace(solution=stale, tags=("cart",)), folder / f"{name}.json")
+    assert main(["solve", str(folder / "10.json"), "--unsolved", "--write"]) == 0
+    assert load_level(folder / "10.json").solution == SOLUTION
+    assert main(["solve", str(folder / "11.json"), "--unsolved"]) == 1
+    assert load_level(folder / "11.json").solution == stale
+    assert main(["solve", str(folder / "11.json"), "--unsolved", "--write"]) == 1
+    assert load_level(folder / "11.json").solution is None
+    assert load_level(folder / "11.json").tags == ("cart", "unsolved")
 
 
 def test_nothing_is_written_unless_asked(search, folder):
