@@ -1,12 +1,14 @@
 """The bundled library: what it covers, and that it is what its builders say."""
 
 import pytest
+from PIL import Image
 
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Solution
 from kinetix.level.sets import level_files
 from kinetix.paths import levels_dir
 from scripts.build_levels import built, with_proof
+from scripts.contact_sheet import GAP, LINE, sheet
 
 LEVELS = {
     f"{size}/{path.stem}": load_level(path)
@@ -64,6 +66,16 @@ def test_every_topic_has_a_level(topic):
 def test_the_readme_counts_right():
     readme = (levels_dir().parent / "README.md").read_text()
     assert f"{len(LEVELS)} levels of our own" in readme
+
+
+def test_a_sheet_has_room_for_every_picture_and_its_name():
+    pictures = [Image.new("RGB", (40, 40), colour) for colour in ("red", "green", "blue")]
+    made = sheet(pictures, ["one", "two", "three"], 2)
+    assert made.width == 2 * 40 + 3 * GAP
+    assert made.height == 2 * (40 + LINE + GAP) + GAP
+    middles = [made.getpixel((GAP + 20 + x * (40 + GAP), GAP + 20)) for x in range(2)]
+    assert middles == [(255, 0, 0), (0, 128, 0)]
+    assert sheet(pictures, [""] * 3, 3).height == 40 + 2 * GAP
 
 
 def test_all_grades_of_difficulty_are_there_and_most_levels_are_easy():
