@@ -11,6 +11,7 @@ Source: speculative contacts and feature ids after Catto, "Continuous Collision"
 """
 
 import dataclasses
+import functools
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +21,16 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import constants, maths
 from kinetix.engine.maths import Vec, dot, length, nonzero, vec
 from kinetix.engine.pairs import candidate_pairs, pair_counts
-from kinetix.engine.shapes import FAR, Polygons, flat, take, take_vec, turn_polygons
+from kinetix.engine.shapes import (
+    FAR,
+    Polygons,
+    flat,
+    rows,
+    rows_vec,
+    take,
+    take_vec,
+    turn_polygons,
+)
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Parameters, State, World
@@ -210,29 +220,26 @@ class _Scene:
         self, a: Int[np.ndarray, " q"], b: Int[np.ndarray, " q"], apart: Vec
     ) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
         polygons = self.polygons
-        best = jnp.full(apart.x.shape, -FAR, apart.x.dtype)
-        edge = jnp.zeros(apart.x.shape, jnp.int32)
-        for i in range(polygons.offsets.shape[1]):
-            normal = polygons.normals[a, i]
-            nearest = dot(normal, polygons.corners[b, 0])
-            for j in range(1, polygons.offsets.shape[1]):
-                nearest = jnp.minimum(nearest, dot(normal, polygons.corners[b, j]))
-            gap = dot(normal, apart) + nearest - polygons.offsets[a, i]
-            edge = jnp.where(gap > best, i, edge)
-            best = jnp.maximum(best, gap)
-        return best, edge
+        normals, corners, offsets = self.store(
+            (
+                rows_vec(polygons.normals, a),
+                rows_vec(polygons.corners, b),
+                rows(polygons.offsets, a),
+            )
+        )
+        nearest = functools.reduce(
+            jnp.minimum, [dot(normals, corner) for corner in _corners(corners)]
+        )
+        return _largest(dot(normals, apart[:, None]) + nearest - offsets)
 
     def circle_polygon(self) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
         """Signed distance of the surfaces; and the edge with the largest face distance."""
         a, b, _ = self._kind(1)
         polygons = self.polygons
         offset = self.centre[a] - self.centre[b]
-        face = jnp.full(offset.x.shape, -FAR, offset.x.dtype)
-        edge = jnp.zeros(offset.x.shape, jnp.int32)
-        for i in range(polygons.offsets.shape[1]):
-            gap = dot(polygons.normals[b, i], offset) - polygons.offsets[b, i]
-            edge = jnp.where(gap > face, i, edge)
-            face = jnp.maximum(face, gap)
+        face, edge = _largest(
+            dot(rows_vec(polygons.normals, b), offset[:, None]) - rows(polygons.offsets, b)
+        )
         distance = self._beyond_face(offset, face, *self._edge_ends(b, edge))[0]
         return distance - self._radius(a), edge
 
@@ -433,6 +440,24 @@ class _Scene:
             edge = jnp.where(against < best, i, edge)
             best = jnp.minimum(best, against)
         return edge
+
+
+def _corners(corners: Vec) -> list[Vec]:
+    """One after the other, each with an axis of length 1 in place of the corners'."""
+    count = corners.x.shape[1]
+    columns = [jnp.split(values, count, axis=1) for values in (corners.x, corners.y)]
+    return [Vec(x=x, y=y) for x, y in zip(*columns, strict=True)]
+
+
+def _largest(gaps: Float[Array, "q v n"]) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
+    """The largest along the middle axis, and where it is first."""
+    count = gaps.shape[1]
+    best, *others = (part[:, 0] for part in jnp.split(gaps, count, axis=1))
+    edge = jnp.zeros(best.shape, jnp.int32)
+    for i, gap in enumerate(others, start=1):
+        edge = jnp.where(gap > best, i, edge)
+        best = jnp.maximum(best, gap)
+    return best, edge
 
 
 def _clip(
