@@ -1,36 +1,46 @@
-"""Write the table of docs/accuracy.md anew from the measured rows in bench/accuracy/."""
+"""Write the tables of docs/accuracy.md anew from the rows in bench/accuracy/ and bench/peers/."""
 
-import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from kinetix.bench.chart.points import file_name, read_rows
+from kinetix.bench.peers.catalogue import PEERS
 from kinetix.bench.report import class_errors, markdown_table, verdict_counts
 from kinetix.scenes import SCENE_CLASSES
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "accuracy.md"
 RESULTS = ROOT / "bench" / "accuracy"
+PEER_RESULTS = ROOT / "bench" / "peers"
 ORDER = ("jax2d", "fast", "balanced", "accurate", "reference")
-START, END = "<!-- results -->", "<!-- end of results -->"
+
+Rows = Mapping[str, Sequence[Mapping[str, Any]]]
 
 
 def main() -> None:
-    """Put the results between the two marks of the page."""
-    results = {
-        file.stem: [json.loads(line) for line in file.read_text().splitlines()]
-        for file in sorted(RESULTS.glob("*.jsonl"), key=_place)
-    }
-    head, rest = PAGE.read_text().split(START)
-    _, tail = rest.split(END)
-    parts = [START, summary(results), markdown_table(results), END]
-    PAGE.write_text(head + "\n\n".join(parts) + tail)
+    """Put the results between the marks of the page."""
+    ours = {file.stem: read_rows(file) for file in sorted(RESULTS.glob("*.jsonl"), key=_place)}
+    files = {peer.name: PEER_RESULTS / f"{file_name(peer.name)}.jsonl" for peer in PEERS}
+    peers = {name: read_rows(file) for name, file in files.items() if file.exists()}
+    text = between(PAGE.read_text(), "results", ours)
+    PAGE.write_text(between(text, "peers", peers))
+
+
+def between(text: str, mark: str, results: Rows) -> str:
+    """The page with tables of results between `<!-- MARK -->` and `<!-- end of MARK -->`."""
+    start, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
+    head, rest = text.split(start)
+    _, tail = rest.split(end)
+    return head + "\n\n".join([start, summary(results), markdown_table(results), end]) + tail
 
 
 def _place(file: Path) -> tuple[int, str]:
     return (ORDER.index(file.stem) if file.stem in ORDER else len(ORDER), file.stem)
 
 
-def summary(results: dict[str, list[dict]]) -> str:
-    """A line a physics: counts of verdicts and class errors."""
+def summary(results: Rows) -> str:
+    """A line an engine: counts of verdicts and class errors."""
     lines = [
         "| physics | scenes | good | ok | fail | " + " | ".join(SCENE_CLASSES) + " |",
         "| --- |" + " ---: |" * (4 + len(SCENE_CLASSES)),
@@ -38,8 +48,9 @@ def summary(results: dict[str, list[dict]]) -> str:
     for physics, rows in results.items():
         errors = class_errors(rows)
         cells = [f"{errors[name]:.2g}" if name in errors else "" for name in SCENE_CLASSES]
-        counts = [str(count) for count in verdict_counts(rows).values()]
-        lines.append(f"| `{physics}` | {len(rows)} | " + " | ".join(counts + cells) + " |")
+        counts = verdict_counts(rows)
+        cells = [str(count) for count in (sum(counts.values()), *counts.values())] + cells
+        lines.append(f"| `{physics}` | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 

@@ -1,5 +1,6 @@
 """The picture: a facet for each class and batch size, drawn by matplotlib (extra `bench`)."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -49,7 +50,7 @@ def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
             _draw_facet(axes[row][column], facet, group, batch)
     _draw_legend(figure, points)
     figure.text(0.01, 0.004, note, fontsize=7, color="#555555", va="bottom")
-    figure.tight_layout(rect=(0, 0.015, 1, 0.955))
+    figure.tight_layout(rect=(0, 0.015, 1, 0.97))
     file.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(file)
 
@@ -65,6 +66,7 @@ def _draw_facet(axes: Any, points: Sequence[Point], group: str, batch: int) -> N
     worlds = "1 world" if batch == 1 else f"{batch} worlds"
     axes.set_title(f"{group}, {worlds}", fontsize=10, loc="left")
     axes.set_xscale("log")
+    axes.tick_params(which="minor", labelbottom=False, labelleft=False)
     axes.set_xlabel("simulated seconds per second", fontsize=8)
     axes.tick_params(labelsize=7)
     axes.grid(alpha=0.25, linewidth=0.5)
@@ -76,9 +78,13 @@ def _draw_facet(axes: Any, points: Sequence[Point], group: str, batch: int) -> N
         axes.set_yscale("log")
         axes.set_ylim(LEAST_ERROR / 2, TOP * 1.6)
         axes.axhspan(1, TOP * 1.6, color="#b2182b", alpha=0.06, linewidth=0)
-    if not points:
+    if points:
+        # Room for labels, and two powers of ten at least, which the axis writes out.
+        speeds = [point.speed for point in points]
+        low, high = 10 ** math.floor(math.log10(min(speeds) / 1.5)), max(speeds) * 4
+        axes.set_xlim(low, max(high, 10 * low, 10 ** math.ceil(math.log10(max(speeds) * 1.5))))
+    else:
         axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", fontsize=8)
-        return
     front = pareto_front(points)
     axes.step(
         [point.speed for point in front],
@@ -117,7 +123,7 @@ def _draw_family(axes: Any, points: Sequence[Point], colour: str) -> None:
         axes.annotate(
             label,
             (point.speed, _height(point)),
-            xytext=(4, 4),
+            xytext=(4, -9 if fails else 4),
             textcoords="offset points",
             fontsize=6.5 if main else 5.5,
             color=colour,

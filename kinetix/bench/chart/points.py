@@ -21,7 +21,9 @@ ACCURACY: Final = "accuracy"
 PEER_ACCURACY: Final = "peers"
 """Folder of results: the same for other engines."""
 SPEED: Final = "scene_speed"
-"""Folder of results: speeds in the scenes of `kinetix.bench.scene_speed`, one file an engine."""
+"""Folder of results: speeds in the scenes of `kinetix.bench.scene_speed`, one file a physics."""
+PEER_SPEED: Final = "peer_speed"
+"""Folder of results: the same for other engines."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -60,17 +62,15 @@ def read_points(results: Path) -> list[Point]:
     """All points for which both error and speed have been measured.
 
     Args:
-        results: The folder with the folders `ACCURACY`, `PEER_ACCURACY` and `SPEED`.
+        results: The folder with the folders `ACCURACY`, `SPEED` and those of other engines.
     """
-    found = []
-    for file in sorted((results / SPEED).glob("*.jsonl")):
-        speeds = read_rows(file)
-        name, family = speeds[0]["name"], speeds[0]["family"]
-        folder = ACCURACY if family == OURS else PEER_ACCURACY
-        rows = results / folder / f"{file_name(name)}.jsonl"
-        if rows.exists():
-            found += points_of(speeds, read_rows(rows))
-    return found
+    return [
+        point
+        for speeds, errors in ((SPEED, ACCURACY), (PEER_SPEED, PEER_ACCURACY))
+        for file in sorted((results / speeds).glob("*.jsonl"))
+        if (rows := results / errors / file.name).exists()
+        for point in points_of(read_rows(file), read_rows(rows))
+    ]
 
 
 def read_rows(file: Path) -> list[dict[str, Any]]:
@@ -89,7 +89,8 @@ def write_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
 
 def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[str, Any]]) -> None:
     """Store the speeds of one engine; those in `rows` replace older ones of their batch sizes."""
-    file = results / SPEED / f"{file_name(name)}.jsonl"
+    folder = SPEED if family == OURS else PEER_SPEED
+    file = results / folder / f"{file_name(name)}.jsonl"
     head = {
         "family": family,
         "name": name,
