@@ -37,7 +37,7 @@ EDITOR: list[Event] = [
     {"do": "key", "key": "escape"},
     {"do": "action", "id": "file.open"},
     {"do": "wait", "frames": 4},
-    {"do": "down", "widget": "browser.skyhook.json"},
+    {"do": "down", "widget": "browser.clockwork.json"},
     {"do": "up"},
     {"do": "wait", "frames": 4},
     shot("open"),
@@ -45,6 +45,48 @@ EDITOR: list[Event] = [
     {"do": "action", "id": "file.new"},
     {"do": "wait", "frames": 4},
     shot("empty"),
+]
+GALLERY: list[Event] = [
+    ROVER,
+    {"do": "action", "id": "level.gallery"},
+    {"do": "wait_until", "what": "idle", "seconds": 120},
+    {"do": "wait", "frames": 60},
+    {"do": "down", "widget": "gallery.card.clockwork"},
+    {"do": "up"},
+    {"do": "wait", "frames": 6},
+    shot("gallery"),
+    {"do": "key", "key": "a", "mods": ["ctrl"]},
+    {"do": "key", "key": "a", "mods": ["ctrl", "shift"]},
+    {"do": "down", "widget": "gallery.tab.set"},
+    {"do": "up"},
+    {"do": "down", "widget": "gallery.export"},
+    {"do": "up"},
+    {"do": "wait", "frames": 6},
+    shot("level_set"),
+    {"do": "key", "key": "escape"},
+    {"do": "key", "key": "escape"},
+    {"do": "action", "id": "app.keys"},
+    {"do": "wait", "frames": 4},
+    {"do": "down", "widget": "keys.file.open"},
+    {"do": "up"},
+    {"do": "key", "key": "d", "mods": ["ctrl"]},
+    {"do": "wait", "frames": 4},
+    shot("keys"),
+]
+BESIDE: list[Event] = [
+    {"do": "open", "file": "levels/s/goalkeeper.json"},
+    {"do": "action", "id": "run.compare_physics"},
+    {"do": "wait", "frames": 4},
+    {"do": "down", "widget": "list.jax2d"},
+    {"do": "up"},
+    {"do": "key", "key": "space"},
+    {"do": "wait_until", "what": "playing", "seconds": 400},
+    {"do": "wait_until", "what": "idle", "seconds": 400},
+    {"do": "hold", "key": "right", "frames": 40},
+    {"do": "key", "key": "space"},
+    {"do": "wait_until", "what": "idle", "seconds": 60},
+    {"do": "wait", "frames": 10},
+    shot("beside"),
 ]
 PLAY: list[Event] = [
     ROVER,
@@ -79,7 +121,9 @@ def main() -> None:
     """Take all pictures and name them."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     run(EDITOR, "--size", "1440x900")
+    run(GALLERY, "--size", "1440x900")
     run(PLAY, "--size", "1440x900")
+    run(BESIDE, "--size", "1440x900")
     for path in sorted(PICTURES.glob("*.png")):
         sys.stdout.write(f"{path.relative_to(ROOT)}\n")
 

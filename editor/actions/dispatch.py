@@ -183,6 +183,7 @@ def update(session: Session, seconds: float) -> None:
             session.execute(item)
     with session.guard():
         session.worker.poll()
+        session.library.poll()
         session.evaluator.poll()
     watched = bool(session.settings.debug_draw) or session.view.plots
     watched = watched or session.viewer.timeline_open

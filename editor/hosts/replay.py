@@ -348,5 +348,7 @@ _CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
     "playing": _playing,
     "compiled": _compiled,
     "ended": lambda session: session.mode is Mode.ENDED,
-    "idle": lambda session: session.worker.idle and session.evaluator.idle,
+    "idle": lambda session: (
+        session.worker.idle and session.evaluator.idle and not session.library.busy
+    ),
 }

@@ -71,7 +71,6 @@ class GalleryPage:
         appearing = not self._was_open
         self._was_open = True
         self._thumbs.begin_frame()
-        session.library.poll()
         if session.time - self._looked > _LOOK_SECONDS:
             self._looked = session.time
             doing.look(session)
