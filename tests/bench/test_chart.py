@@ -35,7 +35,8 @@ def speed(group, batch, rate, **fields):
 def results(tmp_path):
     """Two engines: ours is right and slow, the other fast and wrong."""
     folder = tmp_path / "bench"
-    write_rows(folder / "accuracy" / "balanced.jsonl", [row("D2", 0.01), row("F1", 0.1)])
+    ours = [row("D2", 0.01), row("F1", 0.1)]
+    write_rows(folder / "accuracy" / "balanced.jsonl", ours)
     write_rows(folder / "peers" / "jax2d.jsonl", [row("D2", None), row("F1", 0.5)])
     speeds = [speed("joints", 1, 600.0), speed("friction", 1, 6000.0)]
     write_speeds(folder, "balanced", "kinetix", speeds)
@@ -137,6 +138,12 @@ def test_command_draws_from_what_is_stored(results, tmp_path, capsys):
     assert "joints          1 worlds: speed at equal error" in capsys.readouterr().out
 
 
+def test_a_busy_machine_is_told_of():
+    quiet, busy = (point("balanced", 1, 0.1, load=load) for load in (1.0, 8.0))
+    assert "busy" not in build.chart_data([quiet])["note"]
+    assert "busy (load 8)" in build.chart_data([quiet, busy])["note"]
+
+
 def test_command_without_any_rows_says_so(tmp_path, capsys):
     words = ["bench", "chart", "--physics", "none", "--results", str(tmp_path)]
     assert cli.main(words) == 1
@@ -149,18 +156,30 @@ def test_missing_errors_are_measured_before_the_speed(results, tmp_path, monkeyp
     asked = []
 
     def measured(*words, devices):
-        asked.append(words[0])
+        asked.append((words[0], words[words.index("--physics") + 1]))
         return [row("D2", 0.1)] if words[0] == "accuracy" else [speed("joints", 1, 60.0)]
 
     monkeypatch.setattr(build, "measured_apart", measured)
+    core = [row(id, 0.1) for id, scene in SCENES.items() if scene.core]
+    write_rows(results / "accuracy" / "balanced.jsonl", core)
     settings = build.ChartSettings(
         out=tmp_path, results=results, physics=("fast", "balanced"), batches=(1,)
     )
     said = []
     build.build_chart(settings, said.append)
-    assert asked == ["accuracy", "speed", "speed"]
-    assert said[0] == "fast: errors in the core scenes"
+    assert asked == [("accuracy", "fast"), ("speed", "fast"), ("speed", "balanced")]
+    assert said[0].startswith("fast: errors in I2,I3,")
     assert "fast" in {p.name for p in points.read_points(results)}
+
+
+def test_only_missing_scenes_are_measured_and_take_their_place(tmp_path):
+    file = tmp_path / "rows.jsonl"
+    assert points.missing_scenes(file, "B1,D5") == "B1,D5"
+    points.append_rows(file, [row("D5", 0.1)])
+    assert points.missing_scenes(file, "B1,D5") == "B1"
+    points.append_rows(file, [row("B1", 0.1)])
+    assert points.missing_scenes(file, "B1,D5") == ""
+    assert [each["scene"] for each in points.read_rows(file)] == ["B1", "D5"]
 
 
 def test_chart_shows_every_method_once():

@@ -15,9 +15,10 @@ from kinetix.bench.chart.points import (
     ACCURACY,
     OURS,
     Point,
+    append_rows,
     file_name,
+    missing_scenes,
     read_points,
-    write_rows,
     write_speeds,
 )
 from kinetix.bench.processes import measured_apart
@@ -29,6 +30,8 @@ QUICK: Final = ("fast", "balanced", "accurate")
 """What `--quick` measures, with many worlds only."""
 UNTIMED: Final = ("reference",)
 """Presets that only judge others."""
+QUIET: Final = 3.0
+"""Up to this load the machine counts as left alone: our own process with a thread a core."""
 BATCHES: Final = (1, 1024)
 """Worlds stepped at once in the chart's columns."""
 
@@ -94,8 +97,10 @@ def chart_data(points: Sequence[Point]) -> dict[str, Any]:
         for group in SCENE_CLASSES
         for batch in batches
     ]
+    load = max(point.load for point in points)
+    busy = f" The machine was busy (load {load:g}): speeds are too low." if load > QUIET else ""
     return {
-        "note": f"CPU: {machine}; drawn {today}. Engines driven from Python have one world only.",
+        "note": f"{machine}, drawn {today}. Engines called from Python have one world only.{busy}",
         "machine": machine,
         "python": platform.python_version(),
         "facets": facets,
@@ -124,10 +129,10 @@ def _facet(points: Sequence[Point], group: str, batch: int) -> list[Point]:
 def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) -> None:
     """Errors where there are none yet, speeds anew; in processes of their own."""
     accuracy = settings.results / ACCURACY / f"{file_name(physics)}.jsonl"
-    if not accuracy.exists():
-        say(f"{physics}: errors in the core scenes")
-        rows = measured_apart("accuracy", "--physics", physics, devices=1)
-        write_rows(accuracy, rows)
+    if missing := missing_scenes(accuracy, "core"):
+        say(f"{physics}: errors in {missing}")
+        rows = measured_apart("accuracy", "--physics", physics, "--scenes", missing, devices=1)
+        append_rows(accuracy, rows)
     say(f"{physics}: speed")
     batches = ",".join(str(batch) for batch in settings.batches)
     rows = measured_apart(

@@ -11,7 +11,7 @@ from statistics import geometric_mean
 from typing import Any, Final
 
 from kinetix.bench.report import class_errors, scene_error
-from kinetix.scenes import SCENE_CLASSES, SCENES
+from kinetix.scenes import SCENE_CLASSES, SCENES, scenes_named
 from kinetix.scenes.model import STEP
 
 OURS: Final = "kinetix"
@@ -85,6 +85,18 @@ def write_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
         for row in rows:
             stream.write(json.dumps(row) + "\n")
             stream.flush()
+
+
+def missing_scenes(file: Path, scenes: str) -> str:
+    """The ids among `scenes` (as on a command line) of which a file has no row, with commas."""
+    stored = {row["scene"] for row in read_rows(file)} if file.exists() else set()
+    return ",".join(scene.id for scene in scenes_named(scenes) if scene.id not in stored)
+
+
+def append_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Add rows of the suite to a file, which keeps the order of the catalogue."""
+    every = [*(read_rows(file) if file.exists() else []), *rows]
+    write_rows(file, sorted(every, key=lambda row: list(SCENES).index(row["scene"])))
 
 
 def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[str, Any]]) -> None:

@@ -5,7 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from kinetix.bench.chart.build import BATCHES
-from kinetix.bench.chart.points import PEER_ACCURACY, file_name, write_rows, write_speeds
+from kinetix.bench.chart.points import (
+    PEER_ACCURACY,
+    append_rows,
+    file_name,
+    missing_scenes,
+    write_speeds,
+)
 from kinetix.bench.peers.accuracy import measure_peer
 from kinetix.bench.peers.catalogue import PEERS, SWEPT, peer_named
 from kinetix.bench.peers.launch import Peer
@@ -33,9 +39,10 @@ def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
         KinetixError: The peer is not installed or its program failed.
     """
     errors = results / PEER_ACCURACY / f"{file_name(peer.name)}.jsonl"
-    if not errors.exists():
-        # Those at their defaults stand in the documentation's table.
-        write_rows(errors, list(measure_peer(peer, "all" if peer in PEERS else "core")))
+    # Those at their defaults stand in the documentation's table.
+    missing = missing_scenes(errors, "all" if peer in PEERS else "core")
+    for row in measure_peer(peer, missing) if missing else ():
+        append_rows(errors, [row])
     rows = list(measure_peer_scenes(peer, BATCHES))
     write_speeds(results, peer.name, peer.family, rows)
     yield from ({"engine": peer.name, **row} for row in rows)
