@@ -216,7 +216,10 @@ class PlotsPanel(Panel):
         spec.line_color = imgui.ImVec4(*COLOURS.text[:3], 0.7)
         spec.line_weight = px(1.25)
         implot.plot_inf_lines("###cursor", np.array([_time(moment)]), spec)
-        if implot.is_plot_hovered() and imgui.is_mouse_down(0):
+        # The plots take no input of their own: a drag would pan them away from the cursor.
+        low, size, mouse = implot.get_plot_pos(), implot.get_plot_size(), imgui.get_mouse_pos()
+        inside = 0 <= mouse.x - low.x <= size.x and 0 <= mouse.y - low.y <= size.y
+        if inside and imgui.is_window_hovered() and imgui.is_mouse_down(0):
             wanted = implot.get_plot_mouse_pos().x
             nearest = int(np.argmin(np.abs(_times(states) - wanted)))
             session.queue(lambda: playback.scrub(nearest))

@@ -1,0 +1,232 @@
+"""The viewer's panels under headless imgui: buttons, fields, table, timeline, plots."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from editor.actions import agents
+from editor.evaluation import Plan
+from editor.follower import Follower
+from editor.jobs import Worker
+from editor.panels.timeline import marks_of
+from editor.playback import Mode
+from editor.recording import Mind
+from editor.requests import AgentView, EvaluatedLevel, LoadAgent, ViewTable
+from editor.results import Results
+from editor.session import Session
+from editor.settings import Settings
+from tests.editor.core.helpers import FakeSimulator, a_level
+from tests.editor.core.test_viewer import Stage, a_summary, a_trace
+
+
+class ViewerStage(Stage):
+    def __call__(self, request, progress):
+        if type(request).__name__ == "Observe":
+            table = ViewTable(
+                name="circles",
+                columns=(("position_x", "m", "where"), ("position_y", "m", "")),
+                rows=("Circle 1", "slot 1"),
+                values=np.array([[1.0, 2.0], [0.0, 0.0]], np.float32),
+                active=(True, False),
+            )
+            picture = np.zeros((125, 125, 3), np.uint8)
+            return AgentView(pixels=picture, observation="symbolic_entity", tables=(table,))
+        return super().__call__(request, progress)
+
+
+@pytest.fixture
+def gui(make_gui, tmp_path):
+    stage = ViewerStage()
+    stage.agents["/agents/Tester"] = a_summary()
+    session = Session(
+        settings=Settings(),
+        simulator=FakeSimulator(),
+        worker=Worker(perform=stage),
+        evaluator=Worker(perform=stage),
+        results=Results(tmp_path / "results.json"),
+        level=a_level(),
+    )
+    session.viewer.rival = Follower(FakeSimulator())
+    made = make_gui(session=session, size=(1600, 1000))
+    made.stage = stage
+    return made
+
+
+def settle(gui):
+    for _ in range(60):
+        gui.frames(2)
+        if gui.session.worker.idle and gui.session.evaluator.idle:
+            break
+        gui.session.worker.wait(0.02)
+        gui.session.evaluator.wait(0.02)
+    gui.frames(3)
+
+
+def front(gui, panel):
+    gui.session.view.front = panel
+    gui.frames(5)
+
+
+@pytest.fixture
+def with_agent(gui):
+    agents.load_agent(gui.session, "/agents/Tester")
+    settle(gui)
+    return gui
+
+
+def test_an_agent_is_chosen_from_the_panel_and_plays(gui):
+    front(gui, "agents")
+    gui.click("agents.choose.a")
+    gui.stage.agents["random"] = a_summary("random")
+    gui.click("list.random")
+    settle(gui)
+    assert any(request == LoadAgent(path="random") for request in gui.stage.asked)
+    gui.click("agents.play")
+    gui.frames(10)
+    assert gui.session.mode is Mode.PLAYING
+    assert gui.session.playback.player == "random"
+
+
+def test_every_row_of_the_agent_menu_is_on_the_screen(with_agent):
+    with_agent.click("menu.agent")
+    for name in ("run.play_agent", "agent.choose_b", "level.evaluate", "agent.watch_run"):
+        assert with_agent.shows(f"menu.{name}")
+
+
+def test_overlays_are_switched_and_kept(with_agent):
+    front(with_agent, "agents")
+    with_agent.click("agents.overlay.heat")
+    assert with_agent.session.settings.agent_overlay == ["numbers"]
+    with_agent.click("agents.overlay.heat")
+    assert with_agent.session.settings.agent_overlay == ["numbers", "heat"]
+
+
+def test_the_timeline_scrubs_and_its_buttons_work(with_agent):
+    session = with_agent.session
+    with_agent.key("f6")
+    front(with_agent, "timeline")
+    with_agent.frames(60)
+    low, high = (with_agent.probe("timeline.track").low, with_agent.probe("timeline.track").high)
+    with_agent.click_at(low[0] + 0.5 * (high[0] - low[0]), (low[1] + high[1]) / 2)
+    assert session.mode is Mode.REPLAY
+    middle = session.playback.replay_index
+    assert middle == pytest.approx((len(session.playback.moments) - 1) / 2, abs=1)
+    with_agent.click("timeline.run.step")
+    assert session.playback.replay_index == middle + 1
+    with_agent.click("timeline.run.loop_from")
+    assert session.playback.loop is not None
+    with_agent.click("timeline.run.start_here")
+    assert session.mode is Mode.PAUSED
+
+
+def test_a_click_in_a_plot_moves_the_timeline(with_agent):
+    with_agent.key("f6")
+    with_agent.frames(90)
+    front(with_agent, "plots")
+    place = with_agent.probe("plots.Reward")
+    with_agent.click_at(place.low[0] + 0.5 * (place.high[0] - place.low[0]), place.centre[1])
+    assert with_agent.session.mode is Mode.REPLAY
+    index = with_agent.session.playback.replay_index
+    assert 0 < index < len(with_agent.session.playback.moments) - 1
+
+
+def test_marks_tell_contacts_changes_and_the_end():
+    snapshots = list(a_trace(5).snapshots)
+    snapshots[2] = dataclasses.replace(snapshots[2], touching=((1, "floor"),))
+    snapshots[3] = dataclasses.replace(snapshots[3], action=(1.0, 0, 0, 0, 0, 0))
+    snapshots[5] = dataclasses.replace(snapshots[5], outcome="won")
+    marks = {(mark.index, mark.kind) for mark in marks_of(snapshots)}
+    assert {(2, "contact"), (3, "flip"), (4, "flip"), (5, "end")} <= marks
+    assert (5, "contact") not in marks
+
+
+def test_what_the_agent_thinks_and_the_ghost_are_drawn_without_error(with_agent):
+    session = with_agent.session
+    with_agent.key("f6")
+    with_agent.frames(20)
+    mind = Mind(
+        intention=(0.5, -0.5, 0.0, 0.0, 1.0, 0.0),
+        own_action=(1.0, -1.0, 0.0, 0.0, 1.0, 0.0),
+        value=-0.4,
+        entropy=2.0,
+        by_hand=True,
+    )
+    shown = dataclasses.replace(
+        session.playback.snapshot,
+        mind=mind,
+        motor=np.ones(1, np.float32),
+        thruster=np.ones(1, np.float32),
+    )
+    session.playback.pause()
+    session.viewer.slots["b"].summary = a_summary("Other")
+    for kind in ("ghost", "side", "off"):
+        session.viewer.compare = kind
+        session.playback.snapshot = shown
+        with_agent.frames(4)
+    session.playback.failure = "The physics broke down at step 3."
+    with_agent.frames(3)
+    assert not session.log.lines[-1].startswith("Traceback")
+    assert not [toast for toast in session.toasts if toast.kind == "error"]
+
+
+def test_the_camera_comes_back_after_side_by_side(with_agent):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = a_summary("Other")
+    before = session.camera
+    session.viewer.compare = "side"
+    with_agent.key("f6")
+    with_agent.frames(6)
+    assert session.camera.size[0] < before.size[0]
+    with_agent.key("escape")
+    with_agent.frames(4)
+    assert (session.camera.zoom, session.camera.centre) == (before.zoom, before.centre)
+    assert session.camera.size == before.size
+
+
+def test_the_form_evaluates_and_the_table_opens_attempts(with_agent):
+    session = with_agent.session
+    front(with_agent, "evaluate")
+    with_agent.click("evaluate.run")
+    settle(with_agent)
+    name = session.document.level.name
+    assert session.viewer.evaluation.complete
+    with_agent.click(f"evaluate.{name}.0")
+    assert with_agent.shows("evaluate.attempt.0")
+    with_agent.click("evaluate.attempt.1")
+    settle(with_agent)
+    assert session.mode is Mode.REPLAY
+    assert session.playback.casting.attempt == 1
+
+
+def test_a_long_table_draws_only_what_is_in_sight(with_agent):
+    session = with_agent.session
+    front(with_agent, "evaluate")
+    levels = tuple(EvaluatedLevel(name=f"l/{k:03}", source=a_level()) for k in range(300))
+    session.viewer.evaluation.start(
+        Plan(agents=session.viewer.agents, levels=levels, hashes=("",) * 300, attempts=2)
+    )
+    settle(with_agent)
+    rows = [name for name in session.probe if name.startswith("evaluate.l/")]
+    assert 2 < len(rows) < 60
+
+
+def test_what_the_agent_sees_is_shown(with_agent):
+    front(with_agent, "eye")
+    settle(with_agent)
+    assert with_agent.shows("eye.picture") and with_agent.shows("eye.circles")
+
+
+def test_a_run_without_metrics_and_one_that_is_gone(with_agent):
+    front(with_agent, "training")
+    with_agent.click("training.watch")
+    assert with_agent.session.prompts
+    with_agent.key("escape")
+    agents.watch_run(with_agent.session, "/runs/one")
+    settle(with_agent)
+    assert with_agent.session.viewer.run.error == ""
+    with_agent.session.viewer.run.rows = [{"episode_solved": 0.1 * k} for k in range(5)]
+    with_agent.frames(3)
+    assert with_agent.shows("training.plot.episode_solved")
+    with_agent.click("training.stop")
+    assert with_agent.session.viewer.run.path == ""
