@@ -41,8 +41,9 @@ from kinetix.engine.solvers.soft_rows import (
     joint_rows,
     kicked,
     moved_gap,
-    push_contact,
     push_joint,
+    push_normal,
+    push_tangent,
     relaxed_contacts,
     relaxed_joints,
     soft_contacts,
@@ -321,7 +322,7 @@ def _swept(
     split: bool,
     sweeps: int,
 ) -> SoftPhase:
-    """So many visits of all joints, then all contacts."""
+    """So many visits of all joints, then all contacts, then the friction of all contacts."""
     visit: Visit = together if split else in_turn
     solve_joint = functools.partial(push_joint, h)
 
@@ -335,7 +336,10 @@ def _swept(
             parts.contact_targets,
             (parts.contacts, drives.contacts),
             contact_impulse,
-            push_contact,
+            push_normal,
+        )
+        velocity, contact_impulse = visit(
+            velocity, parts.contact_targets, parts.contacts, contact_impulse, push_tangent
         )
         return velocity, contact_impulse, joint_impulse
 

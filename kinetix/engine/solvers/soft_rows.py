@@ -1,7 +1,7 @@
 """Contacts and joints as soft constraints, and what one of them does to its two bodies.
 
 A soft constraint is a damped spring that is integrated implicitly: `Spring.at` turns frequency and
-damping into the three numbers of `Softness`. `push_contact` and `push_joint` hold for one slot in
+damping into the three numbers of `Softness`. `push_normal` and its like hold for one slot in
 many worlds and for many slots alike. Every row has one accumulated impulse; a later solve without
 bias (*relax*) takes out of it what an earlier one put in to correct positions.
 
@@ -220,29 +220,36 @@ def relaxed_contacts(gap: Float[Array, "c n"], h: Float[Array, " n"]) -> Contact
     )
 
 
-def push_contact(
+def push_normal(
     known: tuple[SoftContacts, ContactDrive], a: Twist, b: Twist, impulse: ContactImpulse
 ) -> tuple[Twist, Twist, ContactImpulse]:
-    """The normal impulse, then friction within the cone that it allows.
-
-    The other order would bound friction by a normal impulse that the soft sweep has weakened: a
-    block on a slope then slides 4 % too far.
-    """
+    """The impulse that keeps two bodies apart."""
     rows, drive = known
     lever, normal = rows.lever, rows.normal
     closing = dot(normal, lever.speed(a, b))
     wanted = (drive.mass * closing + drive.bias) / lever.resistance(normal)
     total = jnp.maximum(impulse.normal * (1 - drive.keep) - wanted, 0)
     total = jnp.where(rows.used, total, 0)
-    push = normal * (total - impulse.normal)
+    pushed = lever.push(normal * (total - impulse.normal))
+    return *pushed, ContactImpulse(normal=total, tangent=impulse.tangent)
 
+
+def push_tangent(
+    rows: SoftContacts, a: Twist, b: Twist, impulse: ContactImpulse
+) -> tuple[Twist, Twist, ContactImpulse]:
+    """Friction, within the cone that the normal impulse allows.
+
+    It comes after all normal impulses. Before them it would be bounded by what the soft sweep has
+    weakened: a block on a slope slides 4 % too far. Point by point it would answer to the tilt of a
+    body whose other corner has not pushed yet: stacks wander sideways.
+    """
+    lever, normal = rows.lever, rows.normal
     across = Vec(x=normal.y, y=-normal.x)
-    change = lever.push(push)
-    slip = dot(across, lever.speed(a + change[0], b + change[1]))
-    bound = rows.friction * total
+    slip = dot(across, lever.speed(a, b))
+    bound = rows.friction * impulse.normal
     tangent = jnp.clip(impulse.tangent - slip / lever.resistance(across), -bound, bound)
-    pushed = lever.push(push + across * (tangent - impulse.tangent))
-    return *pushed, ContactImpulse(normal=total, tangent=tangent)
+    pushed = lever.push(across * (tangent - impulse.tangent))
+    return *pushed, ContactImpulse(normal=impulse.normal, tangent=tangent)
 
 
 def bounce_contact(

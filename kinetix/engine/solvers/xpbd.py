@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from kinetix.engine import constants
 from kinetix.engine.collide import Slots, find_contacts
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate, vec
 from kinetix.engine.shapes import take
@@ -51,6 +52,8 @@ class PositionContacts:
     rows: SoftContacts
     """Their arms turned with the bodies."""
     gap: Float[Array, "*k n"]
+    goal: Float[Array, "*k n"]
+    """Gap that the substep aims at [m]; negative where an overlap is too deep for one substep."""
 
 
 @pytree
@@ -149,10 +152,12 @@ class Xpbd(AbstractSolver):
         def substep(carry: tuple, _: None) -> tuple[tuple, None]:
             moving, hit = carry
             moved = store(_pose(moving) - start)
+            gap = store(moved_gap(rows, targets, found.points.separation, moved))
             contacts = store(
                 PositionContacts(
                     rows=_turned(rows, targets, moved),
-                    gap=moved_gap(rows, targets, found.points.separation, moved),
+                    gap=gap,
+                    goal=jnp.minimum(gap + constants.PUSH_SPEED * setting.h, 0),
                 )
             )
             moving, pushes = _substep(setting, moving, targets, contacts, spec, passes)
@@ -282,7 +287,7 @@ def _correct_contact(
     """Move two bodies apart; and back to where they touched as far as friction allows."""
     rows, normal = known.rows, known.rows.normal
     now, way = _moved(rows.lever, a, b)
-    gap = known.gap + dot(normal, way)
+    gap = known.gap + dot(normal, way) - known.goal
     resistance = now.resistance(normal)
     give = softness * resistance
     total = impulse.normal - (gap + give * impulse.normal) / (resistance + give)
