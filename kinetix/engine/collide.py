@@ -20,7 +20,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
 from kinetix.engine.maths import Vec, dot, length, nonzero, vec
-from kinetix.engine.pairs import candidate_pairs, pair_counts
+from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
 from kinetix.engine.shapes import (
     FAR,
     Polygons,
@@ -90,11 +90,12 @@ def find_contacts(
     touching = []
     overflow = jnp.zeros(state.rotation.shape[-1], bool)
     first = 0
-    for (separation, faces), maker, room, count in zip(
+    for (separation, faces), maker, room, count, listed in zip(
         store((scene.polygon_polygon(), scene.circle_polygon(), scene.circle_circle())),
         (scene.polygon_points, scene.circle_polygon_points, scene.circle_points),
         (slots.polygon_polygon, slots.circle_polygon, slots.circle_circle),
         pair_counts(spec.capacity),
+        pushing_candidates(spec.capacity, spec.features),
         strict=True,
     ):
         pairs = slice(first, first + count)
@@ -104,14 +105,37 @@ def find_contacts(
         pushes = scene.pushes[pairs]
         reach = jnp.where(pushes, constants.TOUCH_SLOP, 0)
         touching.append(scene.may_touch[pairs] & (separation <= reach))
-        near = pushes & (separation <= scene.margin[pairs])
-        index, valid, full = store(compact(store(near), room))
+        if len(listed) == 0:
+            continue
+        near = store(pushes & (separation <= scene.margin[pairs]))
+        index, valid, full = store(compact(rows(near, listed), room))
         overflow |= full
-        kinds.append(maker(index, valid, faces))
+        kinds.append(maker(jnp.asarray(listed, jnp.int32)[index], valid, faces))
+    if not kinds:
+        return Found(
+            points=_no_points(state.rotation),
+            touching=jnp.concatenate(touching, axis=0),
+            overflow=overflow,
+        )
     points = store(jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *kinds))
     points, full = store(_tightest(points, slots.points, store))
     return Found(
         points=points, touching=jnp.concatenate(touching, axis=0), overflow=overflow | full
+    )
+
+
+def _no_points(rotation: Float[Array, "b n"]) -> Points:
+    """Of a scene in which nothing can push anything."""
+    none = rotation[:0]
+    nowhere, nothing = Vec(x=none, y=none), none.astype(jnp.int32)
+    return Points(
+        body_a=nothing,
+        body_b=nothing,
+        normal=nowhere,
+        arm_a=nowhere,
+        arm_b=nowhere,
+        separation=none,
+        key=nothing,
     )
 
 

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 from jaxtyping import Bool, Int
 
-from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.engine.spec import ARENA_BODIES, Capacity, Features
 
 
 @functools.cache
@@ -35,6 +35,21 @@ def pair_counts(capacity: Capacity) -> tuple[int, int, int]:
     polygons, circles = capacity.polygons, capacity.circles
     arena = ARENA_BODIES * (ARENA_BODIES - 1) // 2
     return polygons * (polygons - 1) // 2 - arena, circles * polygons, circles * (circles - 1) // 2
+
+
+def pushing_candidates(capacity: Capacity, features: Features) -> tuple[Int[np.ndarray, " k"], ...]:
+    """Which candidate pairs a scene with these features can have contacts between.
+
+    Returns:
+        One array for each kind in the order of `pair_counts`, counted within the kind.
+    """
+    pairs = candidate_pairs(capacity)
+    kept = np.ones(len(pairs), bool)
+    if features.pairs is not None:
+        listed = {tuple(sorted(pair)) for pair in features.pairs}
+        kept = np.array([tuple(sorted(pair)) in listed for pair in pairs.tolist()], bool)
+    edges = np.cumsum(pair_counts(capacity))[:-1]
+    return tuple(np.flatnonzero(part) for part in np.split(kept, edges))
 
 
 def collision_matrix(

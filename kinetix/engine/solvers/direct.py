@@ -117,6 +117,8 @@ class Direct(AbstractSolver):
         """No impulses."""
         points, joints = self.slots_for(spec).points, spec.capacity.joints
 
+        limits = joints if spec.features.limits else 0
+
         def zeros(count: int) -> Any:
             return np.zeros(count, np.float32)
 
@@ -127,8 +129,8 @@ class Direct(AbstractSolver):
             bias_tangent=zeros(points),
             relax_normal=zeros(points),
             relax_tangent=zeros(points),
-            bias_limit=zeros(joints),
-            relax_limit=zeros(joints),
+            bias_limit=zeros(limits),
+            relax_limit=zeros(limits),
             joint_force_x=zeros(joints),
             joint_force_y=zeros(joints),
         )
@@ -147,6 +149,7 @@ class Direct(AbstractSolver):
             parameters=parameters,
             masses=store(_effective_masses(world, state, h)),
             store=store,
+            features=spec.features,
         )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
@@ -179,7 +182,7 @@ class Direct(AbstractSolver):
         normal = points.normal
         tangent = Vec(x=normal.y, y=-normal.x)
         a, b = points.body_a, points.body_b
-        limits, limit_live, limit_gap = _limit_rows(world, state, masses)
+        limits, limit_live, limit_gap = _limit_rows(step, state)
         rows = store(
             stack(
                 point_rows(masses, a, b, normal, points.arm_a, points.arm_b),
@@ -350,11 +353,15 @@ def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Mass
     )
 
 
-def _limit_rows(
-    world: World, state: State, masses: Masses
-) -> tuple[Rows, Bool[Array, "j n"], Float[Array, "j n"]]:
-    """One row a joint with limits: the nearer of its two; its gap is the angle left [rad]."""
+def _limit_rows(step: Step, state: State) -> tuple[Rows, Bool[Array, "j n"], Float[Array, "j n"]]:
+    """One row a joint with limits: the nearer of its two; its gap is the angle left [rad].
+
+    No row at all in a scene without limits.
+    """
+    world = step.world
     joints = world.joints
+    if not step.features.limits:
+        joints = jax.tree.map(lambda x: x[:0], joints)
     a, b = joints.body_a, joints.body_b
     angle = take(state.rotation, b) - take(state.rotation, a) - joints.reference_angle
     least = jnp.minimum(joints.limit_min, joints.limit_max)
@@ -362,7 +369,7 @@ def _limit_rows(
     from_least, from_most = angle - least, most - angle
     sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
     zero = jnp.zeros_like(angle)
-    rows = make_rows(masses, a, b, Vec(x=zero, y=zero), sign, sign)
+    rows = make_rows(step.masses, a, b, Vec(x=zero, y=zero), sign, sign)
     acts = joints.active & joints.limited & ~joints.fixed & (a != b)
     acts &= take(world.bodies.active, a) & take(world.bodies.active, b)
     acts &= rows.inertia_a + rows.inertia_b > 0
@@ -413,7 +420,7 @@ def _finish(
     bound = parameters.clip_position
     speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
     count = found.points.key.shape[0]
-    joints = end.joint_impulse.shape[0] // 3
+    joints = state.cache.joint_force_x.shape[0]
     pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
     index = np.arange(found.touching.shape[0])[:, None, None]
     return dataclasses.replace(

@@ -26,14 +26,18 @@ from kinetix.engine.solvers.rows import (
     speeds,
     stack,
 )
+from kinetix.engine.spec import Features
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, World
-from kinetix.pytree import pytree
+from kinetix.pytree import pytree, static
 
 
 @pytree
 class JointSystem:
-    """The joints at one pose, `k` = 3 rows a joint: all x rows, all y rows, all angle rows."""
+    """The joints at one pose, `k` = 3 rows a joint: all x rows, all y rows, all angle rows.
+
+    Where a scene has neither welds nor motors the angle rows are left out.
+    """
 
     rows: Rows
     solve: Float[Array, "k k n"]
@@ -60,6 +64,8 @@ class Step:
     """Inverse masses that the solver uses."""
     store: Store
     """Keeps intermediate results."""
+    features: Features = static()
+    """What the scene uses; the rest is left out."""
 
 
 def joint_system(
@@ -92,13 +98,14 @@ def joint_system(
 
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
     arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
-    rows = store(
-        stack(
-            point_rows(masses, a, b, Vec(x=one, y=zero), arm_a, arm_b),
-            point_rows(masses, a, b, Vec(x=zero, y=one), arm_a, arm_b),
-            make_rows(masses, a, b, Vec(x=zero, y=zero), one, one),
-        )
-    )
+    turning = step.features.welds or step.features.motors
+    rows = [
+        point_rows(masses, a, b, Vec(x=one, y=zero), arm_a, arm_b),
+        point_rows(masses, a, b, Vec(x=zero, y=one), arm_a, arm_b),
+    ]
+    if turning:
+        rows.append(make_rows(masses, a, b, Vec(x=zero, y=zero), one, one))
+    rows = store(stack(*rows))
     movable = take(masses.linear, a) + take(masses.linear, b) > 0
     acts = (
         joints.active
@@ -107,13 +114,18 @@ def joint_system(
         & take(world.bodies.active, b)
         & (a != b)
     )
-    spin = take(velocity.angular, b) - take(velocity.angular, a)
-    wanted, compliance = store(
-        actuators.motor_row(world, angle, spin, step.control.motor, step.parameters, duration)
-    )
+    wanted, compliance = zero, zero
+    if step.features.motors:
+        spin = take(velocity.angular, b) - take(velocity.angular, a)
+        wanted, compliance = store(
+            actuators.motor_row(world, angle, spin, step.control.motor, step.parameters, duration)
+        )
     turns = acts & (joints.fixed | (compliance > 0))
-    live = jnp.concatenate([acts, acts, turns], axis=0)
-    live, compliance = store((live, jnp.concatenate([zero, zero, compliance], axis=0)))
+
+    def column(x: Array, y: Array, turn: Array) -> Array:
+        return jnp.concatenate([x, y, turn] if turning else [x, y], axis=0)
+
+    live, compliance = store((column(acts, acts, turns), column(zero, zero, compliance)))
 
     matrix = jnp.where(live[:, None] & live[None], coupling(rows, rows), 0)
     mobility = diagonal(rows)
@@ -126,12 +138,8 @@ def joint_system(
             constants.LEAST_PIVOT * (mobility + compliance),
         ),
         live=live,
-        error=store(
-            jnp.where(
-                live, jnp.concatenate([gap.x, gap.y, jnp.where(joints.fixed, angle, 0)], axis=0), 0
-            )
-        ),
-        wanted=store(jnp.concatenate([zero, zero, wanted], axis=0)),
+        error=store(jnp.where(live, column(gap.x, gap.y, jnp.where(joints.fixed, angle, 0)), 0)),
+        wanted=store(column(zero, zero, wanted)),
         compliance=compliance,
         arm_a=arm_a,
         arm_b=arm_b,

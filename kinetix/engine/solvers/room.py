@@ -4,7 +4,7 @@ import dataclasses
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from kinetix.engine.collide import Slots
-from kinetix.engine.pairs import pair_counts
+from kinetix.engine.pairs import pushing_candidates
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 
 
@@ -28,11 +28,12 @@ def usual_room(spec: SceneSpec) -> Slots:
     """Room for the contacts that scenes of this capacity usually have.
 
     Measured on the published levels under random actions: at most 7, 9 and 17 points are near at
-    once in sizes s, m and l (99.9 %). A stack needs two points a polygon.
+    once in sizes s, m and l (99.9 %). A stack needs two points a polygon. A scene whose pairs are
+    known never needs more than those.
     """
     polygons = spec.capacity.polygons - ARENA_BODIES
     circles = spec.capacity.circles
-    counts = pair_counts(spec.capacity)
+    counts = [len(kind) for kind in pushing_candidates(spec.capacity, spec.features)]
     near = Slots(
         polygon_polygon=min(counts[0], polygons + 3 if polygons <= 8 else 2 * polygons),
         circle_polygon=min(counts[1], circles + 3),

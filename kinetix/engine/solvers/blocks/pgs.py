@@ -100,7 +100,7 @@ class Pgs(AbstractBlock):
             )
 
         zero = jnp.zeros_like(start)
-        carry = (start, speed, zero, zero, jnp.zeros_like(start[0]))
+        carry = (start, speed, zero, zero, jnp.zeros(start.shape[-1], start.dtype))
         carry = jax.lax.fori_loop(0, self.iterations - 1, accelerated, carry)
         impulse, _ = sweep(None, carry[:2])
         return project(cone, impulse)
