@@ -11,7 +11,7 @@ def delivery() -> Draft:
     draft = Draft("wheels", "lorry", "hazard", difficulty=2, floor="red")
     made = car(draft, 1.1, 0.4, length=1.2, role="none", radius=0.18)
     for x in (0.56, 1.64):
-        board = draft.box((x, 0.82), 0.1, 0.12)
+        board = draft.box((x, 0.785), 0.1, 0.05)
         draft.weld(made.chassis, board, (x, 0.76))
     draft.ball((1.1, 0.94), 0.17, "green", density=0.4)
     draft.box((4.2, 0.5), 1.2, 0.2, "blue", fixed=True)

@@ -93,7 +93,7 @@ def sprint() -> Draft:
     """Back leg on Left, Right, Up, Down and front leg on W, S, A, D: gallop to the blue wall."""
     draft = _course(2, "none", "cheetah")
     _cheetah(draft, 1.3)
-    _wall(draft, 3.6)
+    _wall(draft, 3.0)
     return draft
 
 
