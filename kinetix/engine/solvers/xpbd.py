@@ -18,7 +18,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from kinetix.engine import constants
 from kinetix.engine.collide import Slots, find_contacts
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate, vec
 from kinetix.engine.shapes import take
@@ -101,6 +100,9 @@ class Xpbd(AbstractSolver):
     softness: float = 2.0
     """Compliance of contacts, relative to their resistance: α/h² = softness·w. Rigid ones (0) feed
     energy into stacks; at 2 a box of .2 m sinks by .3 mm under five, and they stand."""
+    deepest: float = 0.01
+    """Of an overlap that a substep starts with, it resolves so much [m]. More: overlapping bodies
+    are blown apart; less: contacts under load, which are soft, lose their hold."""
     slots: Slots | None = None
     """Room for contacts; None: by the capacity."""
 
@@ -157,7 +159,7 @@ class Xpbd(AbstractSolver):
                 PositionContacts(
                     rows=_turned(rows, targets, moved),
                     gap=gap,
-                    goal=jnp.minimum(gap + constants.PUSH_SPEED * setting.h, 0),
+                    goal=jnp.minimum(gap + self.deepest, 0),
                 )
             )
             moving, pushes = _substep(setting, moving, targets, contacts, spec, passes)
