@@ -28,7 +28,7 @@ from kinetix.level.codec import LoadedLevel, load_document
 from kinetix.level.compile import compile_kinetix_env, compile_level
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
 from kinetix.level.model import Level
-from kinetix.level.sets import LoadedSet, is_set_file, load_set
+from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def make_reset_fn_list_of_levels(
 
     Args:
         levels: Files, bundled names, documents or states, one of those, or a level set (its file
-            or the loaded one, whose weights are the probabilities).
+            or the loaded one, whose weights are the probabilities), or levels of one.
         static_env_params: The common sizes; every level is expanded to them.
 
     Returns:
@@ -217,6 +217,9 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
     if isinstance(levels, (str, Path, Level, EnvState)):
         levels = [levels]
     entries = list(levels)
+    if entries and all(isinstance(one, SetLevel) for one in entries):
+        sources = [one.level if one.path is None else one.path for one in entries]
+        return sources, np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
 
 

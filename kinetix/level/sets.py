@@ -286,6 +286,12 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     return levels
 
 
+def part_of(levels: Sequence[SetLevel], split: Split) -> list[SetLevel]:
+    """The levels of one part; all of them where none is in it (folders are not split)."""
+    found = [each for each in levels if each.split == split]
+    return found or list(levels)
+
+
 def _from_file(path: Path, name: Path) -> SetLevel:
     level = load_document(path).level
     return SetLevel(

@@ -11,7 +11,7 @@ from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
-from kinetix.level.sets import gather_levels
+from kinetix.level.sets import gather_levels, part_of
 from kinetix.level.sizes import capacity_of
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
@@ -74,13 +74,16 @@ def _each(results: Sequence[LevelResult]) -> dict[str, float]:
 
 
 def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
-    """The levels that were asked for, else those trained on, else the bundled ones that fit.
+    """The levels asked for, else the evaluation part of those trained on, else the bundled ones.
 
     Args:
         config: The configuration.
     """
     sources = config.eval_levels or config.levels
     levels = gather_levels(sources or [levels_dir()])
+    if not config.eval_levels:
+        # Of a set that is trained on, the part that is kept back for this.
+        levels = part_of(levels, "eval")
     room = static_env_params_from_size(config.size).capacity
     fitting = [level for level in levels if sources or room.covers(capacity_of(level.level))]
     return [

@@ -39,7 +39,7 @@ from kinetix.environment.reset import (
 )
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.sets import gather_levels
+from kinetix.level.sets import gather_levels, part_of
 from kinetix.training.config import PpoConfig
 from kinetix.training.devices import check_divisible
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
@@ -281,6 +281,5 @@ def _reset_function(
         case "empty":
             return make_reset_fn_empty(static_env_params)
         case "list":
-            levels = gather_levels(config.levels)
-            sources = [level.level if level.path is None else level.path for level in levels]
-            return make_reset_fn_list_of_levels(sources, static_env_params)
+            levels = part_of(gather_levels(config.levels), "train")
+            return make_reset_fn_list_of_levels(levels, static_env_params)

@@ -109,10 +109,11 @@ def test_a_set_is_drawn_by_its_weights(tmp_path: Path) -> None:
     static = static_env_params_from_size("s", physics="drift")
     keys = jax.random.split(jax.random.key(1), 4000)
     drawn = []
-    for source in (file, load_set(file)):
+    for source in (file, load_set(file), gather_levels([file])):
         x = jax.jit(jax.vmap(make_reset_fn_list_of_levels(source, static)))(keys)
         drawn.append(np.rint(np.asarray(x.physics.position)[:, 5, 0] - 1.0))
     np.testing.assert_array_equal(drawn[0], drawn[1])
+    np.testing.assert_array_equal(drawn[0], drawn[2])
     for index, share in enumerate((1 / 8, 3 / 8, 4 / 8)):
         spread = np.sqrt(share * (1 - share) / len(keys))
         assert abs((drawn[0] == index).mean() - share) < 4 * spread

@@ -18,6 +18,7 @@ from kinetix.level.sets import (
     is_set_file,
     level_files,
     load_set,
+    part_of,
     save_set,
     split_set,
 )
@@ -184,3 +185,14 @@ def test_bad_sets_get_one_sentence(folder, name):
 def test_a_set_where_a_level_is_expected_has_its_own_sentence(folder, made):
     with pytest.raises(LevelError, match="this is a level set, expected a single level"):
         loads(dumps_set(made))
+
+
+def test_the_parts_of_a_set_and_of_what_has_none(tmp_path):
+    for index in range(6):
+        save_level(game(index), tmp_path / f"{index}.json")
+    plain = gather_levels([tmp_path])
+    assert part_of(plain, "train") == part_of(plain, "eval") == plain
+    made = build_set(plain, name="parts", folder=tmp_path, split=0.5, seed=1)
+    parts = [part_of(made.levels, "train"), part_of(made.levels, "eval")]
+    assert [len(part) for part in parts] == [3, 3]
+    assert {each.sha256 for part in parts for each in part} == {each.sha256 for each in plain}

@@ -43,6 +43,9 @@ def home(tmp_path: Path) -> dict[str, str]:
     return os.environ | {
         "XDG_STATE_HOME": str(tmp_path / "state"),
         "XDG_CONFIG_HOME": str(tmp_path / "config"),
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "XDG_DATA_HOME": str(tmp_path / "data"),
+        "XDG_DOCUMENTS_DIR": str(tmp_path / "documents"),
         "JAX_COMPILATION_CACHE_DIR": cache,
         "SDL_AUDIODRIVER": "dummy",
     }
