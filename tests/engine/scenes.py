@@ -10,7 +10,7 @@ import numpy as np
 from kinetix.engine import Capacity, Control, SceneSpec, default_parameters, step
 from kinetix.engine.solvers import AbstractSolver
 from kinetix.level.compile import compile_level
-from kinetix.level.model import Arena, ArenaBody, Body, Circle, Joint, Level, Motor, Polygon
+from kinetix.level.model import Arena, ArenaBody, Body, Circle, Joint, Level, Limits, Motor, Polygon
 
 SPEC = SceneSpec(capacity=Capacity(polygons=10, circles=1, joints=5, thrusters=0))
 NO_ARENA = Arena(
@@ -169,6 +169,26 @@ def motor_wheel(power):
         motor=Motor(on=True, speed=1.0, power=power, binding=0, auto=False),
     )
     return level(post((0.0, 4.0)), wheel, joints=(joint,))
+
+
+def falling_arm(reach):
+    """An arm pinned at its end, let go at its upper limit."""
+    arm = Body(
+        id=2,
+        shape=box(0.8, 0.1),
+        position=(0.4 * math.cos(reach), 4.0 + 0.4 * math.sin(reach)),
+        angle=reach,
+    )
+    joint = Joint(
+        id=10,
+        kind="revolute",
+        a=1,
+        b=2,
+        anchor_a=(0.0, 0.0),
+        anchor_b=(-0.4, 0.0),
+        limits=Limits(min=-reach, max=reach),
+    )
+    return level(post((0.0, 4.0)), arm, joints=(joint,))
 
 
 @functools.cache

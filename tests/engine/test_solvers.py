@@ -27,6 +27,7 @@ LEVELS = {
     "chain": scenes.hanging_chain(1000),
     "cantilever": scenes.cantilever(4),
     "motor": scenes.motor_wheel(3.0),
+    "limit": scenes.falling_arm(math.radians(30)),
 }
 INDEX = {name: number for number, name in enumerate(LEVELS)}
 
@@ -40,6 +41,7 @@ KNOWN_WEAKNESS = {
     ("pgs_baumgarte", "chain"): "a relaxed scalar mass cannot hold a heavy load",
     ("pgs_baumgarte", "motor"): "an explicit motor cycles around its target",
     ("pgs_baumgarte", "pendulum"): "first order in time",
+    ("pgs_baumgarte", "limit"): "a limit acts only while it is violated, and forgets its impulse",
     ("pgs_baumgarte", "rest"): "bodies rest a centimetre deep",
     ("pgs_soft", "heavy"): "a soft contact sinks by more than a centimetre under such a load",
     ("pgs_soft", "welds"): "eight sweeps do not reach along four welds",
@@ -145,6 +147,12 @@ def test_welds_hold(run):
     _, of, _, _ = run
     drop = np.abs(of("cantilever")("position")[:, FIRST + 3, 1] - 4.0).max()
     check(run, "welds", drop < 1e-3)
+
+
+def test_an_arm_rests_on_its_limit(run):
+    _, of, _, _ = run
+    rest = np.degrees(of("limit")("rotation")[-60:, FIRST]) + 30
+    check(run, "limit", np.abs(rest).max() < 0.3)
 
 
 def test_a_motor_reaches_its_speed(run):
