@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
 from imgui_bundle import imgui
 
 from editor.commands.bodies import posed
@@ -20,6 +21,8 @@ Point = tuple[float, float]
 
 GHOST_OPACITY: Final = 0.45
 """Of the second player's level in ghost compare."""
+_SAME: Final = 1e-3
+"""A body that is this near to the first player's is not drawn twice [m and rad]."""
 _FORWARD: Final[Rgba] = (0.84, 0.19, 0.15, 1.0)
 """Leans to +1: counter-clockwise, or burning."""
 _BACKWARD: Final[Rgba] = (0.13, 0.40, 0.75, 1.0)
@@ -101,20 +104,23 @@ def _turn_arrow(draw: imgui.ImDrawList, centre: Point, radius: float, turn: floa
     arrow(draw, tip, ahead, colour, px(3), px(9))
 
 
-def paint_ghost(painter: Painter, level: Level, snapshot: Snapshot) -> None:
-    """The second player's bodies, half transparent.
+def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snapshot) -> None:
+    """The second player's bodies, half transparent, where they are not the first one's.
 
     Args:
         painter: Where to draw; its opacity is changed for it.
         level: The level.
+        solid: The first player's moment.
         snapshot: The second player's moment.
     """
+    moved = np.hypot(*(snapshot.position - solid.position).T) + np.abs(snapshot.angle - solid.angle)
+    apart = (moved > _SAME).tolist()
     scene = posed(level, snapshot)
     where = Placement(level=scene, poses=poses_of(scene))
     before, painter.opacity = painter.opacity, GHOST_OPACITY
     for circles in (False, True):
-        for body, pose in zip(scene.bodies, where.poses, strict=True):
-            if isinstance(body.shape, Circle) is circles and not body.fixed:
+        for body, pose, visible in zip(scene.bodies, where.poses, apart, strict=True):
+            if isinstance(body.shape, Circle) is circles and visible:
                 painter.body(body, pose)
     painter.opacity = before
 

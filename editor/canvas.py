@@ -232,8 +232,8 @@ class Canvas:
         if other is not None and level is not None:
             if split:
                 self._second_half(session, painter, other, heat=heat)
-            else:
-                paint_ghost(painter, level, other)
+            elif snapshot is not None:
+                paint_ghost(painter, level, snapshot, other)
         if heat and snapshot is not None:
             paint_heat(painter, where, snapshot)
 

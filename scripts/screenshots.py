@@ -104,6 +104,75 @@ PLAY: list[Event] = [
 ]
 
 
+GOALKEEPER: list[Event] = [
+    {"do": "open", "file": "levels/s/goalkeeper.json"},
+    {"do": "agent", "dir": "checkpoints/goalkeeper", "slot": "a"},
+]
+WATCH: list[Event] = [
+    *GOALKEEPER,
+    {"do": "wait_until", "what": "idle", "seconds": 400},
+    {"do": "action", "id": "view.agents"},
+    {"do": "key", "key": "f6"},
+    {"do": "wait_until", "what": "playing", "seconds": 400},
+    {"do": "action", "id": "view.timeline"},
+    {"do": "wait_until", "what": "ended", "seconds": 60},
+    {"do": "down", "widget": "timeline.track"},
+    {"do": "up"},
+    {"do": "move", "world": [1.0, 4.0]},
+    {"do": "wait", "frames": 8},
+    shot("watch"),
+]
+COMPARE: list[Event] = [
+    *GOALKEEPER,
+    {"do": "agent", "dir": "random", "slot": "b"},
+    {"do": "wait_until", "what": "idle", "seconds": 400},
+    {"do": "action", "id": "agent.compare_side"},
+    {"do": "key", "key": "f6"},
+    {"do": "wait_until", "what": "playing", "seconds": 400},
+    {"do": "action", "id": "view.eye"},
+    {"do": "action", "id": "view.plots"},
+    {"do": "wait_until", "what": "ended", "seconds": 60},
+    {"do": "wait_until", "what": "idle", "seconds": 400},
+    {"do": "wait", "frames": 8},
+    {"do": "action", "id": "run.step_back"},
+    {"do": "wait_until", "what": "idle", "seconds": 60},
+    {"do": "wait", "frames": 400},
+    shot("compare"),
+]
+EVALUATE: list[Event] = [
+    *GOALKEEPER,
+    {"do": "action", "id": "level.evaluate"},
+    {"do": "wait", "frames": 4},
+    {"do": "down", "widget": "evaluate.random"},
+    {"do": "up"},
+    {"do": "wait", "frames": 2},
+    {"do": "down", "widget": "evaluate.run"},
+    {"do": "up"},
+    {"do": "wait_until", "what": "idle", "seconds": 500},
+    {"do": "wait", "frames": 4},
+    {"do": "down", "widget": "evaluate.s/goalkeeper.1"},
+    {"do": "up"},
+    {"do": "wait", "frames": 8},
+    shot("evaluate"),
+]
+TRAINING = "train ppo --preset small --levels s/goalkeeper --total-timesteps 150000 --out"
+"""A short training, so that there is one to watch."""
+
+
+def training(run_folder: Path) -> list[Event]:
+    """The picture of a run that is watched."""
+    return [
+        {"do": "open", "file": "levels/s/goalkeeper.json"},
+        {"do": "agent", "dir": str(run_folder), "slot": "a"},
+        {"do": "action", "id": "view.agents"},
+        {"do": "action", "id": "view.training"},
+        {"do": "wait", "frames": 150},
+        {"do": "wait_until", "what": "idle", "seconds": 400},
+        {"do": "wait", "frames": 330},
+        shot("training"),
+    ]
+
+
 def run(events: list[Event], *options: str) -> None:
     """Run one script through the app.
 
@@ -124,6 +193,13 @@ def main() -> None:
     run(GALLERY, "--size", "1440x900")
     run(PLAY, "--size", "1440x900")
     run(BESIDE, "--size", "1440x900")
+    for events in (WATCH, COMPARE, EVALUATE):
+        run(events, "--size", "1440x900")
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "goalkeeper"
+        command = [sys.executable, "-m", "kinetix", *TRAINING.split(), str(out)]
+        subprocess.run(command, cwd=ROOT, check=True)
+        run(training(out), "--size", "1440x900")
     for path in sorted(PICTURES.glob("*.png")):
         sys.stdout.write(f"{path.relative_to(ROOT)}\n")
 

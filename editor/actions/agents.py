@@ -42,6 +42,11 @@ def is_agent_folder(path: Path) -> bool:
     return path.is_dir() and any((path / name).is_file() for name in _AGENT_FILES)
 
 
+def is_run(path: Path) -> bool:
+    """Whether a folder is a training run's; choosing its agent watches the run too."""
+    return (path / "checkpoints").is_dir() and (path / "metrics.jsonl").is_file()
+
+
 def agent_folder(path: Path) -> Path | None:
     """The agent that a dropped or chosen path means: itself, or the folder that a file is in."""
     if is_agent_folder(path):
@@ -104,6 +109,8 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         return
     if slot == "a" and summary.ref.path not in SCRIPTED:
         session.playback.physics = summary.physics
+    if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
+        session.viewer.run.watch(path)
     if path not in SCRIPTED:
         recents = [path, *(other for other in session.settings.recent_agents if other != path)]
         session.settings.recent_agents = recents[:RECENT_AGENTS]

@@ -175,7 +175,8 @@ class Timeline(Panel):
         near = max(len(moments) // 150, 1)
         for mark in marks:
             if abs(mark.index - pointed) <= near:
-                widgets.small(f"step {moments[mark.index].step}: {mark.words}")
+                with widgets.font(None, SMALL):
+                    widgets.muted(f"step {moments[mark.index].step}: {mark.words}")
         imgui.end_tooltip()
 
     def _marks_of(self, moments: Sequence[Snapshot]) -> list[Mark]:
