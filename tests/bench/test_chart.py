@@ -123,7 +123,7 @@ def test_picture_shows_failures_too(tmp_path):
     assert first != second
 
 
-def test_command_draws_from_what_is_stored(results, tmp_path, capsys):
+def test_command_draws_from_what_is_stored(results, tmp_path, capsys, monkeypatch):
     out = tmp_path / "docs"
     words = ["bench", "chart", "--physics", "none", "--results", str(results), "--out", str(out)]
     assert cli.main([*words, "--json"]) == 0
@@ -134,6 +134,7 @@ def test_command_draws_from_what_is_stored(results, tmp_path, capsys):
     joints = next(facet for facet in data["facets"] if facet["class"] == "joints")
     assert joints["ahead_of_us"] == ["jax2d"]
     assert len(data["points"]) == 5
+    monkeypatch.setattr(build, "draw_chart", lambda *_, **__: None)
     assert cli.main(words) == 0
     assert "joints          1 worlds: speed at equal error" in capsys.readouterr().out
 
@@ -155,11 +156,12 @@ def test_command_without_any_rows_says_so(tmp_path, capsys):
 def test_missing_errors_are_measured_before_the_speed(results, tmp_path, monkeypatch):
     asked = []
 
-    def measured(*words, devices):
+    def measured(*words, devices, cached):
         asked.append((words[0], words[words.index("--physics") + 1]))
         return [row("D2", 0.1)] if words[0] == "accuracy" else [speed("joints", 1, 60.0)]
 
     monkeypatch.setattr(build, "measured_apart", measured)
+    monkeypatch.setattr(build, "draw_chart", lambda *_, **__: None)
     core = [row(id, 0.1) for id, scene in SCENES.items() if scene.core]
     write_rows(results / "accuracy" / "balanced.jsonl", core)
     settings = build.ChartSettings(

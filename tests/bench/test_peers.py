@@ -12,7 +12,7 @@ from kinetix.bench import processes
 from kinetix.bench.accuracy import row_of
 from kinetix.bench.peers import launch, levels
 from kinetix.bench.peers.accuracy import UNSAID, judged, measure_peer
-from kinetix.bench.peers.catalogue import PEERS, SWEPT, peer_named
+from kinetix.bench.peers.catalogue import PEERS, SLOW, SWEPT, peer_named
 from kinetix.bench.peers.exchange import motion_of, scene_of
 from kinetix.bench.peers.launch import Answer, Peer, ask
 from kinetix.bench.peers.store import chosen_peers
@@ -169,7 +169,7 @@ def test_failures_of_a_peer_are_said_in_its_words(toy, monkeypatch):
 
 
 def test_names_of_peers(capsys):
-    names = [peer.name for peer in (*PEERS, *SWEPT)]
+    names = [peer.name for peer in (*PEERS, *SWEPT, *SLOW)]
     assert len(set(names)) == len(names)
     assert peer_named("box2d dt/2").settings["substeps"] == 2
     assert chosen_peers("none") == ()

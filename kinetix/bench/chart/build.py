@@ -131,12 +131,15 @@ def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) 
     accuracy = settings.results / ACCURACY / f"{file_name(physics)}.jsonl"
     if missing := missing_scenes(accuracy, "core"):
         say(f"{physics}: errors in {missing}")
-        rows = measured_apart("accuracy", "--physics", physics, "--scenes", missing, devices=1)
+        rows = measured_apart(
+            *("accuracy", "--physics", physics, "--scenes", missing), devices=1, cached=True
+        )
         append_rows(accuracy, rows)
     say(f"{physics}: speed")
     batches = ",".join(str(batch) for batch in settings.batches)
     rows = measured_apart(
         *("speed", "--scenes", "--physics", physics, "--batches", batches),
         devices=os.cpu_count() or 1,
+        cached=True,
     )
     write_speeds(settings.results, physics, OURS, rows)

@@ -109,7 +109,8 @@ def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[s
         "measured": datetime.date.today().isoformat(),
         "load": round(os.getloadavg()[0], 1),
     }
-    fresh = [{**head, **row} for row in rows]
+    # Programs may come from a cache.
+    fresh = [{**head, **row, "compile_s": None} for row in rows]
     batches = {row["batch"] for row in fresh}
     kept = [row for row in read_rows(file) if row["batch"] not in batches] if file.exists() else []
     write_rows(file, [*kept, *fresh])

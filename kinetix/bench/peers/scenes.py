@@ -31,7 +31,7 @@ def _compiled(peer: Peer, trial: Trial, batch: int) -> Rate:
     told = ask(peer, job, variables=host_devices(os.cpu_count() or 1 if batch > 1 else 1)).told
     return Rate(
         steps_per_s=1 / told["seconds_per_step"],
-        compile_s=told["compile_s"],
+        compile_s=None,
         devices=told["devices"],
     )
 
