@@ -93,7 +93,7 @@ def sprint() -> Draft:
     """Back leg on Left, Right, Up, Down and front leg on W, S, A, D: gallop to the blue wall."""
     draft = _course(2, "none", "cheetah")
     _cheetah(draft, 1.3)
-    _wall(draft, 3.0)
+    _wall(draft, 2.8)
     return draft
 
 
@@ -103,7 +103,7 @@ def hot_pursuit() -> Draft:
     """
     draft = _course(4, "red", "cheetah")
     _cheetah(draft, 1.1)
-    _wall(draft, 3.0)
+    _wall(draft, 2.6)
     return draft
 
 
