@@ -38,11 +38,6 @@ class Thumbs:
         """Allow this frame's uploads."""
         self._uploads = UPLOADS
 
-    @property
-    def waiting(self) -> bool:
-        """Whether a picture could not be shown only because the frame had its fill."""
-        return self._uploads <= 0
-
     def texture(self, session: "Session", sha256: str) -> imgui.ImTextureRef | None:
         """The texture of a level's thumbnail; None while it is being made."""
         slot = self._slots.get(sha256)

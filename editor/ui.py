@@ -130,7 +130,7 @@ class Ui:
         return (
             session.playback.active
             or bool(session.toasts)
-            or (session.gallery.open and (session.library.busy or self._gallery.animating))
+            or (session.gallery.open and self._gallery.animating(session))
             or not session.worker.idle
             or not session.evaluator.idle
             or imgui.get_io().want_text_input

@@ -60,11 +60,13 @@ class GalleryPage:
         self._tray = SetTray()
         self._looked = -_LOOK_SECONDS
         self._was_open = False
+        self._missing = False
+        self._revision = -1
 
-    @property
-    def animating(self) -> bool:
-        """Whether thumbnails wait for the next frame."""
-        return self._was_open and self._thumbs.waiting
+    def animating(self, session: "Session") -> bool:
+        """Whether the next frame differs: levels are looked for, or pictures are on their way."""
+        library = session.library
+        return library.busy or self._missing or self._revision != library.revision
 
     def draw(self, session: "Session") -> None:
         """Draw it over everything between the bars."""
@@ -96,6 +98,7 @@ class GalleryPage:
 
     def _page(self, session: "Session") -> None:
         gallery = session.gallery
+        self._revision, self._missing = session.library.revision, False
         cards = gallery.shown(session.library, session.results)
         self._head(session, len(cards))
         space = imgui.get_content_region_avail()
@@ -317,6 +320,7 @@ class GalleryPage:
                         wanted.append(card)
         clipper.end()
         imgui.pop_style_var()
+        self._missing = bool(wanted)
         session.library.want(wanted)
 
     def _nothing(self, session: "Session") -> None:

@@ -27,7 +27,7 @@ def settle(gui):
     """Let the gallery find everything and show its pictures."""
     for _ in range(400):
         gui.frames(2)
-        if not gui.session.library.busy and not gui.host.ui.animating:
+        if not gui.host.ui.animating:
             return
         time.sleep(0.005)
     raise AssertionError("the gallery does not come to rest")
