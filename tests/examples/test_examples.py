@@ -32,6 +32,21 @@ RUNS = {
         "--physics",
         "fast",
     ],
+    "fine_tune": [
+        "--out",
+        "tuned",
+        "--",
+        "--num-train-envs",
+        "8",
+        "--num-steps",
+        "16",
+        "--num-minibatches",
+        "2",
+        "--total-timesteps",
+        "256",
+        "--physics",
+        "fast",
+    ],
 }
 
 
