@@ -19,6 +19,9 @@ _PICTURE: Final = 250.0
 """Largest side of the picture: twice its pixels."""
 
 
+_SETTLED_FRAME: Final = 30
+
+
 class EyePanel(Panel):
     """The picture on top, a folding table for each array of the observation below."""
 
@@ -31,7 +34,8 @@ class EyePanel(Panel):
     def draw(self, session: "Session") -> None:
         """Draw what is known of the moment; the rest is asked for."""
         viewer = session.viewer
-        viewer.eye_open = True
+        # While the layout settles every panel is in front once; looking would import JAX.
+        viewer.eye_open = imgui.get_frame_count() > _SETTLED_FRAME
         view = viewer.eye
         if viewer.eye_error:
             widgets.small(viewer.eye_error, COLOURS.bad)

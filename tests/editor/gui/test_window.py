@@ -9,10 +9,13 @@ import pytest
 
 from editor.actions import ACTIONS
 from editor.events import KeyEvent
+from editor.jobs import Worker
 from editor.keys import label
 from editor.panels.help import rows_of
 from editor.panels.menu import MENUS
 from editor.playback import Mode
+from editor.session import Session
+from editor.settings import Settings
 from kinetix.level.codec import load_level
 from kinetix.level.model import Body, Circle, Level, Polygon
 from kinetix.paths import levels_dir
@@ -418,3 +421,11 @@ def test_the_map_moves_the_view_and_draws_nothing_in_the_level(make_gui):
     gui.click_at(corner[0] + side * 0.25, corner[1] + side * 0.25)
     assert gui.session.camera.centre == pytest.approx((1.25, 3.75), abs=0.05)
     assert gui.level == BALL.replace(next_id=gui.level.next_id)
+
+
+def test_the_first_frames_ask_nothing_of_the_simulation(make_gui):
+    asked = []
+    worker = Worker(perform=lambda request, progress: asked.append(request))
+    gui = make_gui(session=Session(settings=Settings(), worker=worker, level=BALL))
+    gui.frames(15)
+    assert worker.idle and asked == []
