@@ -148,7 +148,7 @@ EVALUATE: list[Event] = [
     {"do": "wait", "frames": 2},
     {"do": "down", "widget": "evaluate.run"},
     {"do": "up"},
-    {"do": "wait_until", "what": "idle", "seconds": 500},
+    {"do": "wait_until", "what": "idle", "seconds": 1500},
     {"do": "wait", "frames": 4},
     {"do": "down", "widget": "evaluate.s/goalkeeper.1"},
     {"do": "up"},

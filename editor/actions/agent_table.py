@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import agents, export, view
+from editor.actions import agents, export, look_back, measure, view, watch
 from editor.actions.base import Action, Context, playing
 from editor.viewer import Compare
 
@@ -93,8 +93,8 @@ AGENTS: Final = (
         keys=("return",),
         context=PLAY,
         tooltip="Play on from the moment that the timeline shows.",
-        enabled=agents.can_start_here,
-        run=agents.start_here,
+        enabled=look_back.can_start_here,
+        run=look_back.start_here,
     ),
     Action(
         id="run.loop_from",
@@ -103,7 +103,7 @@ AGENTS: Final = (
         keys=("i",),
         context=PLAY,
         enabled=playing,
-        run=agents.loop_from,
+        run=look_back.loop_from,
     ),
     Action(
         id="run.loop_to",
@@ -112,7 +112,7 @@ AGENTS: Final = (
         keys=("o",),
         context=PLAY,
         enabled=playing,
-        run=agents.loop_to,
+        run=look_back.loop_to,
     ),
     Action(
         id="run.loop_clear",
@@ -120,7 +120,7 @@ AGENTS: Final = (
         menu="Run",
         context=PLAY,
         enabled=lambda session: session.playback.loop is not None,
-        run=agents.clear_loop,
+        run=look_back.clear_loop,
     ),
     Action(
         id="file.export_clip",
@@ -137,7 +137,7 @@ AGENTS: Final = (
         menu="Agent",
         keys=("ctrl+shift+e",),
         tooltip="How often agents solve levels, as kinetix eval measures it.",
-        run=agents.evaluate,
+        run=measure.evaluate,
     ),
     Action(
         id="agent.cancel_evaluation",
@@ -151,7 +151,7 @@ AGENTS: Final = (
         label="Watch a Training Run…",
         menu="Agent",
         tooltip="Its metrics live, its newest agent on the level in front.",
-        run=agents.ask_run,
+        run=watch.ask_run,
     ),
     *(
         Action(

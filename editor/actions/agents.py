@@ -1,4 +1,4 @@
-"""What the viewer does: load agents, let them play, compare, take over, measure, watch runs."""
+"""What the viewer does: load agents, let them play, give them draws, compare, take over."""
 
 import functools
 from collections.abc import Callable
@@ -6,31 +6,18 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.actions import file
-from editor.evaluation import Plan
 from editor.jobs import Job, JobState
-from editor.playback import Mode
 from editor.prompts import Choice, FileQuestion, MenuQuestion
 from editor.recording import Action
 from editor.requests import (
     SCRIPTED,
-    AgentSummary,
-    Casting,
-    EvaluatedLevel,
     LoadAgent,
-    Observe,
-    Opened,
-    OpenEpisode,
     Rehearse,
 )
-from editor.results import Record
 from editor.session import Session
 from editor.viewer import AgentSlot, Compare, SlotName
-from kinetix.errors import CommandError, KinetixError
-from kinetix.level.codec import level_hash
-from kinetix.level.model import Level
-from kinetix.level.sets import gather_levels
-from kinetix.paths import checkpoints_dir, levels_dir
+from kinetix.errors import CommandError
+from kinetix.paths import checkpoints_dir
 
 RECENT_AGENTS: Final = 8
 _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
@@ -187,11 +174,6 @@ def _folder(session: Session) -> Path:
     return next((path for path in recents if path.is_dir()), checkpoints_dir())
 
 
-def has_agent(session: Session) -> bool:
-    """Whether there is an agent to play."""
-    return session.viewer.slots["a"].summary is not None
-
-
 def play_agent(session: Session) -> None:
     """Let agent A play the level; without one, ask which."""
     viewer = session.viewer
@@ -285,288 +267,3 @@ def compare(kind: Compare) -> Callable[[Session], None]:
         viewer.compared_episode = -1
 
     return run
-
-
-def start_here(session: Session) -> None:
-    """Play on from the moment on show."""
-    playback = session.playback
-    playback.branch()
-    session.viewer.compared_episode = playback.episode
-
-
-def can_start_here(session: Session) -> bool:
-    """Whether the episode can be played on from the moment on show."""
-    return session.playback.can_branch
-
-
-def loop_from(session: Session) -> None:
-    """Begin the loop at the moment on show."""
-    _set_loop(session, first=session.playback.replay_index)
-
-
-def loop_to(session: Session) -> None:
-    """End the loop at the moment on show."""
-    _set_loop(session, last=session.playback.replay_index)
-
-
-def _set_loop(session: Session, *, first: int | None = None, last: int | None = None) -> None:
-    playback = session.playback
-    playback.look_back()
-    old = playback.loop or (0, len(playback.moments) - 1)
-    low = old[0] if first is None else first
-    high = old[1] if last is None else last
-    playback.loop = (low, high) if low < high else None
-
-
-def clear_loop(session: Session) -> None:
-    """Show the whole episode again."""
-    session.playback.loop = None
-
-
-def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[EvaluatedLevel, str]]:
-    """Levels to evaluate on, with their hashes.
-
-    Args:
-        session: The app.
-        sources: Folders, files, level sets, bundled names; empty: the level in front.
-
-    Raises:
-        LevelError: Something is missing or bad.
-    """
-    if not sources:
-        document = session.document
-        if document.path is not None and not document.dirty:
-            sources = (_name_of(document.path),)
-        else:
-            level = document.level
-            return [(EvaluatedLevel(name=level.name, source=level), document.hash)]
-    return [
-        (
-            EvaluatedLevel(
-                name=level.name, source=level.level if level.path is None else str(level.path)
-            ),
-            level.sha256,
-        )
-        for level in gather_levels(sources)
-    ]
-
-
-def _name_of(path: Path) -> str:
-    """A bundled level by its name, so that results are called as on the command line."""
-    resolved = path.resolve()
-    if resolved.is_relative_to(levels_dir().resolve()):
-        return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()
-    return str(path)
-
-
-def evaluate(session: Session) -> None:
-    """Show the panel that measures agents on levels."""
-    session.view.front = "evaluate"
-
-
-def start_evaluation(
-    session: Session,
-    agents: tuple[AgentSummary, ...],
-    sources: tuple[str, ...],
-    *,
-    attempts: int,
-    seed: int,
-    physics: str,
-    deterministic: bool,
-) -> None:
-    """Begin an evaluation in the background.
-
-    Raises:
-        CommandError: There is no agent.
-        LevelError: A level is missing or bad.
-    """
-    if not agents:
-        raise CommandError("Choose an agent first: the Agents panel has a place for it.")
-    levels = levels_named(session, sources)
-    names = [level.name for level, _ in levels]
-    if len(set(names)) != len(names):
-        raise CommandError("Two of the levels have the same name: choose one folder or set.")
-    with session.guard():
-        files.autosave(session.document)
-    plan = Plan(
-        agents=agents,
-        levels=tuple(level for level, _ in levels),
-        hashes=tuple(sha256 for _, sha256 in levels),
-        attempts=attempts,
-        seed=seed,
-        physics=physics,
-        deterministic=deterministic,
-    )
-    session.viewer.evaluation.start(plan)
-
-
-def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None:
-    """Open an episode of the evaluation in the window, the same to the bit.
-
-    Args:
-        session: The app.
-        level: Index into the plan's levels.
-        agent: Index into the plan's agents.
-        attempt: Which attempt, from 0.
-    """
-    plan = session.viewer.evaluation.plan
-    if plan is None:
-        return
-    summary = plan.agents[agent]
-    casting = Casting(
-        agent=summary.ref, seed=plan.seed, attempt=attempt, deterministic=plan.deterministic
-    )
-    source = plan.levels[level].source
-    request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics)
-
-    def done(job: Job) -> None:
-        if job.state is JobState.FAILED:
-            session.toast(job.error, "error")
-        elif job.state is JobState.DONE:
-            _show(session, job.result, source, casting, summary)
-
-    session.worker.submit(request, title="Opening the episode", urgent=True, done=done)
-
-
-def _show(
-    session: Session, opened: Opened, source: object, casting: Casting, summary: AgentSummary
-) -> None:
-    if isinstance(source, str):
-        if not file.open_path(session, source):
-            return
-    elif session.document.hash != level_hash(opened.level):
-        raise CommandError("The level has changed since it was evaluated; evaluate it again.")
-    session.leave_play()
-    session.playback.replay(opened.trace, opened.level, casting, player=summary.name)
-    session.playback.running = True
-    session.view.front = "timeline"
-
-
-def watch_run(session: Session, path: str | Path) -> None:
-    """Point the viewer at a training run: its metrics live, its newest agent in slot A."""
-    session.viewer.run.watch(str(path))
-    session.view.front = "training"
-
-
-def ask_run(session: Session) -> None:
-    """Ask for the folder of a training run to watch."""
-
-    def answer(path: Path | None) -> None:
-        if path is not None:
-            watch_run(session, path)
-
-    session.ask(
-        FileQuestion(
-            purpose="folder",
-            title="Folder of a training run",
-            folder=Path.cwd(),
-            answer=answer,
-        )
-    )
-
-
-def update_viewer(session: Session) -> None:
-    """Let a frame pass: the rival keeps step, runs are looked at, results are kept."""
-    viewer, playback = session.viewer, session.playback
-    viewer.evaluation.tick()
-    if viewer.evaluation.finished > viewer.recorded:
-        viewer.recorded = viewer.evaluation.finished
-        _record(session)
-    viewer.run.tick(session.time, functools.partial(_newer, session))
-    _rival(session)
-    if viewer.eye_open:
-        _look(session)
-    if not playback.active:
-        viewer.by_hand = False
-
-
-def _newer(session: Session, steps: int) -> None:
-    del steps
-    if session.viewer.follow_run:
-        load_agent(session, session.viewer.run.path, "a")
-
-
-def _record(session: Session) -> None:
-    evaluation = session.viewer.evaluation
-    plan = evaluation.plan
-    if plan is None:
-        return
-    for number, agent in enumerate(plan.agents):
-        results = {result.level: result for result in evaluation.results(number)}
-        records = {
-            sha256: Record(attempts=result.attempts, solved=result.solved)
-            for level, sha256 in zip(plan.levels, plan.hashes, strict=True)
-            if (result := results.get(level.name)) is not None
-        }
-        session.results.record(agent.name, records)
-
-
-def _rival(session: Session) -> None:
-    """Start, advance or stop the second episode so that it belongs to the one on show."""
-    viewer, playback = session.viewer, session.playback
-    rival = viewer.rival
-    if not playback.active or viewer.arrangement == "off" or playback.level is None:
-        if rival.active:
-            rival.stop()
-        viewer.compared_episode = -1
-        return
-    if viewer.compared_episode != playback.episode and not _challenge(session, playback.level):
-        return
-    try:
-        rival.tick(playback.engine_step)
-    except KinetixError as error:
-        session.toast(f"{rival.player}: {error}", "error")
-
-
-def _challenge(session: Session, level: Level) -> bool:
-    """Start the second episode: another agent, or the same player under another physics."""
-    viewer, playback = session.viewer, session.playback
-    other = viewer.other_physics
-    if other:
-        viewer.rival.start(
-            level, other, playback.casting, player=other, mirror=lambda: playback.actions
-        )
-    else:
-        casting, summary = viewer.casting("b"), viewer.slots["b"].summary
-        if casting is None or summary is None:
-            return False
-        viewer.rival.start(level, playback.physics, casting, player=summary.name)
-    viewer.compared_episode = playback.episode
-    return True
-
-
-def _look(session: Session) -> None:
-    """Ask for what the agent sees of the moment on show, one moment at a time."""
-    viewer, playback = session.viewer, session.playback
-    level = playback.level if playback.active else session.document.level
-    snapshot = playback.snapshot if playback.active else None
-    if level is None or (snapshot is not None and snapshot.state is None):
-        return
-    summary = viewer.slots["a"].summary
-    moment = snapshot if snapshot is not None else level
-    if session.viewer.eye_pending or (viewer.eye_of is moment and viewer.eye_agent is summary):
-        return
-    session.viewer.eye_pending = True
-    viewer.eye_of, viewer.eye_agent = moment, summary
-    request = Observe(
-        level=level,
-        state=snapshot.state if snapshot is not None else None,
-        agent=summary.ref if summary is not None else None,
-    )
-    session.worker.submit(request, title="Looking", done=functools.partial(_looked, session))
-
-
-def _looked(session: Session, job: Job) -> None:
-    session.viewer.eye_pending = False
-    viewer = session.viewer
-    if job.state is JobState.DONE:
-        viewer.eye, viewer.eye_error = job.result, ""
-        viewer.eye_stamp += 1
-    elif job.state is JobState.FAILED:
-        viewer.eye_error = job.error
-
-
-def paused_by_failure(session: Session) -> str:
-    """Why what is played stands still, or nothing."""
-    playback = session.playback
-    return playback.failure if playback.mode is Mode.PAUSED else ""

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.actions import agents, file, play
+from editor.actions import agents, file, play, watch
 from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
@@ -192,7 +192,7 @@ def update(session: Session, seconds: float) -> None:
     with session.guard():
         session.playback.tick(seconds, agents.action_now(session), session.pull)
     with session.guard():
-        agents.update_viewer(session)
+        watch.update_viewer(session)
         play.note_end(session)
     if _passed(before, session.time, AUTOSAVE_SECONDS):
         with session.guard():

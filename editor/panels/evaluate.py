@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import widgets
-from editor.actions import agents
+from editor.actions import measure
 from editor.actions.save_table import ask_save
 from editor.evaluation import Column, Row, best
 from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
@@ -228,7 +228,7 @@ class EvaluatePanel(Panel):
         if pressed:
             physics = form.physics or session.playback.physics
             session.queue(
-                lambda: agents.start_evaluation(
+                lambda: measure.start_evaluation(
                     session,
                     who,
                     form.paths,
@@ -356,7 +356,7 @@ class EvaluatePanel(Panel):
             return
         self._form.chosen = (row.level, agent)
         if imgui.is_mouse_double_clicked(0):
-            session.queue(lambda: agents.open_attempt(session, row.level, agent, 0))
+            session.queue(lambda: measure.open_attempt(session, row.level, agent, 0))
 
     def _attempts(self, session: "Session") -> None:
         """The attempts of the chosen result one by one; a click opens one."""
@@ -396,4 +396,4 @@ class EvaluatePanel(Panel):
         told = f"{episode.outcome} after {episode.length} steps"
         widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
         if pressed:
-            session.queue(lambda: agents.open_attempt(session, *which))
+            session.queue(lambda: measure.open_attempt(session, *which))

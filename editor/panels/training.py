@@ -6,7 +6,7 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from editor import widgets
-from editor.actions import agents
+from editor.actions import watch
 from editor.look import COLOURS, Icons
 from editor.panels.base import Panel
 from editor.widgets import px
@@ -84,7 +84,7 @@ class TrainingPanel(Panel):
         self._choose(session)
         imgui.same_line(0, px(14))
         if widgets.button(session, "training.stop", "Stop watching"):
-            session.queue(lambda: agents.watch_run(session, ""))
+            session.queue(lambda: watch.watch_run(session, ""))
 
     def _choose(self, session: "Session") -> None:
         if widgets.button(session, "training.metrics", "Metrics…"):

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import agents
-from editor.evaluation import best
+from editor.actions import agents, measure, watch
+from editor.evaluation import Plan, best
 from editor.events import DropEvent
 from editor.follower import Follower
 from editor.jobs import Worker
@@ -275,7 +275,7 @@ def test_an_agent_that_fails_pauses_with_the_reason(with_agent):
     with_agent.playback.simulator.error = "The agent 'Tester' gave something that is no number."
     run(with_agent, 0.1)
     assert with_agent.mode is Mode.PAUSED
-    assert agents.paused_by_failure(with_agent).startswith("The agent 'Tester' gave")
+    assert with_agent.playback.failure.startswith("The agent 'Tester' gave")
     assert actions.run(with_agent, "run.stop")
 
 
@@ -398,7 +398,7 @@ def test_comparing_needs_a_second_agent(with_agent):
 def evaluation_of(session, *names, attempts=4):
     level = a_level()
     sources = tuple(EvaluatedLevel(name=name, source=level) for name in names)
-    plan = agents.Plan(
+    plan = Plan(
         agents=session.viewer.agents,
         levels=sources,
         hashes=tuple(f"hash {name}" for name in names),
@@ -455,7 +455,7 @@ def test_the_best_of_several_results():
 def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
     evaluation_of(with_agent, "s/a")
     settle(with_agent)
-    agents.open_attempt(with_agent, 0, 0, 3)
+    measure.open_attempt(with_agent, 0, 0, 3)
     settle(with_agent)
     playback = with_agent.playback
     assert (with_agent.mode, playback.player) == (Mode.REPLAY, "Tester")
@@ -464,9 +464,9 @@ def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
 
 
 def test_levels_are_named_as_on_the_command_line(session, tmp_path):
-    ((level, sha256),) = agents.levels_named(session, ())
+    ((level, sha256),) = measure.levels_named(session, ())
     assert level.source == session.document.level and sha256 == session.document.hash
-    ((level, _),) = agents.levels_named(session, ("s/goalkeeper",))
+    ((level, _),) = measure.levels_named(session, ("s/goalkeeper",))
     assert level.name == "s/goalkeeper"
     assert Path(level.source).name == "goalkeeper.json"
 
@@ -474,7 +474,7 @@ def test_levels_are_named_as_on_the_command_line(session, tmp_path):
 def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     stage.agents["/runs/one"] = a_summary("one", ref=AgentRef(path="/runs/one", stamp="a"))
     stage.news = RunNews(rows=({"loss": 1.0}, {"loss": 0.5}), total=2, newest=100)
-    agents.watch_run(session, "/runs/one")
+    watch.watch_run(session, "/runs/one")
     settle(session)
     run_ = session.viewer.run
     assert [row["loss"] for row in run_.rows] == [1.0, 0.5]
@@ -495,7 +495,7 @@ def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
 
 def test_a_run_that_was_set_back_is_read_anew(session, stage):
     stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}), total=2, newest=None)
-    agents.watch_run(session, "/runs/one")
+    watch.watch_run(session, "/runs/one")
     settle(session)
     stage.news = RunNews(rows=({"x": 7.0},), total=1, newest=None)
     run(session, 2.1)

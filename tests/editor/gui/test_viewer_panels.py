@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from editor.actions import agents
+from editor.actions import agents, watch
 from editor.evaluation import Plan
 from editor.follower import Follower
 from editor.jobs import Worker
@@ -222,7 +222,7 @@ def test_a_run_without_metrics_and_one_that_is_gone(with_agent):
     with_agent.click("training.watch")
     assert with_agent.session.prompts
     with_agent.key("escape")
-    agents.watch_run(with_agent.session, "/runs/one")
+    watch.watch_run(with_agent.session, "/runs/one")
     settle(with_agent)
     assert with_agent.session.viewer.run.error == ""
     with_agent.session.viewer.run.rows = [{"episode_solved": 0.1 * k} for k in range(5)]

@@ -1,0 +1,154 @@
+"""Evaluations: which levels, start, keep the results, open an attempt."""
+
+from pathlib import Path
+
+from editor import files
+from editor.actions import file
+from editor.evaluation import Plan
+from editor.jobs import Job, JobState
+from editor.requests import AgentSummary, Casting, EvaluatedLevel, Opened, OpenEpisode
+from editor.results import Record
+from editor.session import Session
+from kinetix.errors import CommandError
+from kinetix.level.codec import level_hash
+from kinetix.level.sets import gather_levels
+from kinetix.paths import levels_dir
+
+
+def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[EvaluatedLevel, str]]:
+    """Levels to evaluate on, with their hashes.
+
+    Args:
+        session: The app.
+        sources: Folders, files, level sets, bundled names; empty: the level in front.
+
+    Raises:
+        LevelError: Something is missing or bad.
+    """
+    if not sources:
+        document = session.document
+        if document.path is not None and not document.dirty:
+            sources = (_name_of(document.path),)
+        else:
+            level = document.level
+            return [(EvaluatedLevel(name=level.name, source=level), document.hash)]
+    return [
+        (
+            EvaluatedLevel(
+                name=level.name, source=level.level if level.path is None else str(level.path)
+            ),
+            level.sha256,
+        )
+        for level in gather_levels(sources)
+    ]
+
+
+def _name_of(path: Path) -> str:
+    """A bundled level by its name, so that results are called as on the command line."""
+    resolved = path.resolve()
+    if resolved.is_relative_to(levels_dir().resolve()):
+        return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()
+    return str(path)
+
+
+def evaluate(session: Session) -> None:
+    """Show the panel that measures agents on levels."""
+    session.view.front = "evaluate"
+
+
+def start_evaluation(
+    session: Session,
+    agents: tuple[AgentSummary, ...],
+    sources: tuple[str, ...],
+    *,
+    attempts: int,
+    seed: int,
+    physics: str,
+    deterministic: bool,
+) -> None:
+    """Begin an evaluation in the background.
+
+    Raises:
+        CommandError: There is no agent.
+        LevelError: A level is missing or bad.
+    """
+    if not agents:
+        raise CommandError("Choose an agent first: the Agents panel has a place for it.")
+    levels = levels_named(session, sources)
+    names = [level.name for level, _ in levels]
+    if len(set(names)) != len(names):
+        raise CommandError("Two of the levels have the same name: choose one folder or set.")
+    with session.guard():
+        files.autosave(session.document)
+    plan = Plan(
+        agents=agents,
+        levels=tuple(level for level, _ in levels),
+        hashes=tuple(sha256 for _, sha256 in levels),
+        attempts=attempts,
+        seed=seed,
+        physics=physics,
+        deterministic=deterministic,
+    )
+    session.viewer.evaluation.start(plan)
+
+
+def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None:
+    """Open an episode of the evaluation in the window, the same to the bit.
+
+    Args:
+        session: The app.
+        level: Index into the plan's levels.
+        agent: Index into the plan's agents.
+        attempt: Which attempt, from 0.
+    """
+    plan = session.viewer.evaluation.plan
+    if plan is None:
+        return
+    summary = plan.agents[agent]
+    casting = Casting(
+        agent=summary.ref, seed=plan.seed, attempt=attempt, deterministic=plan.deterministic
+    )
+    source = plan.levels[level].source
+    request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics)
+
+    def done(job: Job) -> None:
+        if job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+        elif job.state is JobState.DONE:
+            _show(session, job.result, source, casting, summary)
+
+    session.worker.submit(request, title="Opening the episode", urgent=True, done=done)
+
+
+def _show(
+    session: Session, opened: Opened, source: object, casting: Casting, summary: AgentSummary
+) -> None:
+    if isinstance(source, str):
+        if not file.open_path(session, source):
+            return
+    elif session.document.hash != level_hash(opened.level):
+        raise CommandError("The level has changed since it was evaluated; evaluate it again.")
+    session.leave_play()
+    session.playback.replay(opened.trace, opened.level, casting, player=summary.name)
+    session.playback.running = True
+    session.view.front = "timeline"
+
+
+def keep_results(session: Session) -> None:
+    """Note who solved what for the gallery, once an evaluation has come to its end."""
+    viewer = session.viewer
+    if viewer.evaluation.finished <= viewer.recorded:
+        return
+    viewer.recorded = viewer.evaluation.finished
+    evaluation = viewer.evaluation
+    plan = evaluation.plan
+    if plan is None:
+        return
+    for number, agent in enumerate(plan.agents):
+        results = {result.level: result for result in evaluation.results(number)}
+        records = {
+            sha256: Record(attempts=result.attempts, solved=result.solved)
+            for level, sha256 in zip(plan.levels, plan.hashes, strict=True)
+            if (result := results.get(level.name)) is not None
+        }
+        session.results.record(agent.name, records)

@@ -1,0 +1,120 @@
+"""What goes on beside the episode: the second player, training runs, what the agent sees."""
+
+import functools
+from pathlib import Path
+
+from editor.actions.agents import load_agent
+from editor.actions.measure import keep_results
+from editor.jobs import Job, JobState
+from editor.prompts import FileQuestion
+from editor.requests import Observe
+from editor.session import Session
+from kinetix.errors import KinetixError
+from kinetix.level.model import Level
+
+
+def watch_run(session: Session, path: str | Path) -> None:
+    """Point the viewer at a training run: its metrics live, its newest agent in slot A."""
+    session.viewer.run.watch(str(path))
+    session.view.front = "training"
+
+
+def ask_run(session: Session) -> None:
+    """Ask for the folder of a training run to watch."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            watch_run(session, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Folder of a training run",
+            folder=Path.cwd(),
+            answer=answer,
+        )
+    )
+
+
+def update_viewer(session: Session) -> None:
+    """Let a frame pass: the rival keeps step, runs are looked at, results are kept."""
+    viewer, playback = session.viewer, session.playback
+    viewer.evaluation.tick()
+    keep_results(session)
+    viewer.run.tick(session.time, functools.partial(_newer, session))
+    _rival(session)
+    if viewer.eye_open:
+        _look(session)
+    if not playback.active:
+        viewer.by_hand = False
+
+
+def _newer(session: Session, steps: int) -> None:
+    del steps
+    if session.viewer.follow_run:
+        load_agent(session, session.viewer.run.path, "a")
+
+
+def _rival(session: Session) -> None:
+    """Start, advance or stop the second episode so that it belongs to the one on show."""
+    viewer, playback = session.viewer, session.playback
+    rival = viewer.rival
+    if not playback.active or viewer.arrangement == "off" or playback.level is None:
+        if rival.active:
+            rival.stop()
+        viewer.compared_episode = -1
+        return
+    if viewer.compared_episode != playback.episode and not _challenge(session, playback.level):
+        return
+    try:
+        rival.tick(playback.engine_step)
+    except KinetixError as error:
+        session.toast(f"{rival.player}: {error}", "error")
+
+
+def _challenge(session: Session, level: Level) -> bool:
+    """Start the second episode: another agent, or the same player under another physics."""
+    viewer, playback = session.viewer, session.playback
+    other = viewer.other_physics
+    if other:
+        viewer.rival.start(
+            level, other, playback.casting, player=other, mirror=lambda: playback.actions
+        )
+    else:
+        casting, summary = viewer.casting("b"), viewer.slots["b"].summary
+        if casting is None or summary is None:
+            return False
+        viewer.rival.start(level, playback.physics, casting, player=summary.name)
+    viewer.compared_episode = playback.episode
+    return True
+
+
+def _look(session: Session) -> None:
+    """Ask for what the agent sees of the moment on show, one moment at a time."""
+    viewer, playback = session.viewer, session.playback
+    level = playback.level if playback.active else session.document.level
+    snapshot = playback.snapshot if playback.active else None
+    if level is None or (snapshot is not None and snapshot.state is None):
+        return
+    summary = viewer.slots["a"].summary
+    moment = snapshot if snapshot is not None else level
+    if viewer.eye_pending or (viewer.eye_of is moment and viewer.eye_agent is summary):
+        return
+    viewer.eye_pending = True
+    viewer.eye_of, viewer.eye_agent = moment, summary
+    request = Observe(
+        level=level,
+        state=snapshot.state if snapshot is not None else None,
+        agent=summary.ref if summary is not None else None,
+    )
+    session.worker.submit(request, title="Looking", done=functools.partial(_looked, session))
+
+
+def _looked(session: Session, job: Job) -> None:
+    viewer = session.viewer
+    viewer.eye_pending = False
+    if job.state is JobState.DONE:
+        viewer.eye, viewer.eye_error = job.result, ""
+        viewer.eye_stamp += 1
+    elif job.state is JobState.FAILED:
+        viewer.eye_error = job.error
