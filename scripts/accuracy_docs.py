@@ -13,7 +13,17 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "accuracy.md"
 RESULTS = ROOT / "bench" / "accuracy"
 PEER_RESULTS = ROOT / "bench" / "peers"
-ORDER = ("jax2d", "fast", "balanced", "accurate", "reference")
+ORDER = (
+    "jax2d",
+    "pgs_soft",
+    "soft_step",
+    "xpbd",
+    "jacobi",
+    "fast",
+    "balanced",
+    "accurate",
+    "reference",
+)
 
 Rows = Mapping[str, Sequence[Mapping[str, Any]]]
 
