@@ -141,7 +141,7 @@ def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
 
 
 def _alone() -> Any:
-    """Options by which orbax waits for nobody: where several processes train, one of them writes."""
+    """Options by which orbax waits for nobody: of several processes that train, one writes."""
     import orbax.checkpoint as ocp
 
     if jax.process_count() == 1:
