@@ -35,7 +35,6 @@ from kinetix.engine.solvers.soft_rows import (
     contact_rows,
     joint_rows,
     kicked,
-    moved_gap,
 )
 from kinetix.engine.solvers.visit import Targets, Twist, add_changes, at_bodies, in_turn
 from kinetix.engine.spec import SceneSpec
@@ -49,7 +48,6 @@ class PositionContacts:
     """Contacts at the start of a substep."""
 
     rows: SoftContacts
-    """Their arms turned with the bodies."""
     gap: Float[Array, "*k n"]
     goal: Float[Array, "*k n"]
     """Gap that the substep aims at [m]; negative where an overlap is too deep for one substep."""
@@ -154,10 +152,10 @@ class Xpbd(AbstractSolver):
         def substep(carry: tuple, _: None) -> tuple[tuple, None]:
             moving, hit = carry
             moved = store(_pose(moving) - start)
-            gap = store(moved_gap(rows, targets, found.points.separation, moved))
+            gap = store(_advanced(rows, targets, found.points.separation, moved))
             contacts = store(
                 PositionContacts(
-                    rows=_turned(rows, targets, moved),
+                    rows=rows,
                     gap=gap,
                     goal=jnp.minimum(gap + self.deepest, 0),
                 )
@@ -178,15 +176,12 @@ def _pose(moving: MovingBodies) -> Twist:
     return Twist(x=moving.position.x, y=moving.position.y, turn=moving.rotation)
 
 
-def _turned(rows: SoftContacts, targets: Targets, moved: Twist) -> SoftContacts:
-    """The contacts with their arms turned as far as their bodies have."""
-    arms = []
-    for arm, body in ((rows.lever.arm_a, targets.body_a), (rows.lever.arm_b, targets.body_b)):
-        turn = take(moved.turn, body)
-        arms.append(rotate(jnp.cos(turn), jnp.sin(turn), arm))
-    return dataclasses.replace(
-        rows, lever=dataclasses.replace(rows.lever, arm_a=arms[0], arm_b=arms[1])
-    )
+def _advanced(
+    rows: SoftContacts, targets: Targets, gap: Float[Array, "c n"], moved: Twist
+) -> Float[Array, "c n"]:
+    """The gap after the bodies have moved; arms stay: a rolling disc does not lift its contact."""
+    way = rows.lever.speed(at_bodies(moved, targets.body_a), at_bodies(moved, targets.body_b))
+    return gap + dot(rows.normal, way)
 
 
 def _substep(
@@ -288,20 +283,20 @@ def _correct_contact(
 ) -> tuple[Twist, Twist, ContactImpulse]:
     """Move two bodies apart; and back to where they touched as far as friction allows."""
     rows, normal = known.rows, known.rows.normal
-    now, way = _moved(rows.lever, a, b)
-    gap = known.gap + dot(normal, way) - known.goal
-    resistance = now.resistance(normal)
+    lever = rows.lever
+    gap = known.gap + dot(normal, lever.speed(a, b)) - known.goal
+    resistance = lever.resistance(normal)
     give = softness * resistance
     total = impulse.normal - (gap + give * impulse.normal) / (resistance + give)
     total = jnp.maximum(total, 0)
     total = jnp.where(rows.used, total, 0)
-    change_a, change_b = now.push(normal * (total - impulse.normal))
+    change_a, change_b = lever.push(normal * (total - impulse.normal))
 
     across = Vec(x=normal.y, y=-normal.x)
-    now, way = _moved(rows.lever, a + change_a, b + change_b)
+    slip = dot(across, lever.speed(a + change_a, b + change_b))
     bound = rows.friction * total
-    hold = jnp.clip(impulse.tangent - dot(across, way) / now.resistance(across), -bound, bound)
-    held_a, held_b = now.push(across * (hold - impulse.tangent))
+    hold = jnp.clip(impulse.tangent - slip / lever.resistance(across), -bound, bound)
+    held_a, held_b = lever.push(across * (hold - impulse.tangent))
     return change_a + held_a, change_b + held_b, ContactImpulse(normal=total, tangent=hold)
 
 
