@@ -263,11 +263,20 @@ class EvaluatePanel(Panel):
         if not imgui.begin_table("results", 1 + 3 * count, flags, size):
             return
         imgui.table_setup_scroll_freeze(1, 1)
-        imgui.table_setup_column(_HEADS["level"], imgui.TableColumnFlags_.default_sort.value)
+        flags = (
+            imgui.TableColumnFlags_.default_sort.value | imgui.TableColumnFlags_.width_stretch.value
+        )
+        imgui.table_setup_column(_HEADS["level"], flags, 1.2)
         for agent in plan.agents:
             mark = f"  {agent.name}" if count > 1 else ""
             for column in ("solve_rate", "mean_return", "mean_length"):
-                imgui.table_setup_column(f"{_HEADS[column]}{mark}###{agent.ref.path}{column}")
+                if column != "solve_rate":
+                    mark = ""  # the columns of an agent stand together
+                imgui.table_setup_column(
+                    f"{_HEADS[column]}{mark}###{agent.ref.path}{column}",
+                    imgui.TableColumnFlags_.width_stretch.value,
+                    1.6 if column == "solve_rate" else 0.7,
+                )
         imgui.table_headers_row()
         self._take_sorting()
         rows = evaluation.rows(

@@ -212,6 +212,7 @@ def test_a_long_table_draws_only_what_is_in_sight(with_agent):
 
 
 def test_what_the_agent_sees_is_shown(with_agent):
+    with_agent.frames(40)
     front(with_agent, "eye")
     settle(with_agent)
     assert with_agent.shows("eye.picture") and with_agent.shows("eye.circles")
