@@ -34,7 +34,10 @@ Smaller: rounding errors of bodies that joints hold altogether become huge impul
 links between heavy bodies stop answering."""
 
 DEEP = 2e-3
-"""Overlaps beyond this yield a little while they are resolved [m]."""
+"""Overlaps of bodies that joints hold yield a little beyond this [m]."""
+
+HELD = 0.9
+"""Joints hold a contact's bodies when they leave less than this share of their mobility."""
 
 DEEP_COMPLIANCE = 0.01
 """Speed that such a contact lets through per impulse, as a share of what the impulse would give

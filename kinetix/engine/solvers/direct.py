@@ -201,10 +201,12 @@ class Direct(AbstractSolver):
         live = store(live & (matrix[index, index] > constants.LEAST_PIVOT * mobility))
         eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
         # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
+        own = matrix[index, index]
         deep = jnp.concatenate(
             [points.separation < -constants.DEEP, jnp.zeros_like(used), jnp.zeros_like(limit_live)]
         )
-        own = matrix[index, index] + jnp.where(deep, constants.DEEP_COMPLIANCE * mobility, 0)
+        held = own < constants.HELD * mobility
+        own += jnp.where(deep & held, constants.DEEP_COMPLIANCE * mobility, 0)
         own = jnp.where(live, own, 1)
         coupled = live[:, None] & live[None] & ~eye
         matrix = store(jnp.where(eye, own[:, None], jnp.where(coupled, matrix, 0)))
