@@ -259,3 +259,22 @@ def test_the_published_agent_opens_and_plays(perform, peer, level):
     played = perform(Advance(run=9, actions=(None,) * 5))
     assert played[-1].step == 5
     assert all(abs(snapshot.mind.value) < 10 for snapshot in played)
+
+
+@pytest.mark.peer
+def test_the_table_of_the_published_agent_is_what_the_command_prints(perform, peer, capsys):
+    from kinetix.cli import main
+
+    path = str(peer / "agents" / "paper-general")
+    request = Evaluate(
+        agents=(AgentRef(path=path),),
+        levels=(GOAL,),
+        attempts=4,
+        seed=0,
+        physics="jax2d",
+        deterministic=False,
+    )
+    (score,) = perform(request, Quiet()).scores
+    command = ["eval", "--agent", path, "--levels", "s/goalkeeper", "--attempts", "4", "--json"]
+    assert main([*command, "--physics", "jax2d"]) == 0
+    assert score.result.as_dict() == json.loads(capsys.readouterr().out.splitlines()[0])
