@@ -273,7 +273,7 @@ def test_class_error_is_the_geometric_mean_of_core_scenes():
     assert verdict_counts(rows) == {"good": 1, "ok": 1, "fail": 2}
     table = markdown_table({"balanced": rows})
     assert "| D3 double pendulum ● | ✗ failed m |" in table
-    assert scene_text(rows[3]).startswith("F1  slide             ok")
+    assert scene_text(rows[3]).startswith("F1  slide")
 
 
 def test_room_for_contacts_grows_up_to_what_pairs_allow():
