@@ -176,6 +176,11 @@ def _box(vertices: np.ndarray, clip: Rect) -> Rect:
     if not len(vertices):
         return (0.0, 0.0, 0.0, 0.0)
     places = np.ascontiguousarray(vertices[:, :2]).view(np.float32)
+    # A gap in a plotted curve leaves corners that are no numbers: they draw nothing, but one of
+    # them would make the whole box nothing too.
+    places = places[~np.isnan(places).any(axis=1)]
+    if not len(places):
+        return (0.0, 0.0, 0.0, 0.0)
     low, high = places.min(axis=0) - _MARGIN, places.max(axis=0) + _MARGIN
     return intersection((float(low[0]), float(low[1]), float(high[0]), float(high[1])), clip)
 

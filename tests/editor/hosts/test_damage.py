@@ -50,6 +50,16 @@ def test_colours_count():
     assert rect == (8.0, 8.0, 22.0, 22.0)
 
 
+def test_gaps_in_curves_hide_no_change():
+    gap = (np.nan, 50)
+    before = [drawn("plot", (10, 10), gap, (100, 100))]
+    after = [drawn("plot", (20, 10), (np.nan, 60), (120, 100))]
+    assert damage(before, after, SIZE) == [(8.0, 8.0, 132.0, 112.0)]
+    longer = [drawn("plot", (10, 10), gap, gap, (120, 100))]
+    assert damage(before, longer, SIZE) == [(98.0, 98.0, 132.0, 112.0)]
+    assert damage(before, [drawn("plot", (10, 10), gap, gap, (100, 100))], SIZE) == []
+
+
 def test_a_window_that_comes_or_goes_damages_its_place():
     one = [drawn("a", (10, 10))]
     both = [*one, drawn("tip", (100, 200))]
