@@ -1,0 +1,33 @@
+"""Rows of the Help menu."""
+
+from typing import Final
+
+from editor.actions import view
+from editor.actions.base import Action
+
+APP: Final = (
+    Action(
+        id="app.palette",
+        label="Command Palette",
+        menu="Help",
+        keys=("ctrl+shift+p",),
+        checked=view.is_on("palette"),
+        run=view.switch("palette"),
+    ),
+    Action(
+        id="app.keys",
+        label="Change Keys…",
+        menu="Help",
+        tooltip="Other keys for commands, motors and thrusters.",
+        checked=view.is_on("keys"),
+        run=view.switch("keys"),
+    ),
+    Action(
+        id="app.help",
+        label="Keys and Help",
+        menu="Help",
+        keys=("f1",),
+        checked=view.is_on("help"),
+        run=view.switch("help"),
+    ),
+)

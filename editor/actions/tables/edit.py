@@ -1,0 +1,241 @@
+"""Rows of the Edit and the Arrange menu."""
+
+from typing import Final
+
+from editor.actions import edit
+from editor.actions.base import Action, Context, editing, selecting
+from editor.session import Session
+
+EDIT: Final = Context.EDIT
+
+
+def _can_undo(session: Session) -> bool:
+    under_way = session.driver.active or session.document.history.undo_label is not None
+    return session.editing and under_way
+
+
+def _can_redo(session: Session) -> bool:
+    return session.editing and session.document.history.redo_label is not None
+
+
+EDITS: Final = (
+    Action(
+        id="edit.undo",
+        label="Undo",
+        menu="Edit",
+        keys=("ctrl+z",),
+        context=EDIT,
+        enabled=_can_undo,
+        run=edit.undo,
+    ),
+    Action(
+        id="edit.redo",
+        label="Redo",
+        menu="Edit",
+        keys=("ctrl+shift+z", "ctrl+y"),
+        context=EDIT,
+        enabled=_can_redo,
+        run=edit.redo,
+    ),
+    Action(
+        id="edit.cut",
+        label="Cut",
+        menu="Edit",
+        keys=("ctrl+x",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.cut,
+    ),
+    Action(
+        id="edit.copy",
+        label="Copy",
+        menu="Edit",
+        keys=("ctrl+c",),
+        context=EDIT,
+        tooltip="Shapes with their joints and thrusters.",
+        enabled=selecting,
+        run=edit.copy,
+    ),
+    Action(
+        id="edit.paste",
+        label="Paste",
+        menu="Edit",
+        keys=("ctrl+v",),
+        context=EDIT,
+        tooltip="At the pointer.",
+        enabled=editing,
+        run=edit.paste,
+    ),
+    Action(
+        id="edit.paste_properties",
+        label="Paste Properties",
+        menu="Edit",
+        keys=("ctrl+shift+v",),
+        context=EDIT,
+        tooltip="Role, density, surface, motor, limits: everything but place and shape.",
+        enabled=selecting,
+        run=edit.paste_properties,
+    ),
+    Action(
+        id="edit.duplicate",
+        label="Duplicate",
+        menu="Edit",
+        keys=("ctrl+d",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.duplicate,
+    ),
+    Action(
+        id="edit.select_all",
+        label="Select All",
+        menu="Edit",
+        keys=("ctrl+a",),
+        context=EDIT,
+        enabled=editing,
+        run=edit.select_all,
+    ),
+    Action(
+        id="edit.delete",
+        label="Delete",
+        menu="Edit",
+        keys=("delete", "backspace"),
+        context=EDIT,
+        tooltip="With the joints and thrusters that hang on it.",
+        enabled=selecting,
+        run=edit.delete,
+    ),
+    Action(
+        id="edit.cancel",
+        label="Cancel",
+        menu="Edit",
+        keys=("escape",),
+        context=EDIT,
+        tooltip="Leave what is under way; again: back to Select.",
+        enabled=editing,
+        run=edit.cancel,
+    ),
+)
+
+
+ARRANGE: Final = (
+    Action(
+        id="edit.lock",
+        label="Lock",
+        menu="Arrange",
+        keys=("ctrl+l",),
+        context=EDIT,
+        tooltip="Locked things are neither picked nor dragged.",
+        enabled=selecting,
+        run=edit.toggle_lock,
+    ),
+    Action(
+        id="edit.hide",
+        label="Hide",
+        menu="Arrange",
+        keys=("ctrl+h",),
+        context=EDIT,
+        tooltip="With nothing selected: show everything again.",
+        enabled=editing,
+        run=edit.toggle_hide,
+    ),
+    Action(
+        id="edit.mirror_horizontal",
+        label="Mirror Left–Right",
+        menu="Arrange",
+        keys=("ctrl+shift+h",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.mirror("x"),
+    ),
+    Action(
+        id="edit.mirror_vertical",
+        label="Mirror Up–Down",
+        menu="Arrange",
+        keys=("ctrl+shift+u",),
+        context=EDIT,
+        enabled=selecting,
+        run=edit.mirror("y"),
+    ),
+    *(
+        Action(
+            id=f"edit.align_{name}",
+            label=label,
+            menu="Arrange",
+            context=EDIT,
+            enabled=selecting,
+            run=edit.align(label, axis, place),
+        )
+        for name, label, axis, place in (
+            ("left", "Align Left", 0, lambda box: box[0]),
+            ("centre_x", "Align Centres Across", 0, lambda box: (box[0] + box[2]) / 2),
+            ("right", "Align Right", 0, lambda box: box[2]),
+            ("top", "Align Top", 1, lambda box: box[3]),
+            ("centre_y", "Align Centres Up", 1, lambda box: (box[1] + box[3]) / 2),
+            ("bottom", "Align Bottom", 1, lambda box: box[1]),
+        )
+    ),
+    *(
+        Action(
+            id=f"edit.distribute_{name}",
+            label=label,
+            menu="Arrange",
+            context=EDIT,
+            tooltip="Equal gaps between three or more shapes.",
+            enabled=selecting,
+            run=edit.distribute(label, axis),
+        )
+        for name, label, axis in (
+            ("x", "Distribute Across", 0),
+            ("y", "Distribute Up", 1),
+        )
+    ),
+    Action(
+        id="edit.forward",
+        label="Bring Forward",
+        menu="Arrange",
+        context=EDIT,
+        enabled=selecting,
+        run=edit.reorder(1),
+    ),
+    Action(
+        id="edit.back",
+        label="Send Back",
+        menu="Arrange",
+        context=EDIT,
+        enabled=selecting,
+        run=edit.reorder(-1),
+    ),
+    *(
+        Action(
+            id=f"transform.nudge_{name}",
+            label=f"Nudge {name.capitalize()}",
+            menu="Arrange",
+            keys=(name,),
+            variants=(f"shift+{name}", f"alt+{name}"),
+            context=EDIT,
+            tooltip="0.05 m; Shift: ten times as far, Alt: a tenth.",
+            enabled=selecting,
+            run=edit.nudge(x, y),
+        )
+        for name, x, y in (("left", -1, 0), ("right", 1, 0), ("up", 0, 1), ("down", 0, -1))
+    ),
+    *(
+        Action(
+            id=f"transform.{name}",
+            label=label,
+            menu="Arrange",
+            keys=(key,),
+            variants=variants,
+            context=EDIT,
+            tooltip=tooltip,
+            enabled=selecting,
+            run=edit.turn(degrees),
+        )
+        for name, label, key, variants, tooltip, degrees in (
+            ("rotate_ccw", "Rotate Left 15°", "q", ("shift+q",), "Shift: 1°.", 15.0),
+            ("rotate_cw", "Rotate Right 15°", "e", ("shift+e",), "Shift: 1°.", -15.0),
+            ("rotate_ccw_45", "Rotate Left 45°", "[", (), "", 45.0),
+            ("rotate_cw_45", "Rotate Right 45°", "]", (), "", -45.0),
+        )
+    ),
+)

@@ -1,0 +1,50 @@
+"""Rows of the File menu."""
+
+from typing import Final
+
+from editor.actions import export, file
+from editor.actions.base import Action, Context
+
+FILE: Final = (
+    Action(id="file.new", label="New", menu="File", keys=("ctrl+n",), run=file.new),
+    Action(id="file.open", label="Open…", menu="File", keys=("ctrl+o",), run=file.ask_open),
+    Action(id="file.save", label="Save", menu="File", keys=("ctrl+s",), run=file.save),
+    Action(
+        id="file.save_as",
+        label="Save As…",
+        menu="File",
+        keys=("ctrl+shift+s",),
+        run=file.save_as,
+    ),
+    Action(
+        id="file.close_tab", label="Close Tab", menu="File", keys=("ctrl+w",), run=file.close_tab
+    ),
+    Action(
+        id="file.export",
+        label="Export…",
+        menu="File",
+        context=Context.LEVEL,
+        keys=("ctrl+e",),
+        tooltip="Picture, film or trace.",
+        run=export.ask_export,
+    ),
+    Action(
+        id="file.screenshot",
+        label="Save Screenshot",
+        menu="File",
+        keys=("ctrl+p",),
+        tooltip="A picture of the whole window.",
+        run=export.screenshot,
+    ),
+    Action(
+        id="file.record",
+        label="Record Film",
+        menu="File",
+        context=Context.LEVEL,
+        keys=("ctrl+shift+r",),
+        tooltip="Start and stop recording what is played as a GIF.",
+        checked=lambda session: session.recording is not None,
+        run=export.record,
+    ),
+    Action(id="file.quit", label="Quit", menu="File", keys=("ctrl+q",), run=file.quit_app),
+)

@@ -1,0 +1,92 @@
+"""Rows of the Level menu."""
+
+from typing import Final
+
+from editor.actions import gallery, level
+from editor.actions.base import Action, Context, editing
+from editor.session import Session
+
+EDIT: Final = Context.EDIT
+
+
+def _has_file(session: Session) -> bool:
+    return session.document.path is not None
+
+
+LEVEL: Final = (
+    Action(
+        id="level.random",
+        label="Random Level",
+        menu="Level",
+        keys=("ctrl+r",),
+        context=EDIT,
+        tooltip="Of the present size; every one has its seed.",
+        enabled=editing,
+        run=level.random_level,
+    ),
+    Action(
+        id="level.mutate",
+        label="Mutate",
+        menu="Level",
+        keys=("ctrl+m",),
+        context=EDIT,
+        tooltip="One random change.",
+        enabled=editing,
+        run=level.mutate(None),
+    ),
+    Action(
+        id="level.mutate_menu",
+        label="Mutate…",
+        menu="Level",
+        keys=("ctrl+shift+m",),
+        context=EDIT,
+        tooltip="Choose the kind of change.",
+        enabled=editing,
+        run=level.mutate_menu,
+    ),
+    Action(
+        id="level.permute",
+        label="Permute Order",
+        menu="Level",
+        context=EDIT,
+        tooltip="Another order of the slots, as training sees it.",
+        enabled=editing,
+        run=level.permute,
+    ),
+    Action(
+        id="level.previous",
+        label="Previous Level",
+        menu="Level",
+        context=Context.LEVEL,
+        keys=("page up",),
+        tooltip="Of the same folder.",
+        enabled=_has_file,
+        run=level.neighbour(-1),
+    ),
+    Action(
+        id="level.next",
+        label="Next Level",
+        menu="Level",
+        context=Context.LEVEL,
+        keys=("page down",),
+        tooltip="Of the same folder.",
+        enabled=_has_file,
+        run=level.neighbour(1),
+    ),
+    Action(
+        id="level.gallery",
+        label="Gallery",
+        menu="Level",
+        keys=("ctrl+g",),
+        tooltip="All levels as pictures: search, open, sort out, put sets together.",
+        checked=gallery.is_open,
+        run=gallery.toggle,
+    ),
+    Action(
+        id="level.export_set",
+        label="Export Level Set…",
+        menu="Level",
+        tooltip="Chosen levels with weights and a split, for training and evaluation.",
+        run=gallery.ask_export,
+    ),
+)

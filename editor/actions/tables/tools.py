@@ -1,0 +1,68 @@
+"""Rows of the Tools menu, and what is otherwise done by holding a key."""
+
+from typing import Final
+
+from editor.actions import view
+from editor.actions.base import Action, Context, editing
+
+EDIT: Final = Context.EDIT
+
+TOOL_ACTIONS: Final = tuple(
+    Action(
+        id=f"tool.{tool}",
+        label=label,
+        menu="Tools",
+        keys=(key,),
+        context=EDIT,
+        tooltip=tooltip,
+        enabled=editing,
+        checked=view.is_tool(tool),
+        run=view.choose(tool),
+    )
+    for tool, label, key, tooltip in (
+        ("select", "Select", "v", "Select, move, turn and resize."),
+        ("rectangle", "Rectangle", "r", "Press the key twice to draw several."),
+        ("circle", "Circle", "c", "Press the key twice to draw several."),
+        ("triangle", "Triangle", "t", "Three clicks."),
+        ("joint", "Joint", "j", "A hinge with a motor, where two shapes overlap."),
+        ("weld", "Weld", "w", "Makes two overlapping shapes one."),
+        ("thruster", "Thruster", "h", "Pushes a shape; drag where to."),
+    )
+)
+
+
+SWITCHES: Final = tuple(
+    Action(
+        id=action_id,
+        label=label,
+        menu=menu,
+        tooltip=tooltip,
+        checked=view.is_set(setting),
+        run=view.switch_setting(setting),
+    )
+    for action_id, label, menu, tooltip, setting in (
+        ("tool.keep", "Keep Tool", "Tools", "Draw several things in a row.", "keep_tool"),
+        (
+            "tool.from_centre",
+            "Draw from the Centre",
+            "Tools",
+            "What Alt does while a rectangle is drawn.",
+            "from_centre",
+        ),
+        (
+            "transform.move_jointed",
+            "Move Jointed Shapes Together",
+            "Arrange",
+            "Alt while dragging moves one shape alone.",
+            "move_jointed",
+        ),
+        (
+            "run.restart_automatically",
+            "Restart Automatically",
+            "Run",
+            "Start anew a second after the end.",
+            "restart_automatically",
+        ),
+    )
+)
+"""What is otherwise done by holding a key, or not at all, as switches."""
