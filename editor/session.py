@@ -31,6 +31,7 @@ from editor.settings import Settings
 from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
 from editor.tools.base import NOTHING, Driver, Tool
+from editor.trial import Trial
 from editor.viewer import Viewer
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level
@@ -141,6 +142,8 @@ class Session:
         self.playback.physics = self.settings.physics
         self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
         """The agents, and how they are watched."""
+        self.trial = Trial(self.evaluator)
+        """What becomes of the level without a plan."""
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]

@@ -13,6 +13,7 @@ from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, size_name
+from kinetix.level.validate import has_errors
 
 
 def random_level(session: Session) -> None:
@@ -45,6 +46,18 @@ def mutate(mutation: str | None) -> Callable[[Session], None]:
         )
 
     return run
+
+
+def try_out(session: Session) -> None:
+    """Find out in the background what happens without a plan (I301, I302)."""
+    session.view.front = "problems"
+    session.trial.start(session.document.level, session.playback.physics)
+
+
+def can_try_out(session: Session) -> bool:
+    """Whether there is a level that the environment can play."""
+    document = session.document
+    return bool(document.level.bodies) and not has_errors(document.problems)
 
 
 def permute(session: Session) -> None:

@@ -4,12 +4,14 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import widgets
+from editor import actions, widgets
+from editor.actions.compatible import compatible_agents
 from editor.actions.fixes import fix_of
 from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, u32
 from editor.panels.base import Panel
+from editor.trial import fitting
 from editor.widgets import px
-from kinetix.level.validate import Issue
+from kinetix.level.validate import Issue, has_errors
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -26,16 +28,55 @@ class ProblemsPanel(Panel):
 
     id, title, icon = "problems", "Problems", Icons.problems
 
+    def __init__(self) -> None:
+        self._fits: tuple[object, Issue] | None = None
+
     def draw(self, session: "Session") -> None:
         """Draw the list; a click selects what is meant."""
-        issues = session.document.problems
+        document = session.document
+        issues = document.problems
         if not issues:
-            widgets.empty_state(
-                Icons.good, "No problems", "This level can be played, won and used for training."
-            )
-            return
+            words = "No problems: this level can be played, won and used for training."
+            widgets.wrapped(f"{Icons.good}  {words}", COLOURS.good)
         for index, issue in enumerate(issues):
             self._issue(session, index, issue)
+        if has_errors(issues):
+            return
+        findings = (*session.trial.findings(document.level), self._fitting(session))
+        for index, issue in enumerate(findings, start=len(issues)):
+            self._issue(session, index, issue)
+        self._try_out(session)
+
+    def _fitting(self, session: "Session") -> Issue:
+        """I303, worked out again only when the level or the agents are others."""
+        level = session.document.level
+        recent = tuple(session.settings.recent_agents)
+        known = (level, recent, session.viewer.agents)
+        if self._fits is None or self._fits[0] != known:
+            self._fits = (known, fitting(level, compatible_agents(session, level)))
+        return self._fits[1]
+
+    def _try_out(self, session: "Session") -> None:
+        """The button that plays the level without a plan, and how far that is."""
+        trial = session.trial
+        imgui.dummy((0, px(2)))
+        if trial.running and trial.job is not None:
+            widgets.spinner(7)
+            imgui.same_line(0, px(8))
+            widgets.muted(f"{trial.job.message or trial.job.title} …")
+            imgui.same_line(0, px(12))
+            if widgets.button(session, "problems.cancel", "Cancel"):
+                session.queue(trial.cancel)
+            return
+        action = actions.BY_ID["level.try_out"]
+        with widgets.disabled(not actions.available(session, action)):
+            label = f"{Icons.dice}  {action.label}"
+            if widgets.button(session, "problems.try_out", label):
+                session.queue(action.id)
+        widgets.tooltip(action.label, action.tooltip)
+        if trial.error:
+            imgui.same_line(0, px(12))
+            widgets.text(trial.error, COLOURS.bad)
 
     def _issue(self, session: "Session", index: int, issue: Issue) -> None:
         icon, colour = _LOOK[issue.severity]

@@ -54,6 +54,15 @@ LEVEL: Final = (
         run=level.permute,
     ),
     Action(
+        id="level.try_out",
+        label="Try It Out",
+        menu="Level",
+        context=EDIT,
+        tooltip="What happens without any action, and how often random actions win.",
+        enabled=level.can_try_out,
+        run=level.try_out,
+    ),
+    Action(
         id="level.previous",
         label="Previous Level",
         menu="Level",

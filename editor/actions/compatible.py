@@ -1,0 +1,56 @@
+"""Which of the known agents can play a level, by what their descriptions say."""
+
+import functools
+from pathlib import Path
+
+from editor.actions.agents import known_agents
+from editor.requests import SCRIPTED
+from editor.session import Session
+from editor.viewer import mismatch
+from kinetix.agents.card import AgentCard, read_card
+from kinetix.errors import CheckpointError
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
+
+_DESCRIPTION = "agent.json"
+
+
+def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
+    """Names of the agents that can play a level: the app's own, recent and loaded ones."""
+    found = []
+    for path, label in known_agents(session):
+        card = None if path in SCRIPTED else _card_of(Path(path))
+        if card is not None and _plays(card, level):
+            found.append(card.name or label)
+    for summary in session.viewer.agents:
+        able = summary.any_size or not mismatch(summary, level)
+        if able and summary.ref.path not in SCRIPTED:
+            found.append(summary.name)
+    return tuple(dict.fromkeys(found))
+
+
+def _card_of(folder: Path) -> AgentCard | None:
+    """What an agent says about itself; None where it says nothing that can be read."""
+    try:
+        return _card(folder / _DESCRIPTION, (folder / _DESCRIPTION).stat().st_mtime_ns)
+    except OSError:
+        return None
+
+
+@functools.lru_cache(maxsize=64)
+def _card(path: Path, stamp: int) -> AgentCard | None:
+    del stamp  # part of the key only: a description that was written anew is read anew
+    try:
+        return read_card(path)[0]
+    except CheckpointError:
+        return None
+
+
+def _plays(card: AgentCard, level: Level) -> bool:
+    if card.plays_any_capacity or card.capacity is None:
+        return True
+    needs, knows = capacity_of(level), card.capacity
+    return all(
+        getattr(needs, name) <= getattr(knows, name)
+        for name in ("polygons", "circles", "joints", "thrusters")
+    )
