@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 
 from editor import actions, events, picking
 from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
-from editor.camera import ARENA, Camera
+from editor.camera import ARENA, Camera, Point
 from editor.commands.bodies import posed
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _SETTLED_FRAME: Final = 6
+_MARGIN: Final = 28.0
+"""Room around the arena when it is shown whole [px at 100 %]."""
+_SPLIT_MARGIN: Final = 20.0
 _NOWHERE: Final = (-1e6, -1e6)
 _BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
 """Our button numbers to Dear ImGui's."""
@@ -87,12 +90,12 @@ class Canvas:
         self.hovered = imgui.is_item_hovered()
         self._split(session)
         own = (size[0] / 2, size[1]) if self._before_split is not None else size
-        session.camera = session.camera.with_viewport((origin.x, origin.y), own)
+        self._resize(session, (origin.x, origin.y), own)
         if self._before_split is not None and not self._was_split:
-            session.camera = session.camera.fitted(*ARENA, margin=px(20))
+            session.camera = session.camera.fitted(*ARENA, margin=self._margin)
         self._was_split = self._before_split is not None
         if not session.tab.fitted:
-            session.camera = session.camera.fitted(*ARENA, margin=px(28))
+            session.camera = session.camera.fitted(*ARENA, margin=self._margin)
             # The layout needs some frames to settle; until then the viewport is not the last one.
             session.tab.fitted = imgui.get_frame_count() > _SETTLED_FRAME
         mouse = imgui.get_io().mouse_pos
@@ -100,6 +103,17 @@ class Canvas:
         free = self.hovered and not self._down
         if not self._minimap.takes(session, (mouse.x, mouse.y), hovered=free):
             self._mouse_input(session)
+
+    def _resize(self, session: "Session", origin: Point, size: Point) -> None:
+        """Take another viewport; an arena that was shown whole, and no more, stays so."""
+        camera = session.camera
+        whole = camera == camera.fitted(*ARENA, margin=self._margin)
+        camera = camera.with_viewport(origin, size)
+        session.camera = camera.fitted(*ARENA, margin=self._margin) if whole else camera
+
+    @property
+    def _margin(self) -> float:
+        return px(_MARGIN if self._before_split is None else _SPLIT_MARGIN)
 
     def _split(self, session: "Session") -> None:
         """Give the left half to one player and the right half to the other, or all to one."""

@@ -34,6 +34,8 @@ ARRANGEMENTS: Final = {
 }
 """Those that come with the app, by id."""
 
+_MOST_GIVEN: Final = 0.46
+"""Largest share of the window that a panel is given by itself."""
 _COLUMNS: Final = {
     "outliner": "left",
     "level": "lower left",
@@ -75,6 +77,38 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
         place = bottom if column is None else places.get(column, places["right"])
         node.dock_builder_dock_window(panel.window_name, place)
     node.dock_builder_finish(space)
+
+
+class LowerRow:
+    """Gives a panel that needs it more height, and takes it back for one that does not.
+
+    A height that the user has dragged stays.
+    """
+
+    def __init__(self) -> None:
+        self._before = 0.0
+        """Height before a panel was given more [px]; 0: nothing was given."""
+        self._given = 0.0
+
+    def fit(self, height: float) -> None:
+        """Fit the height of the current window's place to the panel that came to the front.
+
+        Args:
+            height: What the panel needs [px at 100 %].
+        """
+        node = imgui.internal.dock_builder_get_node(imgui.get_window_dock_id())
+        if node is None:
+            return
+        if self._before and abs(node.size.y - self._given) > px(2):
+            self._before = 0.0
+        now, most = node.size.y, imgui.get_main_viewport().work_size.y * _MOST_GIVEN
+        wanted = max(min(px(height), most), self._before)
+        if wanted <= now and not self._before:
+            return
+        before = self._before or now
+        self._given = wanted
+        self._before = before if wanted > before else 0.0
+        imgui.internal.dock_builder_set_node_size(node.id_, imgui.ImVec2(node.size.x, wanted))
 
 
 def restore(stored: str, panels: Sequence[Panel]) -> bool:

@@ -63,6 +63,8 @@ _CANVAS_FLAGS: Final = (
 _CANVAS: Final = "Canvas"
 _WARM_UP_FRAME: Final = 3
 """JAX is imported only after the window can be used."""
+_SETTLED_FRAMES: Final = 30
+"""While the layout settles every panel is in front once."""
 
 
 class Ui:
@@ -103,6 +105,11 @@ class Ui:
         self._laid_out = False
         self._in_front: list[str] = []
         """Ids of panels to bring to the front, one a frame."""
+        self._row = layouts.LowerRow()
+        self._seen: set[str] = set()
+        """Ids of the panels that were on the screen in the last frame."""
+        self._asked = ""
+        """Id of a panel that was brought to the front on demand."""
         self._first_frame = 0
         self._panel_focused = False
         self._to_canvas = True
@@ -220,9 +227,11 @@ class Ui:
         for panel, on in now.items():
             if on and not self._switches.get(panel, False):
                 self._in_front.append(panel)
+                self._asked = panel
         self._switches = now
         if view.front:
             self._in_front.append(view.front)
+            self._asked = view.front
             view.front = ""
 
     def _rescale(self) -> None:
@@ -366,12 +375,25 @@ class Ui:
             self._in_front.pop(0)
             self._to_canvas = True
         opened = imgui.begin(panel.window_name)[0]
+        self._give_height(panel, opened)
         if opened:
             with self.session.guard():
                 panel.draw(self.session)
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()
         return focused
+
+    def _give_height(self, panel: Panel, opened: bool) -> None:
+        """Make a panel that has just come to the front as high as it has to be."""
+        fresh = opened and panel.id not in self._seen
+        settled = imgui.get_frame_count() > self._first_frame + _SETTLED_FRAMES
+        if fresh and (settled or panel.id == self._asked):
+            self._row.fit(panel.height)
+        if opened:
+            self._seen.add(panel.id)
+            self._asked = "" if panel.id == self._asked else self._asked
+        else:
+            self._seen.discard(panel.id)
 
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""

@@ -40,7 +40,8 @@ def frame_selection(session: Session) -> None:
 
 
 def fit(session: Session) -> None:
-    """Show the whole arena."""
+    """Show the whole arena; the canvas fits it to the panels around it."""
+    session.tab.fitted = False
     session.camera = session.camera.fitted(*ARENA)
 
 

@@ -13,6 +13,8 @@ class Panel(abc.ABC):
     id: ClassVar[str]
     title: ClassVar[str]
     icon: ClassVar[str]
+    height: ClassVar[float] = 0.0
+    """Height that it needs to be of use [px at 100 %]; 0: any will do."""
 
     @property
     def window_name(self) -> str:

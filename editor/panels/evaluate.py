@@ -92,6 +92,7 @@ class EvaluatePanel(Panel):
     """A form, a bar, a table; double-clicking a result opens one of its episodes."""
 
     id, title, icon = "evaluate", "Evaluate", Icons.trophy
+    height = 330.0
 
     def __init__(self) -> None:
         self._form = _Form()

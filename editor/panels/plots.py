@@ -147,6 +147,7 @@ class PlotsPanel(Panel):
     """Reads the moments that can be looked at; a click or drag in a plot goes to that time."""
 
     id, title, icon = "plots", "Plots", Icons.plots
+    height = 300.0
 
     def __init__(self) -> None:
         self._curves: dict[tuple[str, str, str], _Curve] = {}

@@ -30,6 +30,7 @@ class TrainingPanel(Panel):
     """Reads what the watch has read; draws one plot a metric that is switched on."""
 
     id, title, icon = "training", "Training", Icons.plots
+    height = 290.0
 
     def __init__(self) -> None:
         self._on: dict[str, bool] = {}

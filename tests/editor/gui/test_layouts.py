@@ -65,3 +65,33 @@ def test_names_of_the_apps_layouts_are_taken(gui):
     gui.click("line.accept")
     assert gui.session.settings.layouts == {}
     assert "comes with the app" in gui.session.toasts[-1].text
+
+
+def test_a_panel_that_needs_room_gets_it_and_gives_it_back(gui):
+    gui.frames(30)
+    low = height_of_canvas(gui)
+    whole = gui.session.camera
+    apply(gui, "level.evaluate")
+    assert height_of_canvas(gui) < low - 100
+    assert gui.session.camera.zoom < whole.zoom  # the arena is still seen whole
+    gui.session.view.front = "problems"
+    gui.frames(8)
+    assert height_of_canvas(gui) == pytest.approx(low, abs=2)
+    assert gui.session.camera.zoom == pytest.approx(whole.zoom, rel=0.01)
+
+
+def test_who_has_zoomed_keeps_the_view_when_the_window_changes(gui):
+    gui.frames(4)
+    gui.host.size = (1000, 700)
+    gui.frames(4)
+    corner = gui.session.camera.to_screen((5.0, 5.0))
+    assert gui.probe("canvas").low[1] < corner[1] < gui.probe("canvas").high[1]
+    gui.wheel(*gui.screen(2.5, 2.5), 3)
+    zoom = gui.session.camera.zoom
+    gui.host.size = (1280, 800)
+    gui.frames(4)
+    assert gui.session.camera.zoom == zoom
+    gui.key("home")
+    gui.host.size = (1000, 700)
+    gui.frames(4)
+    assert gui.session.camera.zoom < zoom
