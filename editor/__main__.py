@@ -10,6 +10,7 @@ import tyro
 
 from editor.actions.agents import load_agent
 from editor.hosts.pygame_host import PygameHost
+from editor.names import Names
 from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
@@ -71,7 +72,9 @@ def _run(options: Options) -> int:
     scripted = options.replay is not None
     alone = scripted or options.offscreen
     session = Session(
-        settings=Settings() if alone else Settings.load(), results=Results(stored=not alone)
+        settings=Settings() if alone else Settings.load(),
+        results=Results(stored=not alone),
+        names=Names(stored=not alone),
     )
     host = _host(options, session)
     status = 0

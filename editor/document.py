@@ -1,12 +1,14 @@
 """One open level: what is committed, what a gesture previews, what undo remembers."""
 
 import dataclasses
+import datetime
 import itertools
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
 from editor.commands.base import Command, EntityId, Selection
 from editor.history import Entry, History
+from editor.wording import describe
 from kinetix.level.codec import level_hash
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.model import ARENA_NAMES, Level
@@ -67,8 +69,12 @@ class Document:
         """Entities that picking passes over; editor state, not saved."""
         self.hidden: frozenset[EntityId] = frozenset()
         """Entities that are not drawn in Edit; editor state, not saved."""
+        self.names: dict[int, str] = {}
+        """What the user calls entities, by id; editor state, not saved in the level."""
         self.autosaved: Level = level
         """What the autosave last wrote, or the level as opened."""
+        self.autosaved_at: datetime.datetime | None = None
+        """When a copy of unsaved changes was last made; None: there is none."""
         self._history: History[Level, Selection] = History(level, ())
         self._saved: Level | None = level
         self._next_id = level.next_id
@@ -116,6 +122,11 @@ class Document:
     def hash(self) -> str:
         """Identity of the committed content (level_format.md B1.10)."""
         return level_hash(self.level)
+
+    def name_of(self, entity: EntityId) -> str:
+        """What an entity is called: by the user, or by kind and id."""
+        own = self.names.get(entity) if isinstance(entity, int) else None
+        return own or describe(self.shown, entity)
 
     @property
     def problems(self) -> tuple[Issue, ...]:

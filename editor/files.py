@@ -174,13 +174,13 @@ def autosave(document: Document) -> bool:
     except OSError as error:
         raise LevelError(f"{file}: cannot be saved: {error.strerror or error}") from error
     write_atomically(file, json.dumps(record).encode())
-    document.autosaved = level
+    document.autosaved, document.autosaved_at = level, datetime.datetime.now().astimezone()
     return True
 
 
 def forget_autosave(document: Document) -> None:
     """Remove the copy of a document that was saved or given up."""
-    document.autosaved = document.level
+    document.autosaved, document.autosaved_at = document.level, None
     _autosave_file(document).unlink(missing_ok=True)
 
 

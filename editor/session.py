@@ -22,6 +22,7 @@ from editor.gallery.library import Library
 from editor.gallery.view import GalleryView
 from editor.jobs import Worker, WorkerSimulator
 from editor.journal import Journal
+from editor.names import Names
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
@@ -131,6 +132,7 @@ class Session:
         level: Level | None = None,
         library: Library | None = None,
         results: Results | None = None,
+        names: Names | None = None,
         evaluator: Worker | None = None,
     ) -> None:
         self.settings = settings or Settings()
@@ -156,6 +158,8 @@ class Session:
         """The levels that the gallery shows."""
         self.results = results or Results()
         """Who has won which level."""
+        self.names = names or Names()
+        """What the user calls entities, by file."""
         self.prompts: list[Prompt] = []
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []
@@ -189,8 +193,6 @@ class Session:
         """From which step on what is played is to become a film, or None."""
         self.screenshot: Path | None = None
         """Where the host shall save a picture of the window; it clears this when done."""
-        self.autosaved_at: float | None = None
-        """When copies of unsaved work were last made [s]."""
         self.probe: dict[str, Any] = {}
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
         self.modifiers = NO_MODIFIERS

@@ -11,6 +11,10 @@ from kinetix.paths import config_dir
 RECENTS_MAX: Final = 10
 GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
 """Choices of the grid [m]."""
+ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
+"""Choices of what angles snap to [°]."""
+TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)
+"""Choices of the size of the text."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -43,7 +47,10 @@ class Settings:
     patterns: bool = False
     ui_scale: float = 0.0
     """0: as the display says."""
-    font_size: float = 15.0
+    text_scale: float = 1.0
+    """Size of the text besides the interface's: 0.85 to 1.3."""
+    radians: bool = False
+    """Whether fields show angles in radians instead of degrees."""
     reduced_motion: bool = False
     layout: str = ""
     """The dock layout as the toolkit writes it."""

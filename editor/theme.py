@@ -149,11 +149,12 @@ def _reset(style: imgui.Style) -> None:
             setattr(style, name, value)
 
 
-def apply(scale: float) -> None:
+def apply(scale: float, text_scale: float = 1.0) -> None:
     """Set style, sizes and text size of the current context.
 
     Args:
         scale: 1 is 100 %; kept within 75 % and 300 %.
+        text_scale: Size of the text besides; kept within 80 % and 150 %.
     """
     scale = min(max(scale, SCALE_MIN), SCALE_MAX)
     style = imgui.get_style()
@@ -163,7 +164,7 @@ def apply(scale: float) -> None:
         style.set_color_(colour, imgui.ImVec4(*value))
     style.scale_all_sizes(scale)
     style.font_size_base = TEXT
-    style.font_scale_main = 1.0
+    style.font_scale_main = min(max(text_scale, 0.8), 1.5)
     style.font_scale_dpi = scale
     style.circle_tessellation_max_error = 0.15
     _apply_plots()

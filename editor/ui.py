@@ -73,7 +73,7 @@ class Ui:
     def __init__(self, session: "Session", textures: TextureStore, *, scale: float) -> None:
         self.session = session
         self.textures = textures
-        self.scale = 0.0
+        self.scale = self._text_scale = 0.0
         self._host_scale = scale
         self.canvas = Canvas(textures)
         self._menu = MenuBar()
@@ -236,10 +236,13 @@ class Ui:
 
     def _rescale(self) -> None:
         wanted = self.session.settings.ui_scale or self._host_scale
+        text = self.session.settings.text_scale
+        if wanted == self.scale and text == self._text_scale:
+            return
+        theme.apply(wanted, text)
         if wanted != self.scale:
-            theme.apply(wanted)
-            self.scale = wanted
             self._laid_out = False
+        self.scale, self._text_scale = wanted, text
 
     def _keys(self) -> None:
         """Hand keys and text on unless a text field or a pop-up owns them."""

@@ -198,7 +198,6 @@ def update(session: Session, seconds: float) -> None:
         with session.guard():
             for tab in session.tabs:
                 files.autosave(tab.document)
-            session.autosaved_at = session.time
     if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
             file.check_outside(session)

@@ -9,8 +9,11 @@ from editor.commands.base import Command, Selection
 from editor.commands.fields import PasteProperties
 from editor.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
 from editor.commands.rigid import component
+from editor.names import MAX_LENGTH
+from editor.prompts import TextQuestion
 from editor.session import Session
 from editor.tools import TOOLS
+from editor.wording import describe
 from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
 from kinetix.level.model import Body
@@ -64,6 +67,32 @@ def duplicate(session: Session) -> None:
     """Copy and paste beside the original, without the clipboard."""
     found = clip.copied(session.document.level, session.selection)
     session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
+
+
+def rename(session: Session) -> None:
+    """Ask for a name of the one thing that is selected; its own old one takes the name away."""
+    document, entity = session.document, session.selection[0]
+    assert isinstance(entity, int)
+    plain = describe(document.level, entity)
+
+    def answer(name: str | None) -> None:
+        if name is None:
+            return
+        if name == plain:
+            document.names.pop(entity, None)
+        else:
+            document.names[entity] = name[:MAX_LENGTH]
+        if document.path is not None:
+            session.names.keep(document.path, document.names)
+
+    old = document.name_of(entity)
+    session.ask(TextQuestion(title=f"Name of {plain}", text=old, accept="Rename", answer=answer))
+
+
+def can_rename(session: Session) -> bool:
+    """Whether exactly one thing is selected that can have a name."""
+    only = session.selection[0] if len(session.selection) == 1 else None
+    return session.editing and isinstance(only, int)
 
 
 def paste_properties(session: Session) -> None:

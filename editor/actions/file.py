@@ -36,6 +36,7 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
     with session.guard():
         document = files.open_document(path)
         assert document.path is not None
+        document.names = session.names.of(document.path)
         index = session.locate(document.path)
         if index is not None:
             session.show_tab(index)
@@ -161,6 +162,8 @@ def save_now(session: Session, document: Document, path: Path, format: Format) -
         session.toast(str(error), "error")
         return False
     session.settings.remember(path)
+    with session.guard():
+        session.names.keep(path, document.names)
     session.toast(f"Saved {path.name}", "success")
     return True
 
@@ -222,7 +225,10 @@ def offer_recovery(session: Session) -> None:
 
         def answer(choice: str, recovery: files.Recovery = recovery) -> None:
             if choice == "restore":
-                session.open_tab(files.recovered_document(recovery))
+                document = files.recovered_document(recovery)
+                if document.path is not None:
+                    document.names = session.names.of(document.path)
+                session.open_tab(document)
             elif choice == "discard":
                 files.discard_recovery(recovery)
 

@@ -14,7 +14,6 @@ from editor.requests import Pull
 from editor.session import Session
 from editor.tools.base import DRAG_PIXELS
 from editor.tools.select.idle import under_pointer
-from editor.wording import describe
 from kinetix.level.geometry import to_local
 
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
@@ -68,14 +67,13 @@ def _stack_menu(session: Session, event: PointerEvent) -> None:
     under = under_pointer(session, event)
     if not under:
         return
-    level = session.document.level
 
     def answer(choice: str | None) -> None:
         if choice is not None:
             session.selection = (under[int(choice)],)
 
     choices = tuple(
-        Choice(id=str(k), label=describe(level, entity), ids=(entity,))
+        Choice(id=str(k), label=session.document.name_of(entity), ids=(entity,))
         for k, entity in enumerate(under)
     )
     session.ask(

@@ -8,7 +8,6 @@ from editor import widgets
 from editor.look import COLOURS, Icons
 from editor.panels.base import Panel
 from editor.widgets import px
-from editor.wording import describe
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ class ControlsPanel(Panel):
                 widgets.key_cap(_GLYPHS.get(key, key.upper()), lit=lit)
                 imgui.same_line(0, px(4))
             imgui.same_line(px(72))
-            names = [describe(level, entity) for entity in driven]
+            names = [session.document.name_of(entity) for entity in driven]
             widgets.text(", ".join(names), COLOURS.muted)
             if imgui.is_item_hovered():
                 session.highlighted = driven

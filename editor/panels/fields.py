@@ -46,15 +46,13 @@ class FieldInfo:
     description: str
     integer: bool = False
 
-    @property
-    def shown_factor(self) -> float:
-        """Shown value over stored value: angles are stored in radians, shown in degrees."""
-        return DEGREES if self.unit in ("rad", "rad/s") else 1.0
+    def shown_factor(self, radians: bool) -> float:
+        """Shown value over stored value: angles are stored in radians, shown in degrees or not."""
+        return DEGREES if self.unit in ("rad", "rad/s") and not radians else 1.0
 
-    @property
-    def shown_unit(self) -> str:
+    def shown_unit(self, radians: bool) -> str:
         """Unit beside the field."""
-        return {"rad": "°", "rad/s": "°/s"}.get(self.unit, self.unit)
+        return self.unit if radians else {"rad": "°", "rad/s": "°/s"}.get(self.unit, self.unit)
 
 
 def _metas(hint: Any) -> list[msgspec.Meta]:
@@ -125,11 +123,11 @@ def _decimals(step: float) -> int:
     return max(0, min(4, math.ceil(-math.log10(step)))) if step > 0 else 3
 
 
-def _text_of(value: float, info: FieldInfo) -> str:
+def _text_of(value: float, info: FieldInfo, radians: bool) -> str:
     """A format that shows the value without noise but loses nothing a person would type."""
     if info.integer:
         return "%.0f"
-    decimals = 1 if info.shown_factor != 1.0 else max(_decimals(info.step), 2)
+    decimals = 1 if info.shown_factor(radians) != 1.0 else max(_decimals(info.step), 2)
     for extra in range(4):
         if abs(round(value, decimals + extra) - value) < 1e-5:
             return f"%.{decimals + extra}f"
@@ -169,12 +167,13 @@ class Editor:
             width: Width of the field [px]; -1: all there is.
             prefix: A word before the number (`x`).
         """
-        factor = info.shown_factor
+        radians = session.settings.radians
+        factor, unit = info.shown_factor(radians), info.shown_unit(radians)
         shown = value * factor
         unusual = not info.slider[0] - 1e-6 <= value <= info.slider[1] + 1e-6
-        form = "—" if mixed else prefix + _text_of(shown, info)
-        if info.shown_unit and not mixed:
-            form += (" " if info.shown_unit[0] not in "°" else "") + info.shown_unit
+        form = "—" if mixed else prefix + _text_of(shown, info, radians)
+        if unit and not mixed:
+            form += (" " if unit[0] not in "°" else "") + unit
         low, high = info.low * factor, info.high * factor
         bounded = math.isfinite(low) and math.isfinite(high)
         imgui.set_next_item_width(width)
@@ -193,7 +192,7 @@ class Editor:
         self._follow(session, name, changed, new / factor, command, info.integer)
         note = info.description
         if unusual:
-            note += f"\nUnusual: most levels stay within {_range(info)}."
+            note += f"\nUnusual: most levels stay within {_range(info, radians)}."
         if not imgui.is_item_active():
             widgets.tooltip(note.split("\n")[0] or name, "\n".join(note.split("\n")[1:]))
 
@@ -297,9 +296,9 @@ def _plain(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _range(info: FieldInfo) -> str:
-    low, high = (bound * info.shown_factor for bound in info.slider)
-    return f"{low:g} … {high:g} {info.shown_unit}".rstrip()
+def _range(info: FieldInfo, radians: bool) -> str:
+    low, high = (bound * info.shown_factor(radians) for bound in info.slider)
+    return f"{low:g} … {high:g} {info.shown_unit(radians)}".rstrip()
 
 
 def _preview(session: "Session", command: Command) -> None:

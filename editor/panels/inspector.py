@@ -12,7 +12,7 @@ from editor.look import FONTS, Icons
 from editor.panels.base import Panel
 from editor.panels.fields import Editor, segments
 from editor.widgets import px
-from editor.wording import counts, describe
+from editor.wording import counts
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
@@ -71,10 +71,10 @@ class Inspector(Panel):
                     draw(session, [record for _, record in chosen])
 
     def _heading(self, session: "Session", records: list[Record]) -> None:
-        level, ids = session.document.shown, session.selection
+        ids = session.selection
         with widgets.font(FONTS.bold, 17):
             if len(ids) == 1:
-                widgets.text(describe(level, ids[0]))
+                widgets.wrapped(session.document.name_of(ids[0]))
             else:
                 widgets.wrapped(counts(records))
         if len(ids) == 1 and isinstance(records[0], Joint):
@@ -83,7 +83,6 @@ class Inspector(Panel):
         imgui.dummy((0, px(2)))
 
     def _ends(self, session: "Session", joint: Joint) -> None:
-        level = session.document.shown
         for label, end in (("A", joint.a), ("B", joint.b)):
             if label == "B":
                 imgui.same_line()
@@ -91,7 +90,7 @@ class Inspector(Panel):
                 imgui.same_line()
             widgets.muted(label)
             imgui.same_line(0, px(4))
-            self._link(session, end, describe(level, end))
+            self._link(session, end, session.document.name_of(end))
 
     def _link(self, session: "Session", entity: EntityId, label: str) -> None:
         if imgui.text_link(f"{label}###link-{entity}"):
@@ -231,7 +230,6 @@ class Inspector(Panel):
         self._editor.options(session, path, options)
 
     def _surface(self, session: "Session", records: list[Record]) -> None:
-        del records
         edit = self._editor
         if widgets.section("Role"):
             edit.options(session, "role", ROLE_OPTIONS)
@@ -242,7 +240,25 @@ class Inspector(Panel):
                     self._number(session, "Bounciness", "restitution", 0.0)
                     widgets.row("Collides")
                     edit.options(session, "collision", _COLLISION_OPTIONS)
+        self._own_geometry(session, records)
         widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
+
+    def _own_geometry(self, session: "Session", records: list[Record]) -> None:
+        """Where an arena part stands that a level brings with it: to be read only."""
+        only = records[0] if len(records) == 1 else None
+        geometry = only.geometry if isinstance(only, ArenaBody) else None
+        if geometry is None or not widgets.section("Own geometry"):
+            return
+        with widgets.property_table("geometry") as opened:
+            if opened:
+                x, y = geometry.position
+                widgets.row("Position")
+                widgets.muted(f"{x:.4g}, {y:.4g} m")
+                for k, (x, y) in enumerate(geometry.vertices, start=1):
+                    widgets.row(f"Corner {k}")
+                    widgets.muted(f"{x:.4g}, {y:.4g} m")
+        widgets.probe(session, "inspector.geometry")
+        widgets.small("This level has its own here; it is kept as it is.")
 
 
 def role_segments(session: "Session", name: str, ids: tuple[EntityId, ...], current: Any) -> None:

@@ -10,7 +10,7 @@ from editor import actions, widgets
 from editor.actions import examples, file, view
 from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS, Icons
-from editor.settings import GRID_STEPS, Settings
+from editor.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings
 from editor.widgets import px
 from kinetix.paths import levels_dir
 from kinetix.render.palette import PALETTES
@@ -132,6 +132,15 @@ class MenuBar:
         if imgui.begin_menu("Size of the interface"):
             scales = [(s, f"{s:.0%}" if s else "As the display says") for s in _SCALES]
             _choices(settings, "ui_scale", scales)
+            imgui.end_menu()
+        if imgui.begin_menu("Size of the text"):
+            _choices(settings, "text_scale", [(scale, f"{scale:.0%}") for scale in TEXT_SCALES])
+            imgui.end_menu()
+        if imgui.begin_menu("Angles"):
+            steps = [(step, f"Snap to {step:g}°") for step in ANGLE_STEPS]
+            _choices(settings, "angle_step_deg", steps)
+            imgui.separator()
+            _switch(settings, "radians", "Show radians")
             imgui.end_menu()
         if imgui.begin_menu("Grid"):
             _choices(settings, "grid_step", [(step, f"{step:g} m") for step in GRID_STEPS])

@@ -10,7 +10,7 @@ from editor.controls import key_caps
 from editor.look import COLOURS, SMALL, Icons, Rgba, u32
 from editor.panels.base import Panel
 from editor.widgets import px
-from editor.wording import ARENA_LABELS, describe
+from editor.wording import ARENA_LABELS
 from kinetix.level.model import MOTOR_BINDINGS, Body, Circle, Joint, Level, Thruster
 
 if TYPE_CHECKING:
@@ -66,9 +66,10 @@ class Outliner(Panel):
     def _body(self, session: "Session", level: Level, body: Body, scroll: bool) -> None:
         joints = [joint for joint in level.joints if body.id in (joint.a, joint.b)]
         thrusters = [thruster for thruster in level.thrusters if thruster.body == body.id]
-        name = describe(level, body.id)
-        parts = [(joint.id, describe(level, joint.id)) for joint in joints]
-        parts += [(thruster.id, describe(level, thruster.id)) for thruster in thrusters]
+        call = session.document.name_of
+        name = call(body.id)
+        parts = [(joint.id, call(joint.id)) for joint in joints]
+        parts += [(thruster.id, call(thruster.id)) for thruster in thrusters]
         if not self._shows(" ".join([name, body.role, *(words for _, words in parts)])):
             return
         icon = Icons.circle if isinstance(body.shape, Circle) else Icons.rectangle
@@ -89,12 +90,12 @@ class Outliner(Panel):
         motor = joint.motor
         driven = joint.kind != "fixed" and motor is not None and motor.on
         caps = key_caps(motor.binding, session.control_keys) if driven and motor else ()
-        name = describe(level, joint.id)
+        name = session.document.name_of(joint.id)
         self._row(session, joint.id, icon, name, COLOURS.muted, scroll, keys=caps)
 
     def _thruster(self, session: "Session", level: Level, thruster: Thruster, scroll: bool) -> None:
         caps = key_caps(MOTOR_BINDINGS + thruster.binding, session.control_keys)
-        name = describe(level, thruster.id)
+        name = session.document.name_of(thruster.id)
         self._row(session, thruster.id, Icons.thruster, name, COLOURS.muted, scroll, keys=caps)
 
     def _row(
@@ -112,9 +113,14 @@ class Outliner(Panel):
         imgui.push_id(f"row-{entity}")
         start = imgui.get_cursor_screen_pos()
         height = imgui.get_text_line_height() + px(8)
-        flags = imgui.SelectableFlags_.allow_overlap.value
+        flags = (
+            imgui.SelectableFlags_.allow_overlap.value
+            | imgui.SelectableFlags_.allow_double_click.value
+        )
         if imgui.selectable("###row", selected, flags, (0, height))[0]:
             self._choose(session, entity)
+            if imgui.is_mouse_double_clicked(0):
+                session.queue("edit.rename")
         widgets.probe(session, f"outliner.{entity}")
         hovered = imgui.is_item_hovered()
         if hovered:

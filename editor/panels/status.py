@@ -84,6 +84,10 @@ class StatusBar:
             parts.append((f"{snapshot.milliseconds:.1f} ms/step", c.muted))
             parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
         parts.append((f"{session.fps:.0f} fps", c.faint))
-        saved = session.document.dirty
-        parts.append(("● unsaved" if saved else "saved", c.warn if saved else c.faint))
+        document = session.document
+        copied = document.autosaved_at
+        if document.dirty and copied is not None:
+            parts.append((f"copy kept {copied:%H:%M}", c.faint))
+        state = ("● unsaved", c.warn) if document.dirty else ("saved", c.faint)
+        parts.append(state)
         return parts

@@ -9,7 +9,6 @@ from editor.picking import bodies_at
 from editor.prompts import Choice, MenuQuestion
 from editor.snapping import snap_point
 from editor.tools.base import Feedback, Gesture, Tool
-from editor.wording import describe
 from kinetix.level.geometry import referenced_body, world_vertices
 from kinetix.level.model import BodyReference, Circle, JointKind, Level, Point
 
@@ -52,7 +51,8 @@ class JointTool(Tool):
     def _join(
         self, session: "Session", pairs: list[tuple[BodyReference, BodyReference]], point: Point
     ) -> Gesture:
-        level = session.document.level
+        document = session.document
+        level = document.level
         while True:
             marks = pair_marks(level, pairs[0], point)
             event = yield Feedback(marks=marks, cursor=Cursor.CROSS)
@@ -63,7 +63,7 @@ class JointTool(Tool):
         choices = tuple(
             Choice(
                 id=str(k),
-                label=f"{describe(level, a)} — {describe(level, b)}",
+                label=f"{document.name_of(a)} — {document.name_of(b)}",
                 ids=(a, b),
             )
             for k, (a, b) in enumerate(pairs[:PAIRS_MAX])

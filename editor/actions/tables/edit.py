@@ -86,6 +86,16 @@ EDITS: Final = (
         run=edit.duplicate,
     ),
     Action(
+        id="edit.rename",
+        label="Rename…",
+        menu="Edit",
+        keys=("f2",),
+        context=EDIT,
+        tooltip="A name for lists and messages; the level itself does not change.",
+        enabled=edit.can_rename,
+        run=edit.rename,
+    ),
+    Action(
         id="edit.select_all",
         label="Select All",
         menu="Edit",
