@@ -1,14 +1,16 @@
-"""Searching for actions that win a level: many random plans at once, the best ones varied.
+"""Searching for actions that win a level, in two ways by turns.
 
-A plan holds each control for a while, as a player would. Each round plays a batch of plans from
-the start of the level; the next round keeps the plans that came closest, replaces their ends, and
-adds fresh ones. That needs no training and solves levels of moderate difficulty within seconds.
+*Whole plans* (here) plays many random plans from the start, keeps those that came closest, and
+replaces their ends: good where few actions decide. *Stretches* (`stretches.py`) goes on from where
+the best attempts are, half a second at a time: good where many small things must go right, such as
+walking. Neither needs training.
 """
 
 import dataclasses
 import functools
+import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
 import jax
@@ -18,25 +20,20 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.plans import HOLD, Plans, channels_in_use, random_plans, runs_of
 from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
+from kinetix.environment.stretches import BATCH, Round, Task, stretches
 from kinetix.level.compile import features_of, features_union
-from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level, Solution
+from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
 
-Plans = Int[np.ndarray, "n k 6"]
-"""One multi-discrete action per plan and environment step."""
-
-BATCH: Final = 256
-"""Plans a round: enough variety, and small enough for a first result within seconds on a CPU."""
 ELITE: Final = 24
 """Plans that a round keeps."""
 FRESH: Final = 64
 """Plans a round that owe nothing to earlier ones."""
-HOLD: Final = (2, 48)
-"""Fewest and most environment steps for which a control is held (1/30 s each)."""
 ROWS: Final = 512
 """Plans are padded to a multiple of so many steps."""
 LOST: Final = 10.0
@@ -65,7 +62,6 @@ class _Outcome:
     """Environment steps until the episode ended."""
     score: Float[np.ndarray, " n"]
     """The less the better."""
-    distance: Float[np.ndarray, " n"]
 
 
 def solve_level(
@@ -84,7 +80,7 @@ def solve_level(
         physics: Physics preset under which the solution shall hold.
         seed: Same seed, same search (but for where the time runs out).
         seconds: How long to search; the round that is on when time is up is finished.
-        report: Called after each round.
+        report: Called after each round without a solution.
         env: One of `solving_env` that covers this level; by default it is made for this one alone.
 
     Returns:
@@ -95,33 +91,36 @@ def solve_level(
     """
     started = time.perf_counter()
     env = env or solving_env([level], physics=physics)
-    start = level_state(level, env.static_env_params)
-    random = np.random.default_rng(seed)
-    channels = channels_in_use(level)
-    plans = random_plans(random, BATCH, level.max_timesteps, channels)
-    elite, scores = plans[:0], np.empty(0)
+
+    def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
+        # A batch of one may round differently; only what holds there too is a proof.
+        return play_actions(level, actions.tolist(), physics=physics).outcome == "won"
+
+    task = Task(
+        env=env,
+        start=level_state(level, env.static_env_params),
+        limit=level.max_timesteps,
+        channels=channels_in_use(level),
+        random=np.random.default_rng(seed),
+        wins=wins,
+    )
     played = won = 0
-    while True:
-        outcome = _play(env, start, plans)
-        played, won = played + len(plans), won + int(outcome.won.sum())
-        for index in np.flatnonzero(outcome.won)[np.argsort(outcome.steps[outcome.won])]:
-            actions = plans[index, : outcome.steps[index]]
-            # A batch of one may round differently; only what holds there too is a proof.
-            if play_actions(level, actions.tolist(), physics=physics).outcome == "won":
-                return Solution(
-                    physics=physics,
-                    frame_skip=env.static_env_params.frame_skip,
-                    actions=_runs(actions),
-                )
-        elite, scores = _best(
-            np.concatenate([elite, plans]), np.concatenate([scores, outcome.score])
-        )
+    closest = np.inf
+    for way in itertools.cycle((_whole_plans(task), stretches(task))):
+        found = next(way)
+        if found.actions is not None:
+            return Solution(
+                physics=physics,
+                frame_skip=env.static_env_params.frame_skip,
+                actions=runs_of(found.actions),
+            )
+        played, won = played + found.plans, won + found.won
+        closest = min(closest, found.distance)
         elapsed = time.perf_counter() - started
-        report(SearchProgress(plans=played, won=won, distance=float(scores[0]), seconds=elapsed))
-        if elapsed > seconds or not channels:
+        report(SearchProgress(plans=played, won=won, distance=closest, seconds=elapsed))
+        if elapsed > seconds or not task.channels:
             return None
-        fresh = random_plans(random, FRESH, level.max_timesteps, channels)
-        plans = np.concatenate([_varied(random, elite, BATCH - FRESH, channels), fresh])
+    raise AssertionError("a cycle has no end")
 
 
 def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
@@ -143,41 +142,33 @@ def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
     return env
 
 
-def channels_in_use(level: Level) -> tuple[int, ...]:
-    """The entries of a multi-discrete action that drive anything in a level."""
-    motors = {
-        joint.motor.binding
-        for joint in level.joints
-        if joint.kind == "revolute" and joint.motor and joint.motor.on and not joint.motor.auto
-    }
-    thrusters = {MOTOR_BINDINGS + thruster.binding for thruster in level.thrusters}
-    return tuple(sorted(motors | thrusters))
+def _whole_plans(task: Task) -> Iterator[Round]:
+    """Rounds of whole plans: random ones first, then the best so far varied and fresh ones."""
+    plans = random_plans(task.random, BATCH, task.limit, task.channels)
+    elite, scores = plans[:0], np.empty(0)
+    while True:
+        outcome = _play(task.env, task.start, plans)
+        winners = np.flatnonzero(outcome.won)[np.argsort(outcome.steps[outcome.won])]
+        candidates = (plans[index, : outcome.steps[index]] for index in winners)
+        elite, scores = _best(
+            np.concatenate([elite, plans]), np.concatenate([scores, outcome.score])
+        )
+        yield Round(
+            plans=len(plans),
+            won=len(winners),
+            actions=next(filter(task.wins, candidates), None),
+            distance=float(scores[0]),
+        )
+        fresh = random_plans(task.random, FRESH, task.limit, task.channels)
+        plans = np.concatenate([_varied(task, elite, BATCH - FRESH), fresh])
 
 
-def random_plans(
-    random: np.random.Generator, count: int, steps: int, channels: tuple[int, ...]
-) -> Plans:
-    """Plans that hold a random value of each used control for a random while."""
-    plans = np.zeros((count, steps, MOTOR_BINDINGS + THRUSTER_BINDINGS), np.int32)
-    for channel in channels:
-        values = 3 if channel < MOTOR_BINDINGS else 2
-        # Each plan has its own tempo, so that both taps and long holds are tried.
-        longest = random.integers(HOLD[0] + 1, HOLD[1] + 1, (count, 1))
-        holds = random.integers(HOLD[0], longest + 1, (count, steps // HOLD[0] + 1))
-        segment = np.array([np.repeat(np.arange(h.size), h)[:steps] for h in holds])
-        drawn = random.integers(0, values, holds.shape)
-        plans[:, :, channel] = np.take_along_axis(drawn, segment, axis=1)
-    return plans
-
-
-def _varied(
-    random: np.random.Generator, elite: Plans, count: int, channels: tuple[int, ...]
-) -> Plans:
+def _varied(task: Task, elite: Plans, count: int) -> Plans:
     """Children of good plans: another end, another stretch, or the same a little shifted."""
-    steps = elite.shape[1]
+    random, steps = task.random, elite.shape[1]
     # Squared: the best parents have the most children.
     children = elite[(len(elite) * random.random(count) ** 2).astype(int)].copy()
-    other = random_plans(random, count, steps, channels)
+    other = random_plans(random, count, steps, task.channels)
     for child, source in zip(children, other, strict=True):
         first = random.integers(0, steps)
         kind = random.integers(0, 3)
@@ -185,7 +176,7 @@ def _varied(
             child[first:] = source[first:]
         elif kind == 1:
             last = first + random.integers(2, HOLD[1])
-            channel = random.choice(channels)
+            channel = random.choice(task.channels)
             child[first:last, channel] = source[first:last, channel]
         else:
             child[first:] = np.roll(child[first:], random.integers(-6, 7), axis=0)
@@ -197,19 +188,12 @@ def _best(plans: Plans, scores: Float[np.ndarray, " n"]) -> tuple[Plans, Float[n
     return plans[order], scores[order]
 
 
-def _runs(actions: Int[np.ndarray, "k 6"]) -> tuple[tuple[int, Any], ...]:
-    """Run-length encoding of an action sequence."""
-    changes = np.flatnonzero(np.any(np.diff(actions, axis=0) != 0, axis=1)) + 1
-    pieces = np.split(actions, changes)
-    return tuple((len(piece), tuple(int(value) for value in piece[0])) for piece in pieces)
-
-
 def _play(env: KinetixEnv, start: EnvState, plans: Plans) -> _Outcome:
     # Levels of different time limits share a compilation; their own limits end the episodes.
     missing = -plans.shape[1] % ROWS
     padded = np.pad(plans, ((0, 0), (0, missing), (0, 0)))
     won, lost, steps, distance = (np.asarray(x) for x in _rollout(env, start, jnp.asarray(padded)))
-    return _Outcome(won=won, steps=steps, score=distance + LOST * lost, distance=distance)
+    return _Outcome(won=won, steps=steps, score=distance + LOST * lost)
 
 
 @functools.partial(jax.jit, static_argnums=0)

@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 
+from kinetix.environment.plans import HOLD, channels_in_use, random_plans, runs_of
 from kinetix.environment.replay import replay_solution
-from kinetix.environment.search import (
-    HOLD,
-    channels_in_use,
-    random_plans,
-    solve_level,
-    solving_env,
-)
+from kinetix.environment.reset import level_state
+from kinetix.environment.search import solve_level, solving_env
+from kinetix.environment.stretches import BATCH, STRETCH, Task, stretches
 from kinetix.level.codec import load_level
-from kinetix.level.model import Body, Circle, Level, Thruster
+from kinetix.level.model import Body, Circle, Level, Solution, Thruster
 
 
 def hopper(x: float) -> Level:
@@ -46,6 +43,13 @@ def test_plans_hold_their_controls():
     assert changes.min() < 5 < changes.max()
 
 
+def test_runs_say_the_same_as_the_actions():
+    actions = random_plans(np.random.default_rng(2), 1, 90, (0, 4))[0]
+    runs = runs_of(actions)
+    assert len(runs) > 3
+    assert np.array_equal(np.repeat([a for _, a in runs], [n for n, _ in runs], axis=0), actions)
+
+
 @pytest.mark.slow
 def test_one_environment_serves_levels_of_a_size():
     levels = [hopper(2.0), hopper(3.0)]
@@ -61,3 +65,26 @@ def test_one_environment_serves_levels_of_a_size():
     assert solve_level(idle, physics="fast", env=env, report=rounds.append) is None
     assert rounds[-1].won == 0
     assert rounds[-1].distance == pytest.approx(1.97, abs=0.2)
+
+    # The second way alone: attempts that won before are refused once, so that it must go on.
+    asked = []
+
+    def wins(actions: np.ndarray) -> bool:
+        asked.append(actions)
+        return len(asked) > 1
+
+    task = Task(
+        env=env,
+        start=level_state(levels[0], env.static_env_params),
+        limit=levels[0].max_timesteps,
+        channels=channels_in_use(levels[0]),
+        random=np.random.default_rng(0),
+        wins=wins,
+    )
+    found = next(stretches(task))
+    assert found.plans == BATCH
+    assert found.won >= len(asked) == 2
+    assert found.actions is asked[1]
+    assert len(found.actions) > STRETCH
+    solution = Solution(physics="fast", frame_skip=2, actions=runs_of(found.actions))
+    assert replay_solution(levels[0].replace(solution=solution)) == "won"
