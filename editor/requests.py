@@ -229,7 +229,10 @@ class RunNews:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class WarmUp:
-    """Import JAX and compile the step for the named sizes, so that Play starts at once."""
+    """Import JAX and compile the step for some sizes, so that Play starts at once.
+
+    Sizes are names, or four numbers such as `12,4,6,2`.
+    """
 
     sizes: tuple[str, ...] = ("s", "m", "l")
     physics: str = "balanced"

@@ -35,10 +35,9 @@ from editor.panels.timeline import Timeline
 from editor.panels.toasts import Toasts
 from editor.panels.toolbar import Toolbar
 from editor.panels.training import TrainingPanel
-from editor.requests import WarmUp
+from editor.preparing import Preparation
 from editor.textures import TextureStore
 from editor.widgets import px
-from kinetix.level.sizes import capacity_of, size_name
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -105,6 +104,7 @@ class Ui:
         self._laid_out = False
         self._in_front: list[str] = []
         """Ids of panels to bring to the front, one a frame."""
+        self._preparation = Preparation(session, self._compiled)
         self._row = layouts.LowerRow()
         self._seen: set[str] = set()
         """Ids of the panels that were on the screen in the last frame."""
@@ -188,7 +188,8 @@ class Ui:
         self._toasts.draw(session, _middle() if gallery else self.canvas.area)
         if self.warm_up and imgui.get_frame_count() > _WARM_UP_FRAME:
             self.warm_up = False
-            self._compile_ahead()
+            self._preparation.begin()
+        self._preparation.tick()
 
     def _workplace(self, space: int, bars: bool) -> None:
         """The canvas and the panels around it."""
@@ -201,17 +202,6 @@ class Ui:
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
-
-    def _compile_ahead(self) -> None:
-        """Prepare Play on the worker: the size of the level in front first, then the others."""
-        session = self.session
-        own = size_name(capacity_of(session.document.level))
-        for size in sorted(("s", "m", "l"), key=lambda size: size != own):
-            session.worker.submit(
-                WarmUp(sizes=(size,), physics=session.playback.physics),
-                title=f"Preparing Play (size {size})",
-                done=self._compiled,
-            )
 
     def _compiled(self, job: Job) -> None:
         if job.state is JobState.DONE:

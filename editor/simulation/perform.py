@@ -36,7 +36,7 @@ from editor.simulation.pictures import export_film, export_picture, render_state
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 from kinetix.errors import KinetixError
-from kinetix.level.sizes import SIZES
+from kinetix.level.sizes import parse_capacity
 from kinetix.paths import cache_dir
 
 SWITCH_SECONDS: Final = 1e-3
@@ -78,7 +78,7 @@ class _Bridge:
         """Compile the named sizes; the result is the names of all presets and solvers."""
         for k, size in enumerate(request.sizes):
             progress.report(k / len(request.sizes), f"Compiling size {size}")
-            warm_up(SIZES[size], request.physics)
+            warm_up(parse_capacity(size), request.physics)
         return (*PRESETS, *SOLVERS)
 
     def _start(self, request: StartEpisode, progress: Progress) -> Any:
