@@ -101,6 +101,8 @@ class View:
     help: bool = False
     keys: bool = False
     """The window in which keys are changed."""
+    settled: bool = False
+    """Whether the panels stand where they stay: while they are put up, each is in front once."""
     edit_arena: bool = False
     """Whether floor, walls and ceiling can be selected on the canvas."""
     layout: str = ""

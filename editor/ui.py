@@ -111,6 +111,9 @@ class Ui:
         self._asked = ""
         """Id of a panel that was brought to the front on demand."""
         self._first_frame = 0
+        self._put_up = 0
+        """The frame in which the panels were put up last: at first, anew, or after being hidden."""
+        self._had_bars = False
         self._panel_focused = False
         self._to_canvas = True
         self._switches: dict[str, bool] = {}
@@ -173,6 +176,7 @@ class Ui:
             flags |= imgui.DockNodeFlags_.keep_alive_only.value
         space = imgui.dock_space_over_viewport(0, None, flags)
         if gallery:
+            self._had_bars = False
             self._gallery.draw(session)
         else:
             self._workplace(space, bars)
@@ -199,6 +203,9 @@ class Ui:
         self._canvas(space, bars)
         self._follow_switches()
         self._keep_layout()
+        if bars != self._had_bars:
+            self._had_bars, self._put_up = bars, imgui.get_frame_count()
+        self.session.view.settled = imgui.get_frame_count() > self._put_up + _SETTLED_FRAMES
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
@@ -319,7 +326,7 @@ class Ui:
         """Put the panels where they belong: as asked for, as it was last time, or as at first."""
         session = self.session
         first, self._laid_out = not self._laid_out, True
-        self._first_frame = imgui.get_frame_count()
+        self._first_frame = self._put_up = imgui.get_frame_count()
         asked, session.view.layout = session.view.layout, ""
         stored = session.settings.layout
         if first and not asked and layouts.restore(stored, self.panels):
@@ -379,8 +386,7 @@ class Ui:
     def _give_height(self, panel: Panel, opened: bool) -> None:
         """Make a panel that has just come to the front as high as it has to be."""
         fresh = opened and panel.id not in self._seen
-        settled = imgui.get_frame_count() > self._first_frame + _SETTLED_FRAMES
-        if fresh and (settled or panel.id == self._asked):
+        if fresh and (self.session.view.settled or panel.id == self._asked):
             self._row.fit(panel.height)
         if opened:
             self._seen.add(panel.id)

@@ -19,13 +19,10 @@ _PICTURE: Final = 250.0
 """Largest side of the picture: twice its pixels."""
 
 
-_SETTLED_FRAME: Final = 30
-
-
 class EyePanel(Panel):
     """The picture on top, a folding table for each array of the observation below."""
 
-    id, title, icon = "eye", "Agent sees", Icons.eye
+    id, title, icon = "eye", "Vision", Icons.eye
 
     def __init__(self, textures: TextureStore) -> None:
         self._textures = textures
@@ -35,7 +32,7 @@ class EyePanel(Panel):
         """Draw what is known of the moment; the rest is asked for."""
         viewer = session.viewer
         # While the layout settles every panel is in front once; looking would import JAX.
-        viewer.eye_open = imgui.get_frame_count() > _SETTLED_FRAME
+        viewer.eye_open = session.view.settled
         view = viewer.eye
         if viewer.eye_error:
             widgets.small(viewer.eye_error, COLOURS.bad)

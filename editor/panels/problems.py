@@ -36,6 +36,7 @@ class ProblemsPanel(Panel):
         document = session.document
         issues = document.problems
         if not issues:
+            imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + px(4))
             words = "No problems: this level can be played, won and used for training."
             widgets.wrapped(f"{Icons.good}  {words}", COLOURS.good)
         for index, issue in enumerate(issues):

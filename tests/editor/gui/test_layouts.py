@@ -80,6 +80,17 @@ def test_a_panel_that_needs_room_gets_it_and_gives_it_back(gui):
     assert gui.session.camera.zoom == pytest.approx(whole.zoom, rel=0.01)
 
 
+def test_panels_that_come_back_take_no_room_and_ask_for_nothing(gui):
+    gui.frames(35)
+    low = height_of_canvas(gui)
+    for hide, back in (("ctrl+g", "escape"), ("tab", "tab")):
+        gui.key(hide)
+        gui.frames(35)
+        gui.key(back)
+        gui.frames(35)
+        assert height_of_canvas(gui) == pytest.approx(low, abs=2)
+
+
 def test_who_has_zoomed_keeps_the_view_when_the_window_changes(gui):
     gui.frames(4)
     gui.host.size = (1000, 700)
