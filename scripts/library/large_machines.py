@@ -1,6 +1,6 @@
 """Levels of size l about arms, levers, gears and throwing."""
 
-from scripts.library.draft import KEY_1, KEY_2, LEFT_RIGHT, UP_DOWN, W_S, Draft
+from scripts.library.draft import FLOOR, KEY_1, KEY_2, LEFT_RIGHT, UP_DOWN, W_S, Draft
 from scripts.library.machines import arm
 
 
@@ -26,20 +26,25 @@ def helping_hand() -> Draft:
     shelf.
     """
     draft = Draft("arm", "grasp", "hazard", difficulty=5, floor="red", steps=400)
-    links, wrist = arm(draft, (2.6, 4.2), ((-150, 1.1, "none"), (-60, 0.9, "none")), power=1.5)
+    links, wrist = arm(
+        draft, (2.6, 4.2), ((-140, 1.35, "none"), (-70, 0.95, "none")), speed=0.3, power=1.5
+    )
     for side in (-1, 1):
-        finger, _ = draft.rod((wrist[0] + side * 0.08, wrist[1]), -90 + side * 25, 0.55, width=0.1)
+        root = (wrist[0] + side * 0.06, wrist[1])
+        finger, _ = draft.rod(root, -90 + side * 22, 0.6, width=0.1, friction=2.0)
         draft.hinge(
             links[1],
             finger,
-            (wrist[0] + side * 0.08, wrist[1]),
+            root,
             control=W_S,
             speed=0.4 * side,
             power=1.0,
             limits=(-30, 30),
         )
-    draft.box((2.1, 0.85), 0.7, 0.9, fixed=True)
-    draft.box((2.1, 1.46), 0.3, 0.3, "green", density=0.4)
+    # The box stands on a pillar under the hand, its top where open fingers end.
+    x, y = wrist[0], wrist[1] - 0.75
+    draft.box((x, (FLOOR + y - 0.15) / 2), 0.3, y - 0.15 - FLOOR, fixed=True)
+    draft.box((x, y), 0.3, 0.3, "green", density=0.4, friction=2.0)
     draft.box((4.2, 1.6), 1.0, 0.2, "blue", fixed=True)
     return draft
 
@@ -146,6 +151,32 @@ def pinball_wizard() -> Draft:
     return draft
 
 
+def silver_ball() -> Draft:
+    """Left and Right flip. Keep the green ball off the red drain and send it up to the blue
+    target.
+    """
+    draft = Draft("pinball", "timing", "hazard", difficulty=3, floor="red")
+    # The slopes end above the axles: a notch would catch the ball.
+    draft.shape(((0.0, 1.45), (1.4, 1.55), (0.0, 2.25)), fixed=True)
+    draft.shape(((5.0, 1.45), (5.0, 2.25), (3.6, 1.55)), fixed=True)
+    for side, x in ((1, 1.35), (-1, 3.65)):
+        hub = draft.ball((x, 1.42), 0.1, fixed=True)
+        flipper = draft.box((x + side * 0.428, 1.281), 1.0, 0.13, turn=-18 * side, restitution=0.2)
+        draft.hinge(
+            hub,
+            flipper,
+            (x, 1.42),
+            control=LEFT_RIGHT,
+            speed=2.0,
+            power=0.8,
+            limits=(-6, 50) if side > 0 else (-50, 6),
+        )
+    draft.ball((1.2, 3.0), 0.17, "green", density=0.7, restitution=0.4)
+    draft.ball((3.4, 3.1), 0.3, fixed=True, restitution=0.8)
+    draft.box((2.3, 4.86), 1.8, 0.28, "blue", fixed=True)
+    return draft
+
+
 LEVELS = {
     each.__name__: each
     for each in (
@@ -157,5 +188,6 @@ LEVELS = {
         marble_run,
         chimes,
         pinball_wizard,
+        silver_ball,
     )
 }

@@ -7,8 +7,13 @@ from scripts.library.draft import A_D, FLOOR, LEFT_RIGHT, UP_DOWN, W_S, Draft
 
 
 def _wall(draft: Draft, x: float) -> None:
-    """The goal that every walker heads for."""
+    """The goal that those on all fours head for."""
     draft.box((x, 1.36), 0.3, 1.9, "blue", fixed=True)
+
+
+def _lamp(draft: Draft, x: float, y: float) -> None:
+    """A goal at the height of the head, where only who is upright gets: falling does not win."""
+    draft.ball((x, y), 0.22, "blue", fixed=True)
 
 
 def _leg(
@@ -69,23 +74,39 @@ def caterpillar() -> Draft:
     return draft
 
 
-def pogo() -> Draft:
-    """Hip on Left and Right, knee on Up and Down, ankle on W and S: hop the green rider to the
-    wall.
+def inchworm() -> Draft:
+    """Three joints (Left and Right, Up and Down, W and S): wriggle over the step until the green
+    head reaches the blue wall.
     """
-    draft = _course(2, "none", "hopper")
-    _hopper(draft, 2.0)
-    _wall(draft, 4.2)
+    draft = Draft("crawler", "rhythm", difficulty=4, steps=400)
+    tail, at = draft.rod((0.3, 0.48), 0, 0.54, width=0.15)
+    last = tail
+    for control, role in ((LEFT_RIGHT, "none"), (UP_DOWN, "none"), (W_S, "green")):
+        part, end = draft.rod(at, 0, 0.54, role, width=0.15)
+        draft.hinge(last, part, at, control=control, speed=0.8, power=1.5, limits=(-70, 70))
+        last, at = part, end
+    draft.shape(((3.0, FLOOR), (3.7, FLOOR), (3.5, 0.52), (3.2, 0.52)), fixed=True)
+    draft.box((4.8, 1.3), 0.3, 1.8, "blue", fixed=True)
+    return draft
+
+
+def pogo() -> Draft:
+    """Hip on Left and Right, knee on Up and Down, ankle on W and S: hop the green rider up to the
+    blue lamp.
+    """
+    draft = _course(3, "none", "hopper")
+    _hopper(draft, 1.2)
+    _lamp(draft, 3.8, 1.9)
     return draft
 
 
 def hot_foot() -> Draft:
     """The hopper again (Left and Right, Up and Down, W and S), but its green rider must not
-    fall.
+    fall on the way to the blue lamp.
     """
     draft = _course(4, "red", "hopper")
-    _hopper(draft, 1.6)
-    _wall(draft, 3.0)
+    _hopper(draft, 1.0)
+    _lamp(draft, 3.0, 1.75)
     return draft
 
 
@@ -108,10 +129,12 @@ def hot_pursuit() -> Draft:
 
 
 def first_steps() -> Draft:
-    """One leg on Left, Right, Up, Down, the other on W, S, A, D: stagger to the blue wall."""
+    """One leg on Left, Right, Up, Down, the other on W, S, A, D: stagger upright to the blue
+    lamp.
+    """
     draft = _course(2, "none", "walker-2d")
-    _walker(draft, 1.8)
-    _wall(draft, 4.3)
+    _walker(draft, 1.2)
+    _lamp(draft, 2.7, 1.85)
     return draft
 
 
@@ -120,12 +143,21 @@ def hot_coals() -> Draft:
     burns.
     """
     draft = _course(5, "red", "walker-2d")
-    _walker(draft, 1.3)
-    _wall(draft, 2.9)
+    _walker(draft, 1.0)
+    _lamp(draft, 2.9, 1.9)
     return draft
 
 
 LEVELS = {
     each.__name__: each
-    for each in (caterpillar, pogo, hot_foot, sprint, hot_pursuit, first_steps, hot_coals)
+    for each in (
+        caterpillar,
+        inchworm,
+        pogo,
+        hot_foot,
+        sprint,
+        hot_pursuit,
+        first_steps,
+        hot_coals,
+    )
 }

@@ -103,6 +103,17 @@ def parcel_drop() -> Draft:
     return draft
 
 
+def wheelie() -> Draft:
+    """Drive with Left and Right. Only a wheelie lifts the green tail as high as the blue lamp."""
+    draft = Draft("wheels", "balance", difficulty=2)
+    tail, _ = draft.rod((2.85, 0.49), 6, 1.2, "green", density=0.6, friction=0.3)
+    # A heavy wheel that grips: its torque must lift the tail.
+    wheel = draft.ball((3.7, 0.62), 0.22, density=1.5, friction=2.5)
+    draft.hinge(tail, wheel, (3.7, 0.62), control=LEFT_RIGHT, speed=3.0, power=2.0)
+    draft.ball((1.0, 1.35), 0.2, "blue", fixed=True)
+    return draft
+
+
 LEVELS = {
     each.__name__: each
     for each in (
@@ -115,5 +126,6 @@ LEVELS = {
         swing_time,
         ski_jump,
         parcel_drop,
+        wheelie,
     )
 }
