@@ -1,5 +1,6 @@
 """What the README prints can be run."""
 
+import glob
 import re
 import shlex
 from pathlib import Path
@@ -39,6 +40,27 @@ def test_the_commands_are_understood(line, monkeypatch):
     monkeypatch.setattr(f"kinetix.cli.{words[0]}.run", lambda command: seen.append(command) or 0)
     assert cli.main(words) == 0
     assert len(seen) == 1
+
+
+QUICK = tuple(f"kinetix {name} " for name in ("validate", "convert", "play", "sample", "eval"))
+"""Sub-commands that take seconds; the others run in tests of their own, on something small."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", [line for line in commands() if line.startswith(QUICK)])
+def test_quick_commands_run_as_printed(line, tmp_path, monkeypatch, capsys):
+    for name in ("levels", "checkpoints"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+    words = [
+        found
+        for word in shlex.split(line, comments=True)[1:]
+        for found in (sorted(glob.glob(word)) if "*" in word else [word])
+    ]
+    assert cli.main(words) == 0
+    assert any(capsys.readouterr())
+    made = [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
+    assert bool(made) == any(word.startswith("out/") for word in words)
 
 
 def test_the_targets_exist():

@@ -33,6 +33,7 @@ def run(command: Convert) -> int:
     loaded = load_document(command.source)
     other: LevelFormat = "kinetix-env" if loaded.format == FORMAT else FORMAT
     target = command.format or other
+    command.target.parent.mkdir(parents=True, exist_ok=True)
     lost = save_level(loaded.level, command.target, format=target, source=loaded.source)
     if target == FORMAT:
         for warning in loaded.warnings:
