@@ -14,6 +14,7 @@ from editor.names import Names
 from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
+from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
 from kinetix.paths import levels_dir
 
@@ -23,7 +24,7 @@ class Options:
     """Draw, edit and play 2D physics levels."""
 
     files: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Levels to open, in either format."""
+    """Levels to open, in either format; episodes (`.npz`) to look at."""
     agent: Path | None = None
     """Folder of an agent or of a training run to load; F6 lets it play."""
     offscreen: bool = False
@@ -114,7 +115,7 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import file
+    from editor.actions import export, file
 
     if not options.files:
         welcome = _welcome() if options.replay is None else None
@@ -125,7 +126,8 @@ def _open_files(options: Options, session: Session) -> None:
         return
     for path in options.files:
         mark = session.log.serial
-        if not file.open_path(session, path) and len(options.files) == 1:
+        opening = export.open_trace if path.suffix == SUFFIX else file.open_path
+        if not opening(session, path) and len(options.files) == 1:
             raise KinetixError(" ".join(session.log.since(mark)))
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _PREVIEW: Final = 210.0
+_LEVEL: Final = ".json"
 
 
 @functools.lru_cache(maxsize=64)
@@ -159,10 +160,11 @@ class FileBrowser:
             draw.add_text((start.x + px(10), middle), u32(COLOURS.info), Icons.folder)
             draw.add_text((start.x + px(38), middle), u32(COLOURS.text), path.name)
             return picked
-        level = peek(str(path), path.stat().st_mtime_ns)
         at = (start.x + px(4), start.y + px(3))
-        if isinstance(level, str):
-            spot = (start.x + px(16), middle)
+        spot = (start.x + px(16), middle)
+        if path.suffix.lower() != _LEVEL:
+            draw.add_text(spot, u32(COLOURS.muted), Icons.film)
+        elif isinstance(level := peek(str(path), path.stat().st_mtime_ns), str):
             draw.add_text(spot, u32(COLOURS.warn), Icons.warning)
         else:
             picture(draw, level, at, px(38))
@@ -174,6 +176,10 @@ class FileBrowser:
         path = self._folder / self._name if self._name else None
         if path is None or not path.is_file():
             widgets.small("Choose a level to see it here.")
+            imgui.end_child()
+            return
+        if path.suffix.lower() != _LEVEL:
+            widgets.small("No picture of this kind of file.")
             imgui.end_child()
             return
         level = peek(str(path), path.stat().st_mtime_ns)

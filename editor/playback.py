@@ -176,7 +176,8 @@ class Playback:
     def can_branch(self) -> bool:
         """Whether the episode can be played on from the moment on show."""
         shown = self.snapshot
-        return self.mode is Mode.REPLAY and shown is not None and shown.outcome is None
+        lasting = self._replay is not None and not self._replay.from_file
+        return lasting and shown is not None and shown.outcome is None
 
     @property
     def real_time_factor(self) -> float:

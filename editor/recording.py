@@ -161,12 +161,26 @@ class Trace:
     """Of the agent's draws, with `attempt` and `deterministic`."""
     attempt: int = 0
     deterministic: bool = False
+    from_file: bool = False
+    """Whether it was read from a file: then it can be looked at, and not be played on from."""
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The trace as arrays with time first, as an `.npz` file holds it."""
         stack = {
             name: np.stack([getattr(s, name) for s in self.snapshots])
-            for name in ("position", "angle", "velocity", "angular_velocity")
+            for name in ("position", "angle", "velocity", "angular_velocity", "motor", "thruster")
+        }
+        stack |= {
+            name: np.array([getattr(s, name) for s in self.snapshots], np.float32)
+            for name in ("total_reward", "kinetic_energy", "potential_energy", "momentum")
+        }
+        minds = [None if s.mind is None or s.mind.scripted else s.mind for s in self.snapshots]
+        width = max((len(s.action) for s in self.snapshots), default=0)
+        stack |= {
+            "unified": _rows([s.action for s in self.snapshots], width),
+            "intention": _rows([() if mind is None else mind.intention for mind in minds], width),
+            "value": np.array([np.nan if mind is None else mind.value for mind in minds]),
+            "entropy": np.array([np.nan if mind is None else mind.entropy for mind in minds]),
         }
         return stack | {
             "step": np.array([s.step for s in self.snapshots], np.int32),
@@ -179,9 +193,15 @@ class Trace:
             "player": np.array(self.player),
             "seed": np.array(self.seed, np.int64),
             "attempt": np.array(self.attempt, np.int64),
-            "value": np.array([s.mind.value if s.mind else np.nan for s in self.snapshots]),
-            "entropy": np.array([s.mind.entropy if s.mind else np.nan for s in self.snapshots]),
+            "deterministic": np.array(self.deterministic),
+            "frame_skip": np.array(self.snapshots[0].frame_skip, np.int32),
         }
+
+
+def _rows(rows: Sequence[tuple[float, ...]], width: int) -> Float[np.ndarray, "n w"]:
+    """Tuples as rows of an array; NaN where there is nothing."""
+    nothing = (np.nan,) * width
+    return np.array([row or nothing for row in rows], np.float32).reshape(len(rows), width)
 
 
 def channels_of(unified: Sequence[float]) -> Action:

@@ -110,7 +110,6 @@ class Ui:
         """Ids of the panels that were on the screen in the last frame."""
         self._asked = ""
         """Id of a panel that was brought to the front on demand."""
-        self._first_frame = 0
         self._put_up = 0
         """The frame in which the panels were put up last: at first, anew, or after being hidden."""
         self._had_bars = False
@@ -205,6 +204,8 @@ class Ui:
         self._keep_layout()
         if bars != self._had_bars:
             self._had_bars, self._put_up = bars, imgui.get_frame_count()
+            # Panels that come back are in front in the order of drawing: bring back who was.
+            self._in_front += [panel.id for panel in self.panels if panel.id in self._seen]
         self.session.view.settled = imgui.get_frame_count() > self._put_up + _SETTLED_FRAMES
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
@@ -326,7 +327,7 @@ class Ui:
         """Put the panels where they belong: as asked for, as it was last time, or as at first."""
         session = self.session
         first, self._laid_out = not self._laid_out, True
-        self._first_frame = self._put_up = imgui.get_frame_count()
+        self._put_up = imgui.get_frame_count()
         asked, session.view.layout = session.view.layout, ""
         stored = session.settings.layout
         if first and not asked and layouts.restore(stored, self.panels):
@@ -369,7 +370,7 @@ class Ui:
         """Draw a panel's window; returns whether the keyboard is there."""
         imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
         first = self._in_front[0] if self._in_front else ""
-        if panel.id == first and imgui.get_frame_count() > self._first_frame + 1:
+        if panel.id == first and imgui.get_frame_count() > self._put_up + 1:
             # Of panels that share a place, the one docked last is in front unless told otherwise.
             imgui.set_next_window_focus()
             self._in_front.pop(0)

@@ -1,7 +1,8 @@
 """Write the bundled levels anew: `python -m scripts.build_levels [NAME …]`.
 
 A level whose content did not change keeps its recorded solution; a level without one is tagged
-`unsolved` until `kinetix solve --write` finds one. The level sets are made anew as well.
+`unsolved` until `kinetix solve --write` finds one. Difficulties are those that were measured
+(`scripts.difficulty`), else the builders' estimates. The level sets are made anew as well.
 """
 
 import sys
@@ -11,7 +12,7 @@ from typing import Final
 
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Level, SizeName
-from kinetix.level.sets import build_set, gather_levels, save_set
+from kinetix.level.sets import build_set, gather_levels, level_files, save_set
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 from scripts.library import (
@@ -23,6 +24,7 @@ from scripts.library import (
     small,
 )
 from scripts.library.draft import Draft
+from scripts.library.grades import graded, read_efforts
 
 SIZES: Final[dict[SizeName, dict[str, Callable[[], Draft]]]] = {
     "s": small.LEVELS,
@@ -39,11 +41,12 @@ UNSOLVED: Final = "unsolved"
 
 def built() -> Iterator[tuple[str, Level]]:
     """Every level of the library by its name, such as `s/hang_on`, without solution."""
+    efforts = read_efforts()
     for size, levels in SIZES.items():
-        for name, build in levels.items():
-            title = name.replace("_", " ").capitalize()
+        for function, build in levels.items():
+            name, title = f"{size}/{function}", function.replace("_", " ").capitalize()
             description = " ".join((build.__doc__ or "").split())
-            yield f"{size}/{name}", build().level(title, description, size)
+            yield name, graded(build().level(title, description, size), efforts.get(name))
 
 
 def with_proof(level: Level, path: Path) -> Level:
@@ -52,6 +55,17 @@ def with_proof(level: Level, path: Path) -> Level:
     if old and old.solution and level_hash(old) == level_hash(level):
         return level.replace(solution=old.solution)
     return level.replace(tags=(*level.tags, UNSOLVED))
+
+
+def grade_drawn() -> None:
+    """Give the levels that were drawn in the editor the difficulty that was measured."""
+    efforts, drawn = read_efforts(), set(dict(built()))
+    for size in SIZES:
+        for path in level_files(levels_dir() / size):
+            name = f"{size}/{path.stem}"
+            if name not in drawn:
+                level = load_level(path)
+                save_level(graded(level, efforts.get(name)), path)
 
 
 def write_sets() -> None:
@@ -78,6 +92,7 @@ def main(names: list[str]) -> int:
         for issue in validate(level):
             print(f"{name}: {issue.code} {issue.path}: {issue.message}", file=sys.stderr)
             bad = 1
+    grade_drawn()
     write_sets()
     return bad
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.actions import agents, file, play, watch
+from editor.actions import agents, export, file, play, watch
 from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
@@ -22,6 +22,7 @@ from editor.events import (
     WheelEvent,
 )
 from editor.session import Session
+from editor.trace_files import SUFFIX
 from kinetix.errors import CommandError
 
 AUTOSAVE_SECONDS: Final = 30.0
@@ -107,11 +108,13 @@ def handle(session: Session, event: InputEvent) -> bool:
 
 
 def _dropped(session: Session, path: Path) -> None:
-    """An agent's folder or file goes to the viewer, everything else is a level."""
+    """An agent's folder or file goes to the viewer, an episode is shown; the rest are levels."""
     folder = agents.agent_folder(path)
     if folder is not None:
         agents.load_agent(session, folder)
         session.view.front = "agents"
+    elif path.suffix == SUFFIX:
+        export.open_trace(session, path)
     else:
         file.open_path(session, path)
 

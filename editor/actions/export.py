@@ -5,14 +5,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
+from editor.commands.bodies import posed
+from editor.document import Document
 from editor.jobs import Job, JobState
 from editor.prompts import Choice, FileQuestion, MenuQuestion
 from editor.recording import Trace
 from editor.requests import ExportFilm, ExportPicture
 from editor.session import Session
+from editor.trace_files import SUFFIX, read_trace, write_trace
 from kinetix.errors import CommandError
+from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
@@ -44,8 +46,10 @@ def ask_export(session: Session) -> None:
 def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
     suffix = f".{choice}" if choice in ("gif", "mp4", "npz") else ".png"
     document, playback = session.document, session.playback
-    level = playback.level or document.level
-    state = playback.snapshot.state if playback.snapshot else None
+    level, snapshot = playback.level or document.level, playback.snapshot
+    state = None if snapshot is None else snapshot.state
+    if snapshot is not None and state is None:
+        level = posed(level, snapshot)
 
     def answer(path: Path | None) -> None:
         if path is None:
@@ -62,7 +66,7 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
             )
             session.worker.submit(request, title=f"Writing {target.name}", done=told(session))
         elif trace is not None and suffix == ".npz":
-            write_trace(trace, target)
+            write_trace(trace, level, target)
             session.toast(f"Wrote {target}", "success")
         elif trace is not None:
             film(session, level, trace, target)
@@ -86,16 +90,36 @@ def _folder(session: Session) -> Path:
     return Path.cwd()
 
 
-def write_trace(trace: Trace, path: Path) -> None:
-    """Write a trace as `.npz`.
+def open_trace(session: Session, path: Path) -> bool:
+    """Show an episode from a file on its level; whether it is shown, otherwise a toast says why."""
+    with session.guard():
+        found = read_trace(path)
+        session.leave_play()
+        session.gallery.open = False
+        if session.document.hash != level_hash(found.level):
+            session.open_tab(Document(found.level))
+        session.playback.replay(found.trace, found.level)
+        session.view.front = "timeline"
+        return True
+    return False
 
-    Raises:
-        CommandError: The file cannot be written.
-    """
-    try:
-        np.savez_compressed(path, **trace.arrays())  # pyright: ignore[reportArgumentType]
-    except OSError as error:
-        raise CommandError(f"{path}: cannot be saved: {error.strerror or error}") from error
+
+def ask_trace(session: Session) -> None:
+    """Choose an episode's file and show it."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            open_trace(session, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="open",
+            title="Open an episode",
+            folder=_folder(session),
+            suffixes=(SUFFIX,),
+            answer=answer,
+        )
+    )
 
 
 def film(session: Session, level: Level, trace: Trace, path: Path) -> None:

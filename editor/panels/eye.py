@@ -79,8 +79,8 @@ class EyePanel(Panel):
         if not imgui.begin_table(f"eye.{table.name}", len(heads) + 1, flags, (0.0, height)):
             return
         imgui.table_setup_scroll_freeze(1, 1)
-        imgui.table_setup_column("")
-        for head in heads:
+        # A single number stands before its name: long names would push it out of sight.
+        for head in (*heads, "") if len(heads) == 1 else ("", *heads):
             imgui.table_setup_column(head)
         imgui.table_headers_row()
         widgets.probe(session, f"eye.{table.name}")
@@ -94,16 +94,22 @@ class EyePanel(Panel):
 
     def _line(self, table: ViewTable, rows: list[int], index: int, *, tall: bool) -> None:
         imgui.table_next_row()
-        imgui.table_next_column()
-        if tall:
-            name, unit, meaning = table.columns[index]
-            widgets.muted(f"{name} [{unit}]" if unit else name)
-            if meaning:
-                widgets.tooltip(name, meaning)
-            values = table.values[rows, index]
-        else:
-            widgets.muted(table.rows[rows[index]])
-            values = table.values[rows[index]]
-        for value in np.asarray(values).tolist():
+        picked = table.values[rows, index] if tall else table.values[rows[index]]
+        values = np.asarray(picked).tolist()
+        if len(values) > 1:
+            self._name(table, rows, index, tall=tall)
+        for value in values:
             imgui.table_next_column()
             widgets.text(f"{value:+.3f}", COLOURS.text if value else COLOURS.faint)
+        if len(values) == 1:
+            self._name(table, rows, index, tall=tall)
+
+    def _name(self, table: ViewTable, rows: list[int], index: int, *, tall: bool) -> None:
+        imgui.table_next_column()
+        if not tall:
+            widgets.muted(table.rows[rows[index]])
+            return
+        name, unit, meaning = table.columns[index]
+        widgets.muted(f"{name} [{unit}]" if unit else name)
+        if meaning:
+            widgets.tooltip(name, meaning)

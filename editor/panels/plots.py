@@ -116,7 +116,7 @@ PLOTS: Final[tuple[Plot, ...]] = (
         series=(_series("deepest", COLOURS.bad, lambda s: 1000 * s.penetration),),
     ),
 )
-_COLUMN: Final = 240.0
+_COLUMN: Final = 196.0
 _RIVAL_OPACITY: Final = 0.45
 
 

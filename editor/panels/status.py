@@ -48,9 +48,14 @@ class StatusBar:
             return f"{session.hint}   size: {typed}" if typed else session.hint
         if session.mode is Mode.REPLAY:
             return "Space plays it   , . step   I O loop   Enter starts here   Esc edits"
+        if session.mode is Mode.ENDED:
+            again = "Space plays again   , steps back"
+            other = "   N next attempt" if session.playback.casting is not None else ""
+            return f"{again}{other}   Esc edits"
+        space = "Space goes on" if session.mode is Mode.PAUSED else "Space pauses"
         if session.playback.casting is not None:
-            return "Space pauses   T takes over   N next attempt   Backspace restarts   Esc edits"
-        return "Space pauses   . , step   - = speed   Backspace restarts   Esc edits"
+            return f"{space}   T takes over   N next attempt   Backspace restarts   Esc edits"
+        return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
 
     def _fitted(self, words: str, room: float) -> str:
         if imgui.calc_text_size(words).x <= room:

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Array, UInt8
 from PIL import Image as Picture
 
+from editor.commands.bodies import posed
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.simulation.episode import start_state
@@ -145,7 +146,9 @@ def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
     camera, palette = fit_arena(request.pixels, request.pixels), palette_named(request.palette)
     for k, snapshot in enumerate(chosen):
         progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
-        state = _state(request.level, snapshot.state)
+        # An episode from a file has poses alone.
+        level = request.level if snapshot.state is not None else posed(request.level, snapshot)
+        state = _state(level, snapshot.state)
         frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
         yield _captioned(frame, snapshot) if request.overlay else frame
 

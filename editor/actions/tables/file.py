@@ -29,6 +29,13 @@ FILE: Final = (
         run=export.ask_export,
     ),
     Action(
+        id="file.open_trace",
+        label="Open Episode…",
+        menu="File",
+        tooltip="A trace (.npz) that was exported: look at it again, step by step.",
+        run=export.ask_trace,
+    ),
+    Action(
         id="file.screenshot",
         label="Save Screenshot",
         menu="File",

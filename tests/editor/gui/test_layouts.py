@@ -83,11 +83,13 @@ def test_a_panel_that_needs_room_gets_it_and_gives_it_back(gui):
 def test_panels_that_come_back_take_no_room_and_ask_for_nothing(gui):
     gui.frames(35)
     low = height_of_canvas(gui)
+    assert gui.shows("problems.E101")
     for hide, back in (("ctrl+g", "escape"), ("tab", "tab")):
         gui.key(hide)
         gui.frames(35)
         gui.key(back)
         gui.frames(35)
+        assert gui.shows("problems.E101")
         assert height_of_canvas(gui) == pytest.approx(low, abs=2)
 
 
