@@ -84,4 +84,4 @@ levels: setup-run ## build the bundled levels and their sets, pictures and catal
 
 docs: setup-test ## write the documents as a site into site/, to be read without a network
 	@NO_MKDOCS_2_WARNING=1 $(VENV)/mkdocs build --quiet
-	@echo "site/index.html"
+	@echo "site/index.html    (to search it as well: python3 -m http.server -d site)"
