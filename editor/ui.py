@@ -17,7 +17,7 @@ from editor.panels.controls import ControlsPanel
 from editor.panels.debug import DebugPanel
 from editor.panels.evaluate import EvaluatePanel
 from editor.panels.eye import EyePanel
-from editor.panels.gallery import GalleryPage
+from editor.panels.gallery.page import GalleryPage
 from editor.panels.help import HelpOverlay
 from editor.panels.history import HistoryPanel
 from editor.panels.inspector import Inspector

@@ -1,0 +1,1 @@
+"""The page of the gallery: head, places, cards, side."""
