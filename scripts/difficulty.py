@@ -5,6 +5,7 @@ plans; where some of them win, 256 divided by their number is the answer. Where 
 search a stretch at a time goes on, one pass counting as 256 plans more, at most `PASSES` times.
 Results go to scripts/library/difficulty.json, from which `scripts.build_levels` makes the levels'
 tags. A level that has changed since is graded by its builder's estimate until it is measured again.
+Without names, all levels are measured that have not been as they are.
 """
 
 import functools
@@ -36,17 +37,21 @@ PASSES: Final = 4
 """How often the search goes through a level that no random plan wins."""
 
 
-def bundled(names: list[str]) -> Iterator[dict[str, Level]]:
-    """The levels of each size by name, such as `s/hang_on`; without names, all."""
+def chosen(names: list[str]) -> Iterator[tuple[str, Level]]:
+    """The levels to measure by name, such as `s/hang_on`."""
+    efforts = read_efforts()
     for size in ("s", "m", "l"):
-        paths = {f"{size}/{path.stem}": path for path in level_files(levels_dir() / size)}
-        chosen = {name: path for name, path in paths.items() if not names or name in names}
-        if chosen:
-            yield {name: load_level(path) for name, path in chosen.items()}
+        for path in level_files(levels_dir() / size):
+            name, level = f"{size}/{path.stem}", load_level(path)
+            known = name in efforts and efforts[name].level == level_hash(level)
+            if name in names or not (names or known):
+                yield name, level
 
 
-def effort_of(level: Level, env: KinetixEnv) -> Effort:
+def effort_of(level: Level) -> Effort:
     """Play random plans, and search where none of them wins."""
+    # Compiled for this level alone: at size l, playing with all that others need costs more.
+    env = solving_env([level], physics=PHYSICS)
 
     def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
         return play_actions(level, actions.tolist(), physics=PHYSICS).outcome == "won"
@@ -98,14 +103,13 @@ def _won(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> Bool[A
 
 def main(names: list[str]) -> None:
     """Measure the named levels, or all, and keep what comes out."""
-    for levels in bundled(names):
-        env = solving_env(list(levels.values()), physics=PHYSICS)
-        for name, level in levels.items():
-            effort = effort_of(level, env)
-            # After each level, so that nothing is lost when it is stopped.
-            write_efforts(read_efforts() | {name: effort})
-            sys.stdout.write(f"{name}: {json.dumps(effort.tree())}\n")
-            sys.stdout.flush()
+    for name, level in chosen(names):
+        effort = effort_of(level)
+        # After each level, so that nothing is lost when it is stopped.
+        write_efforts(read_efforts() | {name: effort})
+        sys.stdout.write(f"{name}: {json.dumps(effort.tree())}\n")
+        sys.stdout.flush()
+        jax.clear_caches()
     sys.stdout.write(f"{MEASURED}\n")
 
 

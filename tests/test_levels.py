@@ -9,6 +9,7 @@ from kinetix.level.sets import level_files
 from kinetix.paths import levels_dir
 from scripts.build_levels import built, with_proof
 from scripts.contact_sheet import GAP, LINE, sheet
+from scripts.library.grades import Effort, graded, read_efforts
 
 LEVELS = {
     f"{size}/{path.stem}": load_level(path)
@@ -87,6 +88,25 @@ def test_all_grades_of_difficulty_are_there_and_most_levels_are_easy():
     ]
     assert set(grades) == {1, 2, 3, 4, 5}
     assert sum(grade <= 2 for grade in grades) > len(grades) / 2
+
+
+@pytest.mark.parametrize(
+    ("lucky", "passes", "difficulty"),
+    [(256, 0, 1), (64, 0, 1), (63, 0, 2), (16, 0, 2), (4, 0, 3), (1, 0, 4), (0, 1, 4), (0, 2, 5)],
+)
+def test_difficulty_is_the_effort_that_was_measured(lucky, passes, difficulty):
+    level = BUILT["s/plank_dash"].replace(tags=("wheels", "difficulty-3", "unicycle"))
+    effort = Effort(level=level_hash(level), plans=256, lucky=lucky, passes=passes)
+    assert graded(level, effort).tags == ("wheels", f"difficulty-{difficulty}", "unicycle")
+    # What was measured on another level counts for nothing.
+    assert graded(level.replace(max_timesteps=9), effort).tags == level.tags
+
+
+def test_the_tags_say_what_was_measured():
+    efforts = read_efforts()
+    assert efforts.keys() <= LEVELS.keys()
+    wrong = [name for name, level in LEVELS.items() if graded(level, efforts.get(name)) != level]
+    assert wrong == [], "run `make levels`"
 
 
 def test_no_two_levels_are_alike():

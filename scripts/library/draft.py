@@ -54,7 +54,7 @@ class Draft:
 
         Args:
             tags: What the level is about.
-            difficulty: 1 (trivial) to 5 (hard).
+            difficulty: 1 (trivial) to 5 (hard); an estimate, until it is measured.
             floor: Role of the floor.
             friction: Friction value of the floor and of every body that does not say its own.
             steps: Environment steps until time is up.
