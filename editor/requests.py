@@ -173,6 +173,13 @@ class Opened:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class PlaySolution:
+    """Play the recorded solution of a level. Gives an `Opened`."""
+
+    level: Level
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Observe:
     """What an agent is shown of a moment. Gives an `AgentView`."""
 
@@ -355,6 +362,7 @@ Request: TypeAlias = (
     | Rehearse
     | Evaluate
     | OpenEpisode
+    | PlaySolution
     | Observe
     | ReadRun
     | StartEpisode

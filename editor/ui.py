@@ -238,8 +238,7 @@ class Ui:
         if wanted == self.scale and text == self._text_scale:
             return
         theme.apply(wanted, text)
-        if wanted != self.scale:
-            self._laid_out = False
+        self._laid_out = False
         self.scale, self._text_scale = wanted, text
 
     def _keys(self) -> None:

@@ -48,7 +48,9 @@ def probe(session: "Session", name: str, *, enabled: bool = True) -> None:
 
 def px(value: float) -> float:
     """A length of the design [px at 100 %] at the present scale."""
-    return value * imgui.get_style().font_scale_dpi
+    style = imgui.get_style()
+    # Room grows with the text, or words would be cut off.
+    return value * style.font_scale_dpi * style.font_scale_main
 
 
 @contextlib.contextmanager

@@ -36,6 +36,9 @@ def note_end(session: Session) -> None:
     session.noted_episode = playback.episode
     if playback.casting is None and not playback.perturbed and playback.level is not None:
         won = playback.outcome == "won"
+        if won and playback.level.solution is None:
+            words = f"Won in {playback.step_count} steps: shall that be the level's solution?"
+            session.toast(words, "success", action="level.keep_solution")
         session.results.add_episode(HUMAN, level_hash(playback.level), won=won)
 
 

@@ -5,7 +5,7 @@ import random
 from collections.abc import Hashable
 
 from editor.commands.bodies import Poses, posed
-from kinetix.level.model import Circle, Level
+from kinetix.level.model import Circle, Level, Solution
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -54,6 +54,19 @@ class TakePoses:
     def apply(self, level: Level) -> Level:
         """Put the bodies there."""
         return posed(level, self.poses)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class KeepSolution:
+    """Records actions that win the level."""
+
+    solution: Solution
+    label: str = "Record solution"
+    merge_key: Hashable | None = None
+
+    def apply(self, level: Level) -> Level:
+        """Put it in the place of an older one."""
+        return level.replace(solution=self.solution)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -77,6 +77,8 @@ class AgentsPanel(Panel):
             trained.append(f"{summary.steps:,} steps of training".replace(",", " "))
         lines.append(", ".join(trained))
         if summary.parameters:
+            if summary.description:
+                widgets.small(summary.description, COLOURS.text)
             for line in lines:
                 widgets.small(line)
         playback = session.playback

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class DebugPanel(Panel):
     """One box a layer; they are kept between runs."""
 
-    id, title, icon = "debug", "Debug draw", Icons.debug
+    id, title, icon = "debug", "Debug", Icons.debug
 
     def draw(self, session: "Session") -> None:
         """Draw the boxes, as many columns as fit."""

@@ -61,6 +61,8 @@ class LevelPanel(Panel):
         shown = self._texts.get(field, value)
         changed, new = imgui.input_text(f"###level.{field}", shown)
         widgets.probe(session, f"level.{field}")
+        if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:
+            widgets.tooltip(value)
         if changed:
             self._texts[field] = new
         if imgui.is_item_deactivated():

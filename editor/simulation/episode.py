@@ -12,8 +12,8 @@ from jaxtyping import Array
 
 from editor.commands.rigid import component
 from editor.controls import NOOP
-from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot
-from editor.requests import Advance, Pull, StartEpisode
+from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Trace
+from editor.requests import Advance, Opened, PlaySolution, Progress, Pull, StartEpisode
 from editor.simulation.cast import AgentDriver, Step
 from editor.simulation.contacts import contact_points, deepest, touching_bodies
 from kinetix.engine.spec import Capacity
@@ -34,6 +34,10 @@ PULL_SPEED: Final = 15.0
 """… but never faster than this [m/s]."""
 PULL_SHARE: Final = 0.5
 """Share of the missing velocity that one step gives: below 1 the spring is soft."""
+
+
+_AT_ONCE: Final = 30
+"""Steps of a recorded solution between two reports."""
 
 
 @functools.cache
@@ -181,6 +185,37 @@ class Episode:
         self._driver.remember(snapshot.memory)
         self._ended = snapshot.outcome is not None
         self.snapshot = snapshot
+
+
+def play_solution(request: PlaySolution, progress: Progress) -> Opened:
+    """Play the recorded solution of a level and keep every moment.
+
+    Raises:
+        KinetixError: There is none, or it holds its actions for another number of engine steps.
+    """
+    level, solution = request.level, request.level.solution
+    if solution is None:
+        raise KinetixError(f"{level.name} has no recorded solution.")
+    if solution.frame_skip != FRAME_SKIP:
+        raise KinetixError(
+            f"The solution of {level.name} holds each action for {solution.frame_skip} engine "
+            f"steps; the editor plays {FRAME_SKIP}."
+        )
+    progress.report(None, "Compiling the level")
+    start = StartEpisode(run=0, level=level, physics=solution.physics, keep_contacts=True)
+    episode = Episode(start)
+    snapshots, actions = [episode.snapshot], tuple(solution.unrolled())
+    for first in range(0, len(actions), _AT_ONCE):
+        progress.report(first / len(actions), f"Step {first}")
+        some = actions[first : first + _AT_ONCE]
+        snapshots += episode.advance(Advance(run=0, actions=some, keep_contacts=True))
+    trace = Trace(
+        physics=solution.physics,
+        perturbed=False,
+        snapshots=tuple(snapshots),
+        actions=actions[: len(snapshots) - 1],
+    )
+    return Opened(level=level, trace=trace)
 
 
 class LevelView:

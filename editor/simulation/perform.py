@@ -17,6 +17,7 @@ from editor.requests import (
     Mutate,
     Observe,
     OpenEpisode,
+    PlaySolution,
     Progress,
     RandomLevel,
     ReadRun,
@@ -28,7 +29,7 @@ from editor.requests import (
     WarmUp,
 )
 from editor.simulation.cast import load
-from editor.simulation.episode import Episode, warm_up
+from editor.simulation.episode import Episode, play_solution, warm_up
 from editor.simulation.evaluating import open_episode, read_run, run_evaluation
 from editor.simulation.levels import check_dynamics, drawn, mutated
 from editor.simulation.observing import observe
@@ -66,6 +67,7 @@ class _Bridge:
             Rehearse: self._rehearse,
             Evaluate: run_evaluation,
             OpenEpisode: open_episode,
+            PlaySolution: play_solution,
             Observe: lambda request, _: observe(request),
             ReadRun: lambda request, _: read_run(request),
         }

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery, level
+from editor.actions import gallery, level, solution
 from editor.actions.base import Action, Context, editing
 from editor.session import Session
 
@@ -61,6 +61,24 @@ LEVEL: Final = (
         tooltip="What happens without any action, and how often random actions win.",
         enabled=level.can_try_out,
         run=level.try_out,
+    ),
+    Action(
+        id="level.play_solution",
+        label="Play the Solution",
+        menu="Level",
+        context=Context.LEVEL,
+        tooltip="What is recorded in the level, on the timeline; drive on from any moment.",
+        enabled=solution.has_solution,
+        run=solution.play,
+    ),
+    Action(
+        id="level.keep_solution",
+        label="Keep as the Solution",
+        menu="Level",
+        context=Context.LEVEL,
+        tooltip="The episode that you have just won, recorded in the level.",
+        enabled=solution.can_keep,
+        run=solution.keep,
     ),
     Action(
         id="level.previous",

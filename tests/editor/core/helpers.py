@@ -49,6 +49,7 @@ class FakeSimulator:
         self.waiting = []
         self.delayed = False
         self.ends_at = 256
+        self.ends = "timeout"
         self.error = ""
         self.agent_action = (2, 0, 0, 0, 0, 0)
         self.outstanding = 0
@@ -82,7 +83,7 @@ class FakeSimulator:
                 step=step,
                 position=self.state.position + drift,
                 action=(float(action[0] == 1) - float(action[0] == 2), 0.0, 0.0, 0.0, 0.0, 0.0),
-                outcome="timeout" if step >= self.ends_at else None,
+                outcome=self.ends if step >= self.ends_at else None,
             )
             self.waiting.append(self.state)
             self.outstanding += self.delayed

@@ -39,8 +39,9 @@ def asked(clock):
         for _ in range(2):
             clock.now += seconds / 2
             preparation.tick()
-        worker.wait(5)
-        worker.poll()
+        while not worker.idle:
+            worker.wait(5)
+            worker.poll()
         told = [(request.sizes, request.physics) for request in requests]
         requests.clear()
         return told

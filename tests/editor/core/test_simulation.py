@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import msgspec
 import numpy as np
 import pytest
 from PIL import Image as Picture
@@ -14,6 +15,7 @@ from editor.requests import (
     ExportFilm,
     ExportPicture,
     Mutate,
+    PlaySolution,
     Pull,
     RandomLevel,
     RenderState,
@@ -21,6 +23,7 @@ from editor.requests import (
     StartEpisode,
 )
 from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 from kinetix.level.validate import validate
 
@@ -90,6 +93,18 @@ def test_the_editor_plays_what_the_command_line_plays(episode):
     assert last.step == headless.steps
     assert (last.outcome or "timeout") == headless.outcome
     assert last.total_reward == pytest.approx(headless.total_reward, abs=1e-5)
+
+
+def test_a_recorded_solution_is_played_and_wins(perform):
+    level = load_level("s/wheelbarrow")
+    opened = perform(PlaySolution(level=level))
+    assert opened.trace.snapshots[-1].outcome == "won"
+    assert opened.trace.actions == tuple(level.solution.unrolled())[: len(opened.trace.actions)]
+    with pytest.raises(KinetixError, match="no recorded solution"):
+        perform(PlaySolution(level=LEVEL))
+    slow = level.replace(solution=msgspec.structs.replace(level.solution, frame_skip=1))
+    with pytest.raises(KinetixError, match="for 1 engine steps"):
+        perform(PlaySolution(level=slow))
 
 
 def test_held_keys_drive_the_motor(episode):

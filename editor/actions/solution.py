@@ -1,0 +1,62 @@
+"""A level's recorded solution: keep a win as one, see it played."""
+
+import functools
+import itertools
+from typing import Any
+
+from editor.commands.level import KeepSolution
+from editor.jobs import Job, JobState
+from editor.playback import Mode
+from editor.requests import PlaySolution
+from editor.session import Session
+from kinetix.level.model import Solution
+
+PLAYER = "recorded solution"
+"""What the recorded solution is called on the screen."""
+
+
+def can_keep(session: Session) -> bool:
+    """Whether an episode stands there that a person has won from the start, with keys alone."""
+    playback, trace = session.playback, session.playback.trace
+    won = playback.mode is Mode.ENDED and playback.outcome == "won"
+    by_hand = playback.casting is None and not playback.perturbed
+    return won and by_hand and trace is not None and trace.snapshots[0].step == 0
+
+
+def keep(session: Session) -> None:
+    """Record what was played in the level, as one edit."""
+    trace, skip = session.playback.trace, session.playback.frame_skip
+    assert trace is not None
+    runs = tuple((len(list(same)), action) for action, same in itertools.groupby(trace.actions))
+    actions: Any = runs
+    solution = Solution(physics=trace.physics, frame_skip=skip, actions=actions)
+    session.leave_play()
+    if session.execute(KeepSolution(solution=solution)).changed:
+        session.toast(f"Kept as the solution: {len(trace.actions)} steps.", action="edit.undo")
+
+
+def has_solution(session: Session) -> bool:
+    """Whether the level in front has one."""
+    return session.document.level.solution is not None
+
+
+def play(session: Session) -> None:
+    """Show the recorded solution on the timeline."""
+    level = session.document.level
+    session.worker.submit(
+        PlaySolution(level=level),
+        title="Playing the solution",
+        urgent=True,
+        done=functools.partial(_played, session),
+    )
+
+
+def _played(session: Session, job: Job) -> None:
+    if job.state is JobState.FAILED:
+        session.toast(job.error, "error")
+    elif job.state is JobState.DONE and session.document.level == job.result.level:
+        session.leave_play()
+        session.gallery.open = False
+        session.playback.replay(job.result.trace, job.result.level, player=PLAYER)
+        session.playback.running = True
+        session.view.front = "timeline"

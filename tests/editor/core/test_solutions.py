@@ -1,0 +1,92 @@
+"""A win is kept as the level's solution, and a recorded one is played."""
+
+import pytest
+
+from editor import actions
+from editor.actions import run
+from editor.commands.level import ReplaceLevel
+from editor.jobs import Worker
+from editor.playback import Mode
+from editor.recording import Trace
+from editor.requests import Opened, PlaySolution
+from editor.session import Session
+from editor.settings import Settings
+from kinetix.level.model import Solution
+from tests.editor.core.helpers import FakeSimulator, a_level
+
+
+@pytest.fixture
+def level(session):
+    session.document.commit(ReplaceLevel(level=a_level(), label="Start"))
+    return session.document.level
+
+
+def won(session):
+    """Five steps to the left, five to nowhere, the last of which wins."""
+    session.playback.simulator.ends_at, session.playback.simulator.ends = 10, "won"
+    run(session, "run.play_human")
+    actions.update(session, 0.0)
+    for held in ({"left"}, set()):
+        session.held = held
+        for _ in range(10):
+            actions.update(session, 1 / 60)
+    assert session.playback.outcome == "won"
+
+
+def test_a_win_by_hand_is_offered_and_kept_as_one_edit(session, level):
+    won(session)
+    assert session.toasts[-1].action == "level.keep_solution"
+    assert run(session, "level.keep_solution")
+    solution = session.document.level.solution
+    assert solution is not None
+    assert session.editing
+    assert (solution.physics, solution.frame_skip) == ("balanced", 2)
+    assert len(list(solution.unrolled())) == 10
+    assert solution.actions[0][1] == (1, 0, 0, 0, 0, 0)
+    assert len(solution.actions) == 2
+    run(session, "edit.undo")
+    assert session.document.level == level
+
+
+def test_a_kept_solution_goes_with_a_change(session, level):
+    won(session)
+    run(session, "level.keep_solution")
+    session.selection = (1,)
+    run(session, "transform.nudge_left")
+    assert session.document.level.solution is None
+
+
+@pytest.mark.parametrize("spoilt", ["perturbed", "lost", "playing"])
+def test_only_a_win_from_the_start_can_be_kept(session, level, spoilt):
+    won(session)
+    if spoilt == "perturbed":
+        session.playback.perturbed = True
+    elif spoilt == "lost":
+        session.playback.step_back()
+    else:
+        run(session, "run.reset")
+    assert not run(session, "level.keep_solution")
+
+
+def test_a_recorded_solution_is_a_replay(session, level):
+    won(session)
+    trace = session.playback.trace
+    solution = Solution(physics="balanced", frame_skip=2, actions=((10, (1, 0, 0, 0, 0, 0)),))
+    with_one = level.replace(solution=solution)
+    asked = []
+
+    def perform(request: PlaySolution, progress: object) -> Opened:
+        asked.append(request)
+        assert isinstance(trace, Trace)
+        return Opened(level=request.level, trace=trace)
+
+    worker = Worker(perform=perform)
+    viewing = Session(settings=Settings(), worker=worker, simulator=FakeSimulator(), level=with_one)
+    assert not run(session, "level.play_solution")
+    assert run(viewing, "level.play_solution")
+    worker.wait(5)
+    actions.update(viewing, 0.0)
+    assert asked == [PlaySolution(level=with_one)]
+    assert viewing.mode is Mode.REPLAY
+    assert viewing.playback.player == "recorded solution"
+    worker.stop()
