@@ -10,6 +10,7 @@ import tyro
 
 from editor.actions.agents import load_agent
 from editor.hosts.pygame_host import PygameHost
+from editor.hosts.recorder import Recorder
 from editor.names import Names
 from editor.results import Results
 from editor.session import Session
@@ -31,6 +32,8 @@ class Options:
     """Draw in software into memory: no display is needed."""
     replay: Path | None = None
     """Feed the events of this file, then quit."""
+    record: Path | None = None
+    """Write what is done in the window to this file, for `--replay` at the same size and scale."""
     size: Annotated[str, tyro.conf.arg(metavar="WxH")] = "1440x900"
     """Size of the window."""
     scale: float | None = None
@@ -109,6 +112,8 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
         raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
     else:
         host.ui.warm_up = True
+        if options.record is not None:
+            host.recorder = Recorder(session, options.record)
         host.run()
         host.ui.save_layout()
         session.settings.save()

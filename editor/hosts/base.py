@@ -8,6 +8,7 @@ from imgui_bundle import imgui, implot
 
 from editor import events, theme
 from editor.hosts.inputs import InputFeeder
+from editor.hosts.recorder import Recorder
 from editor.look import COLOURS
 from editor.session import Session
 from editor.textures import TextureStore
@@ -39,6 +40,8 @@ class Host(abc.ABC):
         self.session = session
         self.size = size
         self.frame_count = 0
+        self.recorder: Recorder | None = None
+        """Takes down what the person does, where that is wanted."""
         self._feeder = InputFeeder()
         self._context = imgui.create_context()
         self._plots = implot.create_context()
@@ -71,6 +74,8 @@ class Host(abc.ABC):
         io = imgui.get_io()
         io.display_size = imgui.ImVec2(*self.size)
         io.delta_time = max(dt, 1e-5)
+        if self.recorder is not None:
+            self.recorder.take(batch, dt)
         self._feeder.feed(batch)
         for event in batch:
             if isinstance(event, _NOT_FOR_WIDGETS):

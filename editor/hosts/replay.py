@@ -7,7 +7,7 @@ any machine.
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,7 +19,7 @@ from editor.hosts.base import Host
 from editor.hosts.film import Film
 from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
-from editor.keys import IMGUI
+from editor.keys import IMGUI, MODIFIERS
 from editor.playback import Mode
 from editor.requests import WarmUp
 from editor.session import Session
@@ -248,6 +248,9 @@ class Replayer:
         self._step(events.WheelEvent(dy=float(event["dy"]), screen=self._at))
 
     def _press(self, event: Event) -> None:
+        if "pressed" in event:
+            self._step(_key(_known_key(event["key"], MODIFIERS), bool(event["pressed"])))
+            return
         self._hold_mods(event)
         name = _known_key(event["key"])
         self._step(_key(name, True))
@@ -324,8 +327,8 @@ def _key(name: str, pressed: bool) -> events.KeyEvent:
     return events.KeyEvent(key=name, pressed=pressed)
 
 
-def _known_key(name: str) -> str:
-    if name not in IMGUI:
+def _known_key(name: str, more: Collection[str] = ()) -> str:
+    if name not in IMGUI and name not in more:
         raise KinetixError(f"unknown key {name!r}; names are pygame's, such as left, space, f5, a")
     return name
 

@@ -1,0 +1,119 @@
+"""Writes what a person does in the window as a script that `--replay` plays again."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from editor import events
+from editor.session import Session
+from kinetix.errors import KinetixError
+
+_FRAME: Final = 1 / 60
+_LONGEST: Final = 600
+"""Longest pause that is kept [frames]: nobody wants to wait for a coffee again."""
+_BUTTONS: Final = (events.LEFT, events.MIDDLE, events.RIGHT)
+_COSTS: Final = {
+    "move": (0, 2),
+    "down": (1, 3),
+    "up": (1, 3),
+    "wheel": (1, 3),
+    "text": (0, 4),
+    "key": (0, 2),
+}
+"""Of each line: frames that the replay takes before it happens, and frames in all."""
+_VERBS: Final = {events.Pointer.PRESS: "down", events.Pointer.RELEASE: "up"}
+
+
+class Recorder:
+    """Takes every frame's events; positions are in window pixels, times in frames of 1/60 s."""
+
+    def __init__(self, session: Session, path: Path) -> None:
+        """Begin a script; it opens what is open now.
+
+        Args:
+            session: The app.
+            path: The script's file.
+
+        Raises:
+            KinetixError: It cannot be written.
+        """
+        self._session = session
+        self._path = path
+        self._time = 0.0
+        self._last = self._rest = 0
+        """Frame of the last event, and how many the script takes from it to the end of its line."""
+        self._down: set[str] = set()
+        self._ended = False
+        try:
+            path.write_bytes(b"")
+        except OSError as error:
+            raise KinetixError(f"{path}: cannot be written: {error.strerror or error}") from error
+        for tab in session.tabs:
+            if tab.document.path is not None:
+                self._write({"do": "open", "file": str(tab.document.path)})
+
+    def take(self, batch: Sequence[events.InputEvent], seconds: float) -> None:
+        """Write what was done in one frame.
+
+        Args:
+            batch: What happened since the last frame.
+            seconds: Time since the last frame [s].
+        """
+        self._time += seconds
+        moves = [event for event in batch if _moves(event)]
+        for event in batch:
+            # Of many moves in one frame only the last is ever seen.
+            if not _moves(event) or event is moves[-1]:
+                self._event(event)
+
+    def _event(self, event: events.InputEvent) -> None:
+        match event:
+            case events.PointerEvent(kind=events.Pointer.MOVE):
+                self._tell({"do": "move", "at": event.screen})
+            case events.PointerEvent(button=button) if button in _BUTTONS:
+                self._tell({"do": _VERBS[event.kind], "at": event.screen, "button": button})
+            case events.WheelEvent():
+                self._tell({"do": "wheel", "dy": event.dy, "at": event.screen})
+            case events.TextEvent():
+                self._tell({"do": "text", "text": event.text})
+            case events.KeyEvent():
+                self._key(event.key, event.pressed)
+            case events.FocusEvent(focused=False):
+                for key in sorted(self._down):
+                    self._key(key, False)
+
+    def _key(self, key: str, pressed: bool) -> None:
+        """A key that goes down or up; the system's repetitions are left out."""
+        if pressed == (key in self._down):
+            return
+        (self._down.add if pressed else self._down.discard)(key)
+        self._tell({"do": "key", "key": key, "pressed": pressed})
+
+    def _tell(self, event: dict[str, Any]) -> None:
+        """Write an event after the pause that was before it."""
+        lead, cost = _COSTS[event["do"]]
+        now = round(self._time / _FRAME)
+        # What is left of the last line, and what this one takes before it happens, pass by anyway.
+        pause = min(now - self._last, _LONGEST) - self._rest - lead
+        if pause > 0:
+            # The line of a pause takes one frame more than it says, as every line does.
+            self._write({"do": "wait", "frames": pause - 1})
+        self._last, self._rest = now, cost - lead
+        self._write(event)
+
+    def _write(self, event: dict[str, Any]) -> None:
+        if self._ended:
+            return
+        # Line by line, so that a crash leaves what led to it.
+        try:
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(event, ensure_ascii=False) + "\n")
+        except OSError as error:
+            self._ended = True
+            reason = error.strerror or error
+            self._session.toast(f"{self._path}: the recording ends: {reason}", "error")
+
+
+def _moves(event: events.InputEvent) -> bool:
+    return isinstance(event, events.PointerEvent) and event.kind is events.Pointer.MOVE

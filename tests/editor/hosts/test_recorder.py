@@ -1,0 +1,79 @@
+"""What a person does is taken down, and played again it gives the same level."""
+
+import json
+
+import pytest
+
+from editor.events import TextEvent
+from editor.hosts.recorder import Recorder
+from editor.hosts.replay import Replayer
+from editor.session import Session
+from editor.settings import Settings
+from kinetix.errors import KinetixError
+from tests.editor.core.helpers import FakeSimulator
+from tests.editor.gui.conftest import make_gui  # noqa: F401 - a fixture
+
+
+def a_session():
+    return Session(settings=Settings(), simulator=FakeSimulator())
+
+
+def test_a_recording_of_manual_use_gives_the_same_document(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    gui = make_gui(session=a_session())
+    gui.host.recorder = Recorder(gui.session, script)
+    gui.key("r")
+    gui.drag((1.0, 1.0), (2.0, 1.5))
+    gui.key("c")
+    gui.frames(20)
+    gui.drag((3.0, 3.0), (3.3, 3.0))
+    gui.key("ctrl+d")
+    gui.hold("right")
+    gui.frames(60)  # the arrow repeats as long as it is down
+    gui.hold("right", pressed=False)
+    gui.key("ctrl+a")
+    gui.key("q")
+    gui.key("ctrl+z")
+    gui.wheel(600, 400, 1)
+    expected = gui.session.document
+    assert len(expected.level.bodies) == 3
+    moved = expected.level.body(3).position[0] - expected.level.body(2).position[0]
+    assert moved > 0.4  # more than one step: the key did repeat
+
+    gui = make_gui(session=a_session())
+    Replayer(gui.host, script).run()
+    assert gui.session.document.hash == expected.hash
+    assert gui.session.document.history.undo_label == expected.history.undo_label
+
+
+def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    gui = make_gui(session=a_session())
+    gui.open("s/goalkeeper")
+    gui.host.recorder = Recorder(gui.session, script)
+    gui.frames(30)
+    gui.move(500, 400)
+    gui.hold("a")
+    gui.lose_focus()
+    told = [json.loads(line) for line in script.read_text().splitlines()]
+    assert told[0]["do"] == "open"
+    assert told[0]["file"].endswith("goalkeeper.json")
+    assert told[1] == {"do": "wait", "frames": 30}
+    assert told[2] == {"do": "move", "at": [500, 400]}
+    assert told[3:] == [
+        {"do": "key", "key": "a", "pressed": True},
+        {"do": "key", "key": "a", "pressed": False},
+    ]
+
+
+def test_a_script_that_cannot_be_written_is_refused_and_ends_no_app(tmp_path):
+    with pytest.raises(KinetixError, match="No such file"):
+        Recorder(a_session(), tmp_path / "nowhere" / "events.jsonl")
+    script = tmp_path / "events.jsonl"
+    session = a_session()
+    recorder = Recorder(session, script)
+    script.unlink()
+    script.mkdir()
+    for _ in range(2):
+        recorder.take([TextEvent(text="a")], 0.1)
+    assert ["the recording ends" in toast.text for toast in session.toasts] == [True]
