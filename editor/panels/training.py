@@ -132,5 +132,7 @@ def _plot(name: str, x: np.ndarray, y: np.ndarray, size: tuple[float, float]) ->
         spec = implot.Spec()
         spec.line_color = imgui.ImVec4(*COLOURS.info)
         spec.line_weight = px(1.75)
+        if len(x) == 1:
+            spec.marker, spec.marker_size = implot.Marker_.circle.value, px(3)
         implot.plot_line(name, x, y, spec)
         implot.end_plot()

@@ -15,6 +15,7 @@ from kinetix.level.geometry import (
     signed_distance,
     world_vertices,
 )
+from kinetix.level.graph import components, may_push
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Level, Point
 from kinetix.level.slots import body_slots
 
@@ -23,13 +24,34 @@ TOUCH: float = 0.02
 Pair = tuple[BodyReference, BodyReference]
 
 
-def touching_bodies(level: Level, capacity: Capacity, touching: np.ndarray) -> tuple[Pair, ...]:
-    """The pairs of bodies that touch, as ids and arena names."""
+def pushing_pairs(level: Level) -> frozenset[Pair]:
+    """The pairs of bodies that can push each other, both ways round."""
+    component = components(level)
+    bodies: list[tuple[BodyReference, Body]] = [(body.id, body) for body in level.bodies]
+    for name in ARENA_NAMES:
+        bodies.append((name, arena_body(level.arena, name)))
+    found: set[Pair] = set()
+    for a in bodies:
+        found |= {(a[0], b[0]) for b in bodies if a is not b and may_push(a, b, component)}
+    return frozenset(found)
+
+
+def touching_bodies(
+    level: Level, capacity: Capacity, touching: np.ndarray, pushing: frozenset[Pair]
+) -> tuple[Pair, ...]:
+    """The pairs of bodies that touch and push each other, as ids and arena names.
+
+    The engine also tells of parts of one machine that overlap: they lie in each other without
+    any contact.
+    """
     named: dict[int, BodyReference] = {
         slot: reference for reference, slot in body_slots(level, capacity).items()
     }
     pairs = candidate_pairs(capacity)[touching]
-    return tuple((named[a], named[b]) for a, b in pairs.tolist() if a in named and b in named)
+    found: list[Pair] = [
+        (named[a], named[b]) for a, b in pairs.tolist() if a in named and b in named
+    ]
+    return tuple(pair for pair in found if pair in pushing)
 
 
 def contact_points(

@@ -15,7 +15,7 @@ from editor.controls import NOOP
 from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Trace
 from editor.requests import Advance, Opened, PlaySolution, Progress, Pull, StartEpisode
 from editor.simulation.cast import AgentDriver, Step
-from editor.simulation.contacts import contact_points, deepest, touching_bodies
+from editor.simulation.contacts import contact_points, deepest, pushing_pairs, touching_bodies
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
@@ -237,6 +237,7 @@ class LevelView:
         self._capacity = capacity
         masses = [body_mass(body, level.inertia_model) for body in level.bodies]
         self._mass = np.array(masses, np.float64).reshape(-1, 2)
+        self._pushing = pushing_pairs(level)
         self._free = np.array([not body.fixed for body in level.bodies], bool)
 
     def first(self, state: EnvState, frame_skip: int) -> Snapshot:
@@ -273,7 +274,10 @@ class LevelView:
         if not contacts:
             return told
         pairs = touching_bodies(
-            self._level, self._capacity, np.asarray(step.state.physics.touching)
+            self._level,
+            self._capacity,
+            np.asarray(step.state.physics.touching),
+            self._pushing,
         )
         points = contact_points(self._level, told, pairs)
         return dataclasses.replace(

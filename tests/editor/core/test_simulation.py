@@ -170,6 +170,9 @@ def test_contacts_are_told_on_request(perform):
     contact = next(c for c in snapshots[-1].contacts if {c.body_a, c.body_b} == {2, "floor"})
     assert contact.at == pytest.approx((snapshots[-1].position[1][0], 0.4), abs=0.02)
     assert abs(contact.normal[1]) == pytest.approx(1.0, abs=1e-3)
+    # The wheel lies in the bar that it carries: that is no contact, and no penetration.
+    assert frozenset((1, 2)) not in touching
+    assert snapshots[-1].penetration < 0.01
 
 
 def test_energy_is_kept_in_free_fall(perform):
