@@ -1,11 +1,11 @@
 """Compiling ahead on the worker what Play will need, so that the first step comes at once."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Final
 
 from editor.jobs import Job
-from editor.requests import WarmUp
+from editor.requests import Rehearse, WarmUp
 from editor.session import Session
 from kinetix.level.sizes import AUTOMATIC, capacity_of, describe_capacity
 
@@ -14,7 +14,7 @@ SETTLED_SECONDS: Final = 2.0
 
 
 class Preparation:
-    """Knows what was asked for: every size and physics once in a run."""
+    """Knows what was asked for: every size and physics once in a run, and so for the agent."""
 
     def __init__(self, session: Session, done: Callable[[Job], None]) -> None:
         """Ask for nothing yet.
@@ -26,8 +26,8 @@ class Preparation:
         self._session = session
         self._done = done
         self._begun = False
-        self._asked: set[tuple[str, str]] = set()
-        self._need: tuple[str, str] = ("", "")
+        self._asked: set[Hashable] = set()
+        self._need: Hashable = None
         self._since = 0.0
 
     def begin(self) -> None:
@@ -42,11 +42,21 @@ class Preparation:
         session = self._session
         if not (self._begun and session.editing and session.worker.idle):
             return
-        need = self._own()
-        if need != self._need:
-            self._need, self._since = need, time.monotonic()
-        if need not in self._asked and time.monotonic() - self._since >= SETTLED_SECONDS:
-            self._ask(*need)
+        own, casting = self._own(), session.viewer.casting("a")
+        agent = None if casting is None else (*own, casting.agent, casting.deterministic)
+        if (own, agent) != self._need:
+            self._need, self._since = (own, agent), time.monotonic()
+        if time.monotonic() - self._since < SETTLED_SECONDS:
+            return
+        if own not in self._asked:
+            self._ask(*own)
+        elif casting is not None and agent not in self._asked and session.document.level.bodies:
+            self._asked.add(agent)
+            # Whatever is wrong with it is said when it is played.
+            session.worker.submit(
+                Rehearse(level=session.document.level, physics=own[1], casting=casting),
+                title="Preparing the agent",
+            )
 
     def _own(self) -> tuple[str, str]:
         session = self._session

@@ -5,7 +5,9 @@ import pytest
 from editor import preparing
 from editor.commands.fields import SetLevelField
 from editor.jobs import Worker
+from editor.panels.evaluate import scripted_summary
 from editor.preparing import Preparation
+from editor.requests import WarmUp
 from editor.session import Session
 from editor.settings import Settings
 from tests.editor.core.helpers import FakeSimulator, a_level
@@ -42,7 +44,12 @@ def asked(clock):
         while not worker.idle:
             worker.wait(5)
             worker.poll()
-        told = [(request.sizes, request.physics) for request in requests]
+        told = [
+            (request.sizes, request.physics)
+            if isinstance(request, WarmUp)
+            else (request.casting.agent.path, request.physics)
+            for request in requests
+        ]
         requests.clear()
         return told
 
@@ -82,3 +89,14 @@ def test_nothing_is_prepared_while_it_plays(asked):
     assert pass_time(10) == []
     session.playback.stop()
     assert pass_time(10) == [(("m",), "accurate")]
+
+
+def test_the_agent_is_prepared_for_another_level_too(asked):
+    session, preparation, pass_time = asked
+    preparation.begin()
+    pass_time(0)
+    session.viewer.slots["a"].summary = scripted_summary("random")
+    assert pass_time(4) == [("random", "balanced")]
+    assert pass_time(4) == []
+    session.execute(SetLevelField(field="size", value="l"))
+    assert pass_time(4) == [("random", "balanced")]
