@@ -74,10 +74,11 @@ def swing_time() -> Draft:
     """Tap 1 in time with the swing to carry the green rod up to the blue ball, not back to the
     red.
     """
-    draft = Draft("swing-up", "thruster", "timing", "hazard", difficulty=2)
+    draft = Draft("swing-up", "thruster", "timing", "hazard", difficulty=3)
     rod = draft.box((2.5, 4.2), 0.14, 1.5, "green")
     draft.hinge("ceiling", rod, (2.5, 4.9))
-    draft.thruster(rod, (2.5, 3.5), 0, 0.06)
+    # Too weak to do it in one push.
+    draft.thruster(rod, (2.5, 3.5), 0, 0.025)
     draft.ball((4.1, 4.45), 0.22, "blue", fixed=True)
     draft.ball((0.8, 4.45), 0.22, "red", fixed=True)
     return draft
