@@ -61,6 +61,8 @@ class Document:
         """The peer's file as it was read, for writing it back byte for byte."""
         self.stamp: object = None
         """What the file looked like on disk when it was last read or written."""
+        self.outside = ""
+        """What somebody else has done to the file; empty: nothing."""
         self.path = path
         self.format: Format = format
         self.warnings = warnings

@@ -75,7 +75,7 @@ def save_document(document: Document, path: Path, format: Format) -> None:
         write_atomically(path.with_name(f"{path.name}.bak"), previous)
     save_level(document.level, path, format=format, source=document.source)
     document.mark_saved(path, format)
-    document.stamp = read_stamp(path)
+    document.stamp, document.outside = read_stamp(path), ""
     forget_autosave(document)
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.actions import agents, export, file, play, watch
+from editor.actions import agents, export, file, outside, play, watch
 from editor.actions.base import Action, Context, context_of, contexts
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
@@ -203,7 +203,7 @@ def update(session: Session, seconds: float) -> None:
                 files.autosave(tab.document)
     if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
-            file.check_outside(session)
+            outside.check(session)
 
 
 def _passed(before: float, now: float, period: float) -> bool:

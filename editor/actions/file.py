@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
-from editor.commands.level import ReplaceLevel
 from editor.document import Document, Format
 from editor.prompts import Choice, FileQuestion, Question
 from editor.session import Session, Tab
@@ -246,66 +245,3 @@ def offer_recovery(session: Session) -> None:
                 answer=answer,
             )
         )
-
-
-def check_outside(session: Session) -> None:
-    """Ask what to do when the file in front was changed by somebody else (IO5)."""
-    document = session.document
-    if not files.changed_outside(document) or session.prompts:
-        return
-    assert document.path is not None
-    path = document.path
-    if not path.exists():
-        document.stamp = None
-        document.mark_unsaved()
-        session.toast(f"{path.name} was removed; the level is only here now.", "warning")
-        return
-
-    def answer(choice: str) -> None:
-        document.stamp = files.read_stamp(path)
-        if choice == "reload":
-            reload(session, document)
-        else:
-            document.mark_unsaved()
-
-    session.ask(
-        Question(
-            title="The file has changed",
-            message=f"{path.name} was changed outside the editor. {_difference(document, path)}",
-            choices=(
-                Choice(id="reload", label="Reload", detail="can be undone"),
-                Choice(id="keep", label="Keep mine"),
-            ),
-            default="reload" if not document.dirty else "keep",
-            cancel="keep",
-            answer=answer,
-        )
-    )
-
-
-def _difference(document: Document, path: Path) -> str:
-    try:
-        theirs = files.open_document(path).level
-    except LevelError as error:
-        return f"It cannot be read now: {error}"
-    mine = document.level
-    parts = []
-    for kind, noun in (("bodies", "shapes"), ("joints", "joints"), ("thrusters", "thrusters")):
-        here, there = (
-            {entity.id: entity for entity in getattr(level, kind)} for level in (mine, theirs)
-        )
-        changed = sum(here[i] != there[i] for i in here.keys() & there.keys())
-        counts = (len(there.keys() - here.keys()), len(here.keys() - there.keys()), changed)
-        if any(counts):
-            parts.append(f"{noun}: {counts[0]} new, {counts[1]} gone, {counts[2]} changed")
-    return f"Differences: {'; '.join(parts)}." if parts else "Only settings of the level differ."
-
-
-def reload(session: Session, document: Document) -> None:
-    """Take the file's content over as one edit, so that it can be undone."""
-    assert document.path is not None
-    with session.guard():
-        fresh = files.open_document(document.path)
-        document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
-        document.source = fresh.source
-        document.mark_saved()

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import file
+from editor.actions import file, outside
 from editor.gallery import filing
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan, export_set, refused
@@ -117,10 +117,11 @@ def rename(session: Session) -> None:
             return
         index = session.locate(card.file)
         target = filing.rename(card.file, name)
+        session.names.keep(target, session.names.of(card.file))
         if index is not None:
             document = session.tabs[index].document
             document.path = target
-            file.reload(session, document)
+            outside.take(session, document)
         gallery = session.gallery
         gallery.selection, gallery.focus = (str(target),), str(target)
         if card.path in gallery.tray:

@@ -1,10 +1,12 @@
 """The open documents as tabs over the canvas, and what there is to say about the one in front."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from editor import widgets
+from editor import actions, widgets
 from editor.actions import file
 from editor.look import COLOURS, SMALL, Icons, alpha
 from editor.widgets import px
@@ -35,7 +37,8 @@ class DocumentTabs:
             widgets.tooltip("New level", keys="Ctrl+N")
             imgui.end_tab_bar()
         imgui.pop_style_var()
-        self._banner(session)
+        self._outside(session)
+        self._warnings(session)
 
     def _tabs(self, session: "Session") -> None:
         brought = self._front != session.tab_index
@@ -60,28 +63,56 @@ class DocumentTabs:
         if front != session.tab_index:
             session.queue(lambda: session.show_tab(front))
 
-    def _banner(self, session: "Session") -> None:
+    def _warnings(self, session: "Session") -> None:
         """What the file held and the document does not: said once, until it is closed."""
         document = session.document
         if not document.warnings:
             return
-        imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(*alpha(COLOURS.warn, 0.14)))
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(12), px(6)))
-        flags = (
-            imgui.ChildFlags_.auto_resize_y.value
-            | imgui.ChildFlags_.always_use_window_padding.value
-        )
-        imgui.begin_child("banner", (0, 0), flags)
-        with widgets.font(None, SMALL):
-            widgets.text(Icons.warning, COLOURS.warn)
-            imgui.same_line(0, px(8))
-            width = imgui.get_content_region_avail().x - px(36)
-            imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)
-            widgets.text("  ".join(document.warnings))
-            imgui.pop_text_wrap_pos()
-        imgui.same_line(imgui.get_window_width() - px(36))
-        if widgets.icon_button(session, "banner.close", Icons.close, height=px(20)):
-            session.queue(lambda: setattr(document, "warnings", ()))
+        with _strip("warnings"):
+            _words("  ".join(document.warnings), px(36))
+            imgui.same_line(imgui.get_window_width() - px(36))
+            if widgets.icon_button(session, "banner.close", Icons.close, height=px(20)):
+                session.queue(lambda: setattr(document, "warnings", ()))
+
+    def _outside(self, session: "Session") -> None:
+        """That somebody else has changed the file, and what can be done."""
+        if not (session.editing and session.document.outside):
+            return
+        with _strip("outside"):
+            _words(session.document.outside, px(12))
+            for number, name in enumerate(("file.reload", "file.keep_mine", "file.differences")):
+                if number:
+                    imgui.same_line(0, px(8))
+                action = actions.BY_ID[name]
+                if widgets.button(session, f"outside.{name}", action.label):
+                    session.queue(name)
+                widgets.tooltip(action.label, action.tooltip)
+
+
+@contextlib.contextmanager
+def _strip(name: str) -> Iterator[None]:
+    """A coloured strip over the level, as high as what is in it."""
+    imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(*alpha(COLOURS.warn, 0.14)))
+    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(12), px(6)))
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(px(8), px(6)))
+    flags = (
+        imgui.ChildFlags_.auto_resize_y.value | imgui.ChildFlags_.always_use_window_padding.value
+    )
+    imgui.begin_child(f"banner-{name}", (0, 0), flags)
+    try:
+        yield
+    finally:
         imgui.end_child()
-        imgui.pop_style_var()
+        imgui.pop_style_var(2)
         imgui.pop_style_color()
+
+
+def _words(words: str, room: float) -> None:
+    """A warning in small letters that leaves some room at the right [px]."""
+    with widgets.font(None, SMALL):
+        widgets.text(Icons.warning, COLOURS.warn)
+        imgui.same_line(0, px(8))
+        width = imgui.get_content_region_avail().x - room
+        imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)
+        widgets.text(words)
+        imgui.pop_text_wrap_pos()

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import export, file
+from editor.actions import export, file, outside
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -15,6 +15,26 @@ FILE: Final = (
         menu="File",
         keys=("ctrl+shift+s",),
         run=file.save_as,
+    ),
+    *(
+        Action(
+            id=f"file.{name}",
+            label=label,
+            menu="File",
+            tooltip=tooltip,
+            enabled=outside.is_changed,
+            run=run,
+        )
+        for name, label, tooltip, run in (
+            ("reload", "Reload", "What the file holds now, as one edit.", outside.reload),
+            ("keep_mine", "Keep Mine", "Saving overwrites the other one.", outside.keep),
+            (
+                "differences",
+                "Differences…",
+                "What differs between the file and the level here.",
+                outside.show_differences,
+            ),
+        )
     ),
     Action(
         id="file.close_tab", label="Close Tab", menu="File", keys=("ctrl+w",), run=file.close_tab

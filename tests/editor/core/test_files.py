@@ -170,14 +170,16 @@ def outside_session(path):
     return session
 
 
-def test_a_change_from_outside_is_asked_about(path):
+def test_a_change_from_outside_is_told_and_can_be_taken(path):
     session = outside_session(path)
     theirs = MOVE.apply(a_level())
     change_outside(path, theirs)
+    assert not actions.run(session, "file.reload")
     actions.update(session, 2.1)
-    (prompt,) = session.prompts
-    assert "shapes: 0 new, 0 gone, 1 changed" in prompt.message
-    session.answer(prompt, "reload")
+    assert "shapes: 0 new, 0 gone, 1 changed" in session.document.outside
+    assert session.prompts == []  # nothing stands in the way of working on
+    assert actions.run(session, "file.reload")
+    assert session.document.outside == ""
     assert session.document.level.body(3) == theirs.body(3)
     assert not session.document.dirty
     actions.run(session, "edit.undo")
@@ -188,17 +190,55 @@ def test_keeping_mine_makes_it_unsaved(path):
     session = outside_session(path)
     change_outside(path, MOVE.apply(a_level()))
     actions.update(session, 2.1)
-    session.answer(session.prompts[-1], "keep")
+    assert actions.run(session, "file.keep_mine")
     assert session.document.dirty
     actions.update(session, 2.1)
-    assert session.prompts == []
+    assert session.document.outside == ""
+
+
+def test_the_differences_are_listed_and_select(path):
+    session = outside_session(path)
+    theirs = MOVE.apply(a_level())
+    more = theirs.body(4).replace(id=9, position=(2.0, 3.0))
+    change_outside(path, theirs.replace(bodies=(*theirs.bodies, more), thrusters=(), next_id=10))
+    actions.update(session, 2.1)
+    actions.run(session, "file.differences")
+    prompt = session.prompts[-1]
+    told = {choice.id: choice.detail for choice in prompt.choices}
+    assert told == {"9": "new", "6": "gone", "3": "changed"}
+    session.answer(prompt, "3")
+    assert session.selection == (3,)
+    actions.run(session, "file.differences")
+    session.answer(session.prompts[-1], "9")  # what is not here cannot be selected
+    assert session.selection == ()
+
+
+def test_saving_over_a_change_from_outside_keeps_it_beside(path):
+    session = outside_session(path)
+    theirs = MOVE.apply(a_level())
+    change_outside(path, theirs)
+    actions.update(session, 2.1)
+    actions.run(session, "file.save")
+    assert session.document.outside == ""
+    assert load_level(path.with_name(f"{path.name}.bak")).body(3) == theirs.body(3)
+
+
+def test_a_file_that_cannot_be_read_any_more_is_told(path):
+    session = outside_session(path)
+    path.write_text("{")
+    os.utime(path, ns=(10**18, 10**18))
+    actions.update(session, 2.1)
+    assert "cannot be read now" in session.document.outside
+    assert actions.run(session, "file.reload")  # a toast says why it cannot be done
+    assert any("not JSON" in text or "JSON" in text for text in texts(session))
+    assert session.document.level.body(3) == a_level().body(3)
 
 
 def test_touching_a_file_is_no_change(path):
     session = outside_session(path)
     os.utime(path, ns=(10**18, 10**18))
     actions.update(session, 2.1)
-    assert session.prompts == []
+    assert session.document.outside == ""
 
 
 def test_a_removed_file_makes_its_document_unsaved(path):

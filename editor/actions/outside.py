@@ -1,0 +1,116 @@
+"""What to do when somebody else changes the file of the level in front (IO5)."""
+
+from editor import files
+from editor.commands.level import ReplaceLevel
+from editor.document import Document
+from editor.prompts import Choice, MenuQuestion
+from editor.session import Session
+from editor.wording import describe
+from kinetix.errors import LevelError
+from kinetix.level.model import Level
+
+_KINDS = (("bodies", "shapes"), ("joints", "joints"), ("thrusters", "thrusters"))
+
+
+def check(session: Session) -> None:
+    """Look at the file; the banner over the level says when it is another one."""
+    document = session.document
+    if not files.changed_outside(document):
+        document.outside = ""
+        return
+    assert document.path is not None
+    path = document.path
+    if not path.exists():
+        document.stamp, document.outside = None, ""
+        document.mark_unsaved()
+        session.toast(f"{path.name} was removed; the level is only here now.", "warning")
+        return
+    document.outside = f"{path.name} was changed outside the editor. {_summary(session)}"
+
+
+def is_changed(session: Session) -> bool:
+    """Whether somebody else has changed the file in front."""
+    return session.editing and bool(session.document.outside)
+
+
+def reload(session: Session) -> None:
+    """Take the file's content over."""
+    take(session, session.document)
+    session.toast(f"Reloaded {session.document.title}", "success", action="edit.undo")
+
+
+def take(session: Session, document: Document) -> None:
+    """Take the content of a document's file over as one edit, so that it can be undone.
+
+    Raises:
+        LevelError: The file cannot be read.
+    """
+    assert document.path is not None
+    fresh = files.open_document(document.path)
+    document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
+    document.source, document.stamp, document.outside = fresh.source, fresh.stamp, ""
+    document.mark_saved()
+
+
+def keep(session: Session) -> None:
+    """Go on with what is here; saving puts it in the place of the other."""
+    document = session.document
+    assert document.path is not None
+    document.stamp, document.outside = files.read_stamp(document.path), ""
+    document.mark_unsaved()
+
+
+def show_differences(session: Session) -> None:
+    """List what differs; choosing something selects it."""
+    mine, theirs = session.document.level, _theirs(session)
+    choices = [
+        Choice(
+            id=str(number),
+            label=describe(level, number),
+            detail=word,
+            ids=() if word == "new" else (number,),
+        )
+        for number, level, word in _differences(mine, theirs)
+    ]
+    if not choices:
+        session.toast("No shape, joint or thruster differs, only settings of the level.")
+        return
+
+    def answer(choice: str | None) -> None:
+        if choice is not None:
+            session.selection = (int(choice),)
+
+    title = "In the file"
+    session.ask(MenuQuestion(title=title, choices=tuple(choices), at=None, answer=answer))
+
+
+def _theirs(session: Session) -> Level:
+    assert session.document.path is not None
+    return files.open_document(session.document.path).level
+
+
+def _differences(mine: Level, theirs: Level) -> list[tuple[int, Level, str]]:
+    """What differs: id, the level that has it, and how the file differs from here."""
+    here = {entity.id: entity for entity in mine.entities()}
+    there = {entity.id: entity for entity in theirs.entities()}
+    found = [(number, theirs, "new") for number in there if number not in here]
+    found += [(number, mine, "gone") for number in here if number not in there]
+    common = [number for number in here if number in there]
+    return found + [(n, mine, "changed") for n in common if here[n] != there[n]]
+
+
+def _summary(session: Session) -> str:
+    """How many of each kind differ."""
+    try:
+        theirs = _theirs(session)
+    except LevelError as error:
+        return f"It cannot be read now: {error}"
+    differing = _differences(session.document.level, theirs)
+    parts = []
+    for kind, noun in _KINDS:
+        ids = {e.id for level in (session.document.level, theirs) for e in getattr(level, kind)}
+        words = [word for number, _, word in differing if number in ids]
+        if words:
+            counts = (f"{words.count(word)} {word}" for word in ("new", "gone", "changed"))
+            parts.append(f"{noun}: {', '.join(counts)}")
+    return f"Differences: {'; '.join(parts)}." if parts else "Only settings of the level differ."

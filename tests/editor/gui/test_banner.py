@@ -1,0 +1,25 @@
+"""The strip over the level that tells of changes by somebody else."""
+
+import os
+
+from kinetix.level.codec import save_level
+from tests.editor.core.helpers import a_level
+
+
+def test_a_change_from_outside_is_told_over_the_level_and_taken(make_gui, tmp_path):
+    path = tmp_path / "cart.json"
+    save_level(a_level(), path)
+    gui = make_gui()
+    gui.open(path)
+    gui.frames(20)
+    high = gui.probe("canvas").low[1]
+    theirs = a_level().replace(thrusters=())
+    save_level(theirs, path)
+    os.utime(path, ns=(10**18, 10**18))
+    gui.frames(130)
+    assert gui.probe("canvas").low[1] > high + 20
+    gui.click("outside.file.reload")
+    gui.frames(4)
+    assert gui.level.thrusters == ()
+    assert not gui.shows("outside.file.reload")
+    assert gui.probe("canvas").low[1] == high
