@@ -16,7 +16,7 @@ class Arrangement:
 
     label: str
     left: float = 250.0
-    """Width of the left column [px at 100 %]; 0: what belongs there goes to the right."""
+    """Width of the left column [px at 100 %]; 0: what belongs there goes to the lower right."""
     right: float = 310.0
     bottom: float = 190.0
     """Height of the lower row [px at 100 %]."""
@@ -26,10 +26,16 @@ class Arrangement:
 
 
 ARRANGEMENTS: Final = {
-    "edit": Arrangement(label="Edit", front=("problems", "inspector")),
-    "play": Arrangement(label="Play", left=0.0, bottom=230.0, front=("timeline", "agents")),
+    "edit": Arrangement(label="Edit", front=("outliner", "level", "problems", "inspector")),
+    "play": Arrangement(
+        label="Play", left=0.0, bottom=230.0, front=("inspector", "timeline", "agents")
+    ),
     "evaluate": Arrangement(
-        label="Evaluate", left=0.0, bottom=420.0, most=0.52, front=("evaluate", "agents")
+        label="Evaluate",
+        left=0.0,
+        bottom=420.0,
+        most=0.52,
+        front=("inspector", "evaluate", "agents"),
     ),
 }
 """Those that come with the app, by id."""
@@ -39,11 +45,17 @@ _MOST_GIVEN: Final = 0.46
 _COLUMNS: Final = {
     "outliner": "left",
     "level": "lower left",
+    "history": "left",
+    "controls": "lower left",
     "inspector": "right",
     "agents": "right",
     "eye": "right",
 }
 """Where panels belong; all others share the lower row."""
+_ELSE_BELOW: Final = frozenset({"history", "controls"})
+"""Panels that go to the lower row where there is no left column: the right one has enough."""
+_LOWER_RIGHT: Final = frozenset({"outliner", "level", "inspector"})
+"""Panels that stand below the others at the right where there is no left column."""
 
 
 def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
@@ -69,12 +81,18 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     right_share = min(px(plan.right) / (size.x * (1 - left_share)), 0.34)
     split = node.dock_builder_split_node(rest, imgui.Dir.right, right_share)
     places["right"], middle = split.id_at_dir, split.id_at_opposite_dir
+    if not plan.left:
+        split = node.dock_builder_split_node(places["right"], imgui.Dir.down, 0.4)
+        places["lower right"], places["right"] = split.id_at_dir, split.id_at_opposite_dir
     bottom_share = min(px(plan.bottom) / size.y, plan.most)
     split = node.dock_builder_split_node(middle, imgui.Dir.down, bottom_share)
     bottom = split.id_at_dir
     for panel in panels:
         column = _COLUMNS.get(panel.id)
-        place = bottom if column is None else places.get(column, places["right"])
+        if not plan.left and panel.id in _LOWER_RIGHT:
+            column = "lower right"
+        spare = bottom if panel.id in _ELSE_BELOW else places["right"]
+        place = bottom if column is None else places.get(column, spare)
         node.dock_builder_dock_window(panel.window_name, place)
     node.dock_builder_finish(space)
 

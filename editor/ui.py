@@ -110,6 +110,8 @@ class Ui:
         """Ids of the panels that were on the screen in the last frame."""
         self._asked = ""
         """Id of a panel that was brought to the front on demand."""
+        self._brought = 0
+        """The frame in which a panel was brought to the front last."""
         self._put_up = 0
         """The frame in which the panels were put up last: at first, anew, or after being hidden."""
         self._had_bars = False
@@ -369,7 +371,10 @@ class Ui:
         """Draw a panel's window; returns whether the keyboard is there."""
         imgui.set_next_window_size((px(320), px(400)), imgui.Cond_.first_use_ever.value)
         first = self._in_front[0] if self._in_front else ""
-        if panel.id == first and imgui.get_frame_count() > self._put_up + 1:
+        # Of two in one frame Dear ImGui would bring only the last to the front.
+        ready = imgui.get_frame_count() > max(self._put_up + 1, self._brought)
+        if panel.id == first and ready:
+            self._brought = imgui.get_frame_count()
             # Of panels that share a place, the one docked last is in front unless told otherwise.
             imgui.set_next_window_focus()
             self._in_front.pop(0)

@@ -67,6 +67,21 @@ def test_names_of_the_apps_layouts_are_taken(gui):
     assert "comes with the app" in gui.session.toasts[-1].text
 
 
+def test_every_layout_has_its_panels_in_front(gui):
+    gui.frames(10)
+    assert gui.shows("outliner.filter")
+    assert gui.shows("level.name")
+    assert gui.shows("problems.E101")
+    gui.session.queue("view.layout_play")
+    gui.frames(20)
+    assert gui.session.viewer.timeline_open
+    assert gui.shows("agents.choose.a")
+    gui.session.queue("view.layout_evaluate")
+    gui.frames(20)
+    assert gui.shows("evaluate.source")
+    assert gui.shows("agents.choose.a")
+
+
 def test_a_panel_that_needs_room_gets_it_and_gives_it_back(gui):
     gui.frames(30)
     low = height_of_canvas(gui)
