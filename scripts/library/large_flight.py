@@ -77,12 +77,15 @@ def asteroids() -> Draft:
 
 
 def stepping_stones() -> Draft:
-    """Thruster 1 jumps and 2 pushes right: hop from stone to stone over the red lava to the blue
-    ball.
+    """Thruster 1 jumps and 2 pushes right: hop from stone to stone between red lava and red roof
+    to the blue ball.
     """
-    draft = Draft("thruster", "platforms", "jump", "hazard", difficulty=2, floor="red")
+    draft = Draft("thruster", "platforms", "jump", "hazard", difficulty=3, floor="red")
     for x, top in ((0.6, 0.9), (1.9, 1.2), (3.1, 0.8)):
         draft.box((x, top / 2 + 0.2), 0.6, top - 0.4, fixed=True)
+    # So low that one flight over everything does not do.
+    for x in (1.4, 3.3):
+        draft.box((x, 2.0), 1.9, 0.14, "red", fixed=True)
     hopper = draft.box((0.6, 1.06), 0.3, 0.32, "green")
     draft.thruster(hopper, (0.6, 0.92), 90, 0.16, KEY_1)
     draft.thruster(hopper, (0.47, 1.06), 0, 0.05, KEY_2)
