@@ -32,7 +32,8 @@ Event = dict[str, Any]
 
 _DRAG_FRAMES: Final = 10
 """A drag moves in so many steps, so that tools see the way and not only its end."""
-_SETTLE_FRAMES: Final = 3
+_SETTLE_FRAMES: Final = 10
+"""Before the first line: panels are brought to the front one a frame, and take the keyboard."""
 _LOAD_SECONDS: Final = 120.0
 """Longest wait for an agent [s]; the first one waits for JAX to be imported."""
 _STEP_SECONDS: Final = 30.0
