@@ -320,22 +320,24 @@ class _Scene:
         a: Int[Array, "k n"],
         b: Int[Array, "k n"],
         normal: Vec,
-        middle: Vec,
+        arms: tuple[Vec, Vec],
         separation: Float[Array, "k n"],
         key: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
     ) -> Points:
-        """`middle` is relative to body b's centre."""
-        apart = take_vec(self.centre, b) - take_vec(self.centre, a)
         return Points(
             body_a=a,
             body_b=b,
             normal=normal,
-            arm_a=middle + apart,
-            arm_b=middle,
+            arm_a=arms[0],
+            arm_b=arms[1],
             separation=jnp.where(valid, separation, FAR),
             key=jnp.where(valid, key, -1),
         )
+
+    def _at(self, a: Int[Array, "k n"], b: Int[Array, "k n"], place: Vec) -> tuple[Vec, Vec]:
+        """Arms of both bodies to a place that is relative to body b's centre."""
+        return place + take_vec(self.centre, b) - take_vec(self.centre, a), place
 
     def circle_points(
         self,
@@ -349,8 +351,8 @@ class _Scene:
         apart = take_vec(self.centre, b) - take_vec(self.centre, a)
         radius_a, radius_b = self._radius(a), self._radius(b)
         normal, gap = self._round_contact(apart, a, b, radius_a + radius_b)
-        middle = normal * (-radius_b - 0.5 * gap)
-        return self._points(a, b, normal, middle, gap, pair * FEATURES, valid)
+        arms = normal * radius_a, normal * -radius_b
+        return self._points(a, b, normal, arms, gap, pair * FEATURES, valid)
 
     def _round_contact(
         self, apart: Vec, a: Int[Array, "k n"], b: Int[Array, "k n"], radius: Float[Array, "k n"]
@@ -389,10 +391,11 @@ class _Scene:
         round_normal, round_gap = self._round_contact(corner - offset, a, b, radius)
         gap = jnp.where(at_corner, round_gap, face - radius)
         normal = maths.where(at_corner, round_normal, -outward)
-        middle = offset + normal * (radius + 0.5 * gap)
+        on_face = offset + normal * (radius + gap)
+        arms = normal * radius, maths.where(at_corner, corner, on_face)
         corner_count = self.polygons.offsets.shape[1]
         feature = jnp.where(at_corner, (edge + at_end) % corner_count, edge)
-        return self._points(a, b, normal, middle, gap, pair * FEATURES + feature, valid)
+        return self._points(a, b, normal, arms, gap, pair * FEATURES + feature, valid)
 
     def polygon_points(
         self,
@@ -435,7 +438,9 @@ class _Scene:
             a,
             b,
             maths.where(use_corner, corner_normal, normal) * sign,
-            maths.where(use_corner, corner_point, low - normal * (0.5 * gap_low)) + to_b,
+            self._at(
+                a, b, maths.where(use_corner, corner_point, low - normal * (0.5 * gap_low)) + to_b
+            ),
             gap_first,
             jnp.where(use_corner, corner_key, key(own_corner[0], other_corner[1])),
             valid & (survives | use_corner) & (gap_first <= margin),
@@ -444,7 +449,7 @@ class _Scene:
             a,
             b,
             normal * sign,
-            high - normal * (0.5 * gap_high) + to_b,
+            self._at(a, b, high - normal * (0.5 * gap_high) + to_b),
             gap_high,
             key(own_corner[1], other_corner[0]),
             valid & survives & ~use_corner & (gap_high <= margin),

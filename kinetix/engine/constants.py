@@ -22,8 +22,15 @@ LINEAR_SLOP = 5e-4
 PUSH_SPEED = 3.0
 """Overlaps are resolved no faster than this [m/s]. Larger: bodies pop out of each other."""
 
+LEAST_BOUNCE = 1e-3
+"""Slower contacts do not bounce [m/s]. Zero: rounding errors count as blows and blur real ones."""
+
 CLOSED_DISTANCE = 1e-4
 """A contact counts as closed below this separation [m]; only closed ones act when relaxing."""
+
+TAUT = 0.5
+"""(Substep · swing rate)² of a body at which its joint counts as taut; a fifth of it as loose.
+Larger: light chains gain energy as they swing; smaller: long pendulums lose it."""
 
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""

@@ -7,7 +7,7 @@ import pytest
 
 from kinetix import cli
 from kinetix.bench import references
-from kinetix.bench.accuracy import AccuracySettings, measure_accuracy, roomier, row_of
+from kinetix.bench.accuracy import AccuracySettings, measure_accuracy, metrics_of, roomier, row_of
 from kinetix.bench.metrics import JUDGES, Metric
 from kinetix.bench.metrics.base import each, normalised_error
 from kinetix.bench.motion import Motion
@@ -302,3 +302,10 @@ def test_wrong_names_are_said_before_anything_runs(capsys):
     assert "no scene 'Q1'" in capsys.readouterr().err
     assert cli.main(["bench", "accuracy", "--physics", "bullet"]) == 1
     assert "unknown physics 'bullet'" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["B4", "B5", "B7", "D2", "D3", "D5", "D6"])
+def test_default_method_is_good_where_swings_and_blows_are_hard(name):
+    metrics = metrics_of(SCENES[name], solver_named("balanced"), "balanced")
+    assert {m.label: m.value for m in metrics if m.verdict not in (None, "good")} == {}

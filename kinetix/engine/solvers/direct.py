@@ -24,7 +24,14 @@ from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
-from kinetix.engine.solvers.joint_system import JointSystem, Step, joint_system, project
+from kinetix.engine.solvers.joint_system import (
+    JointSystem,
+    Step,
+    curvature,
+    joint_system,
+    project,
+    settle,
+)
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import (
     Masses,
@@ -106,6 +113,8 @@ class Direct(AbstractSolver):
     """Share of a joint's position error that one substep takes away."""
     contact_bias: float = 0.2
     """The same for overlaps."""
+    passes: int = 8
+    """Most blows that are passed on within a substep."""
     slots: Slots | None = None
     """Room for contacts; None: by the capacity."""
 
@@ -142,12 +151,14 @@ class Direct(AbstractSolver):
         control = jax.tree.map(jnp.nan_to_num, control)
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
+        masses, loose = store(_effective_masses(world, state, h))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
             control=control,
             parameters=parameters,
-            masses=store(_effective_masses(world, state, h)),
+            masses=masses,
+            loose=loose,
             store=store,
             features=spec.features,
         )
@@ -245,6 +256,7 @@ class Direct(AbstractSolver):
             system.prepared, system.matrix, offset, phase.bias_impulse, cone
         )
         velocity = store(apply(system.rows, bias_impulse, velocity, masses))
+        bias += curvature(step, phase.joints, velocity, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
         # Drift.
@@ -259,6 +271,14 @@ class Direct(AbstractSolver):
         # Relax: the other half, then velocities that satisfy everything as it stands.
         velocity = store(_kick(velocity, _acceleration(step, rotation), h / 2))
         joints = joint_system(step, position, rotation, velocity, h / 2)
+        joints, move = settle(step, joints)
+        position, rotation, gap = store(
+            (
+                position + move.linear,
+                rotation + move.angular,
+                gap + speeds(system.rows, move),
+            )
+        )
         velocity, relaxed = project(step, joints, velocity, nothing, nothing)
         closed = (bias_impulse > 0) | (gap <= constants.CLOSED_DISTANCE)
         cone = store(
@@ -266,18 +286,19 @@ class Direct(AbstractSolver):
                 cone, closed=live & closed[:count], limited=limit_live & closed[2 * count :]
             )
         )
-        offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
+        offset = store(speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse))
+        knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
-            bounce = self._bounce(system, before, phase.gap, push, closed[:count], h)
-            offset = offset.at[:count].add(-bounce)
+            bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
+            offset, knock = store(self._knocks(system, offset, bounce, cone, least))
         total = self.block.solve(
             system.prepared,
             system.matrix,
-            store(offset),
+            offset,
             store(bias_impulse + phase.relax_impulse),
             cone,
         )
-        velocity = store(apply(system.rows, store(total - bias_impulse), velocity, masses))
+        velocity = store(apply(system.rows, store(total - bias_impulse + knock), velocity, masses))
         velocity, relaxed = project(step, joints, velocity, relaxed, nothing)
         return Phase(
             position=position,
@@ -310,7 +331,7 @@ class Direct(AbstractSolver):
         push: tuple[Vec, Float[Array, "b n"]],
         closed: Bool[Array, "c n"],
         h: Float[Array, " n"],
-    ) -> Float[Array, "c n"]:
+    ) -> tuple[Float[Array, "c n"], Float[Array, " n"]]:
         """Speed with which contacts that closed in this substep leave.
 
         The approach speed is that of the moment of touching, wherever in the substep it lies, so
@@ -323,21 +344,67 @@ class Direct(AbstractSolver):
         speed = jnp.sqrt(
             jnp.maximum(0, before[:count] ** 2 + 2 * free_fall * jnp.maximum(gap[:count], 0))
         )
-        threshold = 2 * h * jnp.sqrt(dot(linear, linear)).max(axis=0)
+        hardest = jnp.sqrt(dot(linear, linear)).max(axis=0)
+        threshold = jnp.maximum(2 * h * hardest, constants.LEAST_BOUNCE)
         bounces = closed & (speed > threshold) & (before[:count] < 0)
-        return jnp.where(bounces, system.restitution * speed, 0)
+        return jnp.where(bounces, system.restitution * speed, 0), threshold
+
+    def _knocks(
+        self,
+        system: ContactSystem,
+        offset: Float[Array, "m n"],
+        bounce: Float[Array, "c n"],
+        cone: Cone,
+        threshold: Float[Array, " n"],
+    ) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
+        """Blows one after the other: what a blow sets in motion hits in the next pass.
+
+        Args:
+            system: Contacts and limits.
+            offset: Speeds of all rows without the contacts' impulses.
+            bounce: Speeds with which the contacts leave that hit by themselves; 0 for the rest.
+            cone: Which contacts are closed.
+            threshold: Contacts that close more slowly do not bounce [m/s].
+
+        Returns:
+            The rows' speeds after all blows, and the impulses of the blows.
+        """
+        count = system.friction.shape[0]
+
+        def going(carry: tuple) -> Bool[Array, ""]:
+            _, _, bounce, number = carry
+            return jnp.any(bounce > 0) & (number < self.passes)
+
+        def blow(carry: tuple) -> tuple:
+            offset, knock, bounce, number = carry
+            # A world without a blow stays as it is, whatever happens in the others of its tile.
+            struck = jnp.any(bounce > 0, axis=0)
+            hit = dataclasses.replace(cone, closed=bounce > 0, limited=cone.limited & struck)
+            wanted = offset.at[:count].add(-bounce)
+            impulse = self.block.solve(
+                system.prepared, system.matrix, wanted, jnp.zeros_like(knock), hit
+            )
+            offset += matvec(system.matrix, impulse)
+            closing = -offset[:count]
+            again = cone.closed & (closing > threshold)
+            bounce = jnp.where(again, system.restitution * closing, 0)
+            return offset, knock + impulse, bounce, number + 1
+
+        carry = (offset, jnp.zeros_like(offset), bounce, jnp.zeros((), jnp.int32))
+        return jax.lax.while_loop(going, blow, carry)[:2]
 
 
-def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Masses:
-    """Inverse masses with the stiffness of taut joints added to the inertia.
+def _effective_masses(
+    world: World, state: State, h: Float[Array, " n"]
+) -> tuple[Masses, Float[Array, "j n"]]:
+    """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
 
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
     not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
+    h²·r·f over the body's own inertia is (h·swing rate)², which tells taut joints from loose ones.
     """
     joints, bodies, cache = world.joints, world.bodies, state.cache
     inverse_inertia = bodies.inverse_inertia
-    if joints.body_a.shape[0] == 0:
-        return Masses(linear=bodies.inverse_mass, angular=inverse_inertia)
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
     stiffness = jnp.zeros_like(inverse_inertia)
@@ -345,14 +412,15 @@ def _effective_masses(world: World, state: State, h: Float[Array, " n"]) -> Mass
         (joints.body_a, joints.anchor_a, -1),
         (joints.body_b, joints.anchor_b, 1),
     ):
+        if body.shape[0] == 0:
+            break
         angle = take(state.rotation, body)
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         stiffness += sign * actuators.onto_bodies(dot(arm, force), body, count)
-    stiff = h**2 * jnp.maximum(stiffness, 0)
-    return Masses(
-        linear=bodies.inverse_mass,
-        angular=inverse_inertia / jnp.maximum(1, stiff * inverse_inertia),
-    )
+    swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
+    fastest = jnp.maximum(take(swing, joints.body_a), take(swing, joints.body_b))
+    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
+    return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
 
 
 def _limit_rows(step: Step, state: State) -> tuple[Rows, Bool[Array, "j n"], Float[Array, "j n"]]:

@@ -7,7 +7,7 @@ torque follow the motor's law *after* all impulses of the phase; otherwise it is
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, constants
 from kinetix.engine.maths import Vec, rotate, vec
@@ -62,6 +62,8 @@ class Step:
     parameters: Parameters
     masses: Masses
     """Inverse masses that the solver uses."""
+    loose: Float[Array, "j n"]
+    """1 for a joint whose bodies swing slowly for the substep, 0 for one under great tension."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
@@ -172,3 +174,56 @@ def project(
     residual = store(jnp.where(system.live, residual, 0))
     gained = store(jnp.where(system.live, -matvec(system.solve, residual), 0))
     return store((apply(system.rows, gained, velocity, step.masses), impulse + gained))
+
+
+def curvature(
+    step: Step, system: JointSystem, velocity: Velocity, duration: Float[Array, " n"]
+) -> Float[Array, "k n"]:
+    """Speeds that arms which turn, instead of moving straight on, add to the gaps' in a drift.
+
+    As a bias of the solve before the drift they make the gaps vanish at its end: the force that
+    bends the path acts in time, and the energy of what swings is kept (RATTLE). Light bodies that
+    pull far heavier ones swing faster than a substep can follow; there it would feed them energy,
+    so taut joints get none of it and are mended by `settle`.
+
+    Args:
+        step: The worlds.
+        system: The joints at the pose before the drift.
+        velocity: With which the bodies will drift.
+        duration: Of the drift [s].
+    """
+    joints = step.world.joints
+
+    def bend(body: Int[Array, "j n"], arm: Vec) -> Vec:
+        angle = take(velocity.angular, body) * duration
+        inward = -2 * jnp.sin(0.5 * angle) ** 2
+        onward = jnp.sin(angle) - angle
+        return Vec(x=inward * arm.x - onward * arm.y, y=inward * arm.y + onward * arm.x)
+
+    bent = bend(joints.body_b, system.arm_b) - bend(joints.body_a, system.arm_a)
+    bent = bent * (step.loose / duration)
+    turns = jnp.zeros_like(system.error[2 * bent.x.shape[0] :])
+    rows = jnp.concatenate([bent.x, bent.y, turns], axis=0)
+    return step.store(jnp.where(system.live, rows, 0))
+
+
+def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
+    """Take the error of taut joints out of the positions alone.
+
+    Args:
+        step: The worlds.
+        system: The joints at the pose after a drift.
+
+    Returns:
+        The system with the errors that are left, and how far all bodies move [m, rad].
+    """
+    nowhere = jnp.zeros_like(step.masses.angular)
+    still = Velocity(linear=Vec(x=nowhere, y=nowhere), angular=nowhere)
+    joints = step.loose.shape[0]
+    if joints == 0:
+        return system, still
+    loose = jnp.concatenate([step.loose] * (system.error.shape[0] // joints), axis=0)
+    left = step.store(system.error * loose)
+    gained = jnp.where(system.live, matvec(system.solve, left - system.error), 0)
+    move = apply(system.rows, step.store(gained), still, step.masses)
+    return system.replace(error=left), step.store(move)
