@@ -32,6 +32,10 @@ TAUT = 0.5
 """(Substep · swing rate)² of a body at which its joint counts as taut; a fifth of it as loose.
 Larger: light chains gain energy as they swing; smaller: long pendulums lose it."""
 
+CALM_TURN = 0.14
+"""Turn in a substep up to which a joint foresees how its arms bend the path [rad]; at twice this it
+does not. Larger: wedged machines tear themselves apart; smaller: fast pendulums lose energy."""
+
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""
 

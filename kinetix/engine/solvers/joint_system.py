@@ -184,7 +184,8 @@ def curvature(
     As a bias of the solve before the drift they make the gaps vanish at its end: the force that
     bends the path acts in time, and the energy of what swings is kept (RATTLE). Light bodies that
     pull far heavier ones swing faster than a substep can follow; there it would feed them energy,
-    so taut joints get none of it and are mended by `settle`.
+    so taut joints get none of it and are mended by `settle`. Nor do bodies that spin too fast for a
+    substep, such as those that are wedged and thrown about.
 
     Args:
         step: The worlds.
@@ -201,7 +202,12 @@ def curvature(
         return Vec(x=inward * arm.x - onward * arm.y, y=inward * arm.y + onward * arm.x)
 
     bent = bend(joints.body_b, system.arm_b) - bend(joints.body_a, system.arm_a)
-    bent = bent * (step.loose / duration)
+    spin = jnp.maximum(
+        jnp.abs(take(velocity.angular, joints.body_a)),
+        jnp.abs(take(velocity.angular, joints.body_b)),
+    )
+    calm = jnp.clip(2 - spin * duration / constants.CALM_TURN, 0, 1)
+    bent = bent * (step.loose * calm / duration)
     turns = jnp.zeros_like(system.error[2 * bent.x.shape[0] :])
     rows = jnp.concatenate([bent.x, bent.y, turns], axis=0)
     return step.store(jnp.where(system.live, rows, 0))
