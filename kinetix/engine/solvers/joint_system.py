@@ -5,6 +5,8 @@ third row holds the angle of a weld; for a running motor it is a soft row whose 
 torque follow the motor's law *after* all impulses of the phase; otherwise it is switched off.
 """
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
@@ -232,4 +234,4 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     left = step.store(system.error * loose)
     gained = jnp.where(system.live, matvec(system.solve, left - system.error), 0)
     move = apply(system.rows, step.store(gained), still, step.masses)
-    return system.replace(error=left), step.store(move)
+    return dataclasses.replace(system, error=left), step.store(move)
