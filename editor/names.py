@@ -5,13 +5,11 @@ does not depend on them. So they are the editor's, like locks; ids are never reu
 never go over to something else.
 """
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from kinetix.errors import LevelError
-from kinetix.level.atomic import write_atomically
+from editor.kept import read_kept, write_kept
 from kinetix.paths import state_dir
 
 MAX_FILES: Final = 2_000
@@ -64,30 +62,18 @@ class Names:
         return self._files
 
     def _write(self) -> None:
-        if not self._stored:
-            return
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise LevelError(f"{self.path}: cannot be saved: {error.strerror or error}") from error
-        content = json.dumps(self._read(), indent=1, ensure_ascii=False)
-        write_atomically(self.path, content.encode())
+        if self._stored:
+            write_kept(self.path, self._read())
 
 
 def _parse(path: Path) -> dict[str, dict[int, str]]:
     """What the file says; what is broken in it is passed over."""
-    try:
-        tree: Any = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    if not isinstance(tree, dict):
-        return {}
     return {
         file: {
             int(number): name[:MAX_LENGTH]
             for number, name in names.items()
             if number.isdecimal() and isinstance(name, str) and name
         }
-        for file, names in tree.items()
+        for file, names in read_kept(path).items()
         if isinstance(names, dict)
     }

@@ -5,13 +5,11 @@ edited has another hash and starts anew.
 """
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.errors import LevelError
-from kinetix.level.atomic import write_atomically
+from editor.kept import read_kept, write_kept
 from kinetix.paths import state_dir
 
 HUMAN: Final = "you"
@@ -110,23 +108,13 @@ class Results:
             sha256: {name: [r.attempts, r.solved] for name, r in records.items()}
             for sha256, records in self._read().items()
         }
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise LevelError(f"{self.path}: cannot be saved: {error.strerror or error}") from error
-        write_atomically(self.path, json.dumps(tree, indent=1).encode())
+        write_kept(self.path, tree)
 
 
 def _parse(path: Path) -> dict[str, dict[str, Record]]:
     """What the file says; what is broken in it is passed over."""
-    try:
-        tree: Any = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    if not isinstance(tree, dict):
-        return {}
     levels: dict[str, dict[str, Record]] = {}
-    for sha256, players in tree.items():
+    for sha256, players in read_kept(path).items():
         if not isinstance(players, dict):
             continue
         records = {name: _record(pair) for name, pair in players.items()}

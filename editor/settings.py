@@ -4,8 +4,9 @@ import dataclasses
 import json
 import os
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Final, Self
 
+from editor.kept import read_kept
 from kinetix.paths import config_dir
 
 RECENTS_MAX: Final = 10
@@ -73,14 +74,11 @@ class Settings:
     def load(cls, path: Path | None = None) -> Self:
         """Read the file; defaults where it is absent or says something else."""
         path = path or settings_path()
-        try:
-            stored: Any = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return cls()
+        stored = read_kept(path)
         settings = cls()
         for field in dataclasses.fields(cls):
             default = getattr(settings, field.name)
-            value = stored.get(field.name) if isinstance(stored, dict) else None
+            value = stored.get(field.name)
             if type(value) is type(default):
                 setattr(settings, field.name, value)
         return settings

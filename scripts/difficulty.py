@@ -8,24 +8,16 @@ tags. A level that has changed since is graded by its builder's estimate until i
 Without names, all levels are measured that have not been as they are.
 """
 
-import functools
 import json
 import sys
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 import jax
-import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Bool, Int
 
-from kinetix.environment.env import KinetixEnv
-from kinetix.environment.plans import channels_in_use, random_plans
-from kinetix.environment.replay import play_actions
-from kinetix.environment.reset import level_state
-from kinetix.environment.search import ROWS, solving_env
-from kinetix.environment.state import EnvState
-from kinetix.environment.stretches import BATCH, Task, stretches
+from kinetix.environment.plans import random_plans
+from kinetix.environment.search import play_plans, search_task, solving_env
+from kinetix.environment.stretches import BATCH, stretches
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
 from kinetix.level.sets import level_files
@@ -52,21 +44,9 @@ def effort_of(level: Level) -> Effort:
     """Play random plans, and search where none of them wins."""
     # Compiled for this level alone: at size l, playing with all that others need costs more.
     env = solving_env([level], physics=PHYSICS)
-
-    def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
-        return play_actions(level, actions.tolist(), physics=PHYSICS).outcome == "won"
-
-    task = Task(
-        env=env,
-        start=level_state(level, env.static_env_params),
-        limit=level.max_timesteps,
-        channels=channels_in_use(level),
-        random=np.random.default_rng(0),
-        wins=wins,
-    )
+    task = search_task(level, env, physics=PHYSICS)
     plans = random_plans(task.random, BATCH, task.limit, task.channels)
-    padded = np.pad(plans, ((0, 0), (0, -plans.shape[1] % ROWS), (0, 0)))
-    lucky = int(np.asarray(_won(env, task.start, jnp.asarray(padded))).sum())
+    lucky = int(play_plans(task, plans, all_to_the_end=True).won.sum())
     passes = 0
     if not lucky:
         passes = next(
@@ -78,27 +58,6 @@ def effort_of(level: Level) -> Effort:
             PASSES + 1,
         )
     return Effort(level=level_hash(level), plans=BATCH, lucky=lucky, passes=passes)
-
-
-@functools.partial(jax.jit, static_argnums=0)
-def _won(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> Bool[Array, " n"]:
-    """Which plans win, each played to the end of its episode."""
-    count, limit = plans.shape[:2]
-    step = jax.vmap(env.step, in_axes=(None, 0, 0))
-    key = jax.random.key(0)  # nothing in a step of one level is random
-
-    def going_on(carry: tuple[Any, ...]) -> Array:
-        t, _, over, _ = carry
-        return (t < limit) & ~jnp.all(over)
-
-    def advance(carry: tuple[Any, ...]) -> tuple[Any, ...]:
-        t, state, over, won = carry
-        _, state, _, ended, info = step(key, state, plans[:, t])
-        return t + 1, state, over | ended | info["nan"], won | (~over & info["GoalR"])
-
-    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *jnp.shape(x))), start)
-    no = jnp.zeros(count, bool)
-    return jax.lax.while_loop(going_on, advance, (jnp.int32(0), states, no, no))[3]
 
 
 def main(names: list[str]) -> None:

@@ -49,8 +49,4 @@ def _card(path: Path, stamp: int) -> AgentCard | None:
 def _plays(card: AgentCard, level: Level) -> bool:
     if card.plays_any_capacity or card.capacity is None:
         return True
-    needs, knows = capacity_of(level), card.capacity
-    return all(
-        getattr(needs, name) <= getattr(knows, name)
-        for name in ("polygons", "circles", "joints", "thrusters")
-    )
+    return card.capacity.sizes.covers(capacity_of(level))

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
+from kinetix.engine.spec import Capacity
 from kinetix.errors import CheckpointError
 
 FORMAT = "kinetix-agent"
@@ -46,6 +47,16 @@ class CapacityCard(_Part, frozen=True, kw_only=True):
     thrusters: int
     motor_bindings: int = 4
     thruster_bindings: int = 2
+
+    @property
+    def sizes(self) -> Capacity:
+        """What the engine makes of it."""
+        return Capacity(
+            polygons=self.polygons,
+            circles=self.circles,
+            joints=self.joints,
+            thrusters=self.thrusters,
+        )
 
 
 class EnvironmentCard(_Part, frozen=True, kw_only=True):

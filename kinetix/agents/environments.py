@@ -64,12 +64,7 @@ def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity
     own = card.capacity
     if own is None or card.plays_any_capacity:
         return capacity
-    fixed = Capacity(
-        polygons=own.polygons,
-        circles=own.circles,
-        joints=own.joints,
-        thrusters=own.thrusters,
-    )
+    fixed = own.sizes
     if not fixed.covers(capacity):
         raise CheckpointError(
             f"agent {card.name!r} sees exactly {_sizes(fixed)}, which is too small for "

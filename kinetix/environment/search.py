@@ -54,7 +54,7 @@ class SearchProgress:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class _Outcome:
+class Outcome:
     """How each plan of a batch went."""
 
     won: Bool[np.ndarray, " n"]
@@ -91,19 +91,7 @@ def solve_level(
     """
     started = time.perf_counter()
     env = env or solving_env([level], physics=physics)
-
-    def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
-        # A batch of one may round differently; only what holds there too is a proof.
-        return play_actions(level, actions.tolist(), physics=physics).outcome == "won"
-
-    task = Task(
-        env=env,
-        start=level_state(level, env.static_env_params),
-        limit=level.max_timesteps,
-        channels=channels_in_use(level),
-        random=np.random.default_rng(seed),
-        wins=wins,
-    )
+    task = search_task(level, env, physics=physics, seed=seed)
     played = won = 0
     closest = np.inf
     for way in itertools.cycle((_whole_plans(task), stretches(task))):
@@ -121,6 +109,30 @@ def solve_level(
         if elapsed > seconds or not task.channels:
             return None
     raise AssertionError("a cycle has no end")
+
+
+def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -> Task:
+    """What there is to search in a level.
+
+    Args:
+        level: The level.
+        env: One of `solving_env` that covers it.
+        physics: Physics preset under which a solution shall hold.
+        seed: Of all draws.
+    """
+
+    def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
+        # A batch of one may round differently; only what holds there too is a proof.
+        return play_actions(level, actions.tolist(), physics=physics).outcome == "won"
+
+    return Task(
+        env=env,
+        start=level_state(level, env.static_env_params),
+        limit=level.max_timesteps,
+        channels=channels_in_use(level),
+        random=np.random.default_rng(seed),
+        wins=wins,
+    )
 
 
 def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
@@ -147,7 +159,7 @@ def _whole_plans(task: Task) -> Iterator[Round]:
     plans = random_plans(task.random, BATCH, task.limit, task.channels)
     elite, scores = plans[:0], np.empty(0)
     while True:
-        outcome = _play(task.env, task.start, plans)
+        outcome = play_plans(task, plans)
         winners = np.flatnonzero(outcome.won)[np.argsort(outcome.steps[outcome.won])]
         candidates = (plans[index, : outcome.steps[index]] for index in winners)
         elite, scores = _best(
@@ -188,17 +200,27 @@ def _best(plans: Plans, scores: Float[np.ndarray, " n"]) -> tuple[Plans, Float[n
     return plans[order], scores[order]
 
 
-def _play(env: KinetixEnv, start: EnvState, plans: Plans) -> _Outcome:
+def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Outcome:
+    """Play a batch of plans from the start.
+
+    Args:
+        task: The level.
+        plans: What to play.
+        all_to_the_end: Whether to go on when one has won.
+    """
     # Levels of different time limits share a compilation; their own limits end the episodes.
     missing = -plans.shape[1] % ROWS
-    padded = np.pad(plans, ((0, 0), (0, missing), (0, 0)))
-    won, lost, steps, distance = (np.asarray(x) for x in _rollout(env, start, jnp.asarray(padded)))
-    return _Outcome(won=won, steps=steps, score=distance + LOST * lost)
+    padded = jnp.asarray(np.pad(plans, ((0, 0), (0, missing), (0, 0))))
+    played = _rollout(task.env, all_to_the_end, task.start, padded)
+    won, lost, steps, distance = (np.asarray(x) for x in played)
+    return Outcome(won=won, steps=steps, score=distance + LOST * lost)
 
 
-@functools.partial(jax.jit, static_argnums=0)
-def _rollout(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> tuple[Array, ...]:
-    """Play plans until one has won, or each has ended.
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def _rollout(
+    env: KinetixEnv, all_to_the_end: bool, start: EnvState, plans: Int[Array, "n k 6"]
+) -> tuple[Array, ...]:
+    """Play plans until one has won (unless all go to the end), or each has ended.
 
     Returns:
         Per plan: won, lost, steps played, least distance [m].
@@ -209,7 +231,8 @@ def _rollout(env: KinetixEnv, start: EnvState, plans: Int[Array, "n k 6"]) -> tu
 
     def going_on(carry: tuple[Any, ...]) -> Array:
         t, _, done, won, *_ = carry
-        return (t < limit) & ~jnp.all(done) & ~jnp.any(won)
+        playing = (t < limit) & ~jnp.all(done)
+        return playing if all_to_the_end else playing & ~jnp.any(won)
 
     def advance(carry: tuple[Any, ...]) -> tuple[Any, ...]:
         t, state, done, won, lost, steps, distance = carry

@@ -412,8 +412,6 @@ def _effective_masses(
         (joints.body_a, joints.anchor_a, -1),
         (joints.body_b, joints.anchor_b, 1),
     ):
-        if body.shape[0] == 0:
-            break
         angle = take(state.rotation, body)
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         stiffness += sign * actuators.onto_bodies(dot(arm, force), body, count)
