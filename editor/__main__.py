@@ -113,6 +113,8 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
     else:
         host.ui.warm_up = True
         if options.record is not None:
+            # When a level's own step is ready is chance: the replay would play another one.
+            host.ui.preparation.tailors = False
             host.recorder = Recorder(session, options.record)
         host.run()
         host.ui.save_layout()

@@ -92,6 +92,8 @@ class Snapshot:
     """How the episode ended, or None while it runs."""
     milliseconds: float = 0.0
     """What the step took to compute."""
+    tailored: bool = False
+    """Whether that was the step compiled for this level alone, not the one of its size."""
     action: tuple[float, ...] = ()
     """What was played in the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     mind: Mind | None = None

@@ -246,6 +246,18 @@ class WarmUp:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Tailor:
+    """Compile a step for what one level can ever do, which costs less than the one of its size.
+
+    Episodes of the level that a person plays begin with it from then on, and so do those of every
+    level that can do the same. Gives nothing.
+    """
+
+    level: Level
+    physics: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class StartEpisode:
     """Compile a level, if its size is new, and go to its first state. Gives a `Snapshot`."""
 
@@ -358,6 +370,7 @@ class ExportFilm:
 
 Request: TypeAlias = (
     WarmUp
+    | Tailor
     | LoadAgent
     | Rehearse
     | Evaluate

@@ -104,7 +104,7 @@ class Ui:
         self._laid_out = False
         self._in_front: list[str] = []
         """Ids of panels to bring to the front, one a frame."""
-        self._preparation = Preparation(session, self._compiled)
+        self.preparation = Preparation(session, self._compiled)
         self._row = layouts.LowerRow()
         self._seen: set[str] = set()
         """Ids of the panels that were on the screen in the last frame."""
@@ -193,8 +193,8 @@ class Ui:
         self._toasts.draw(session, _middle() if gallery else self.canvas.area)
         if self.warm_up and imgui.get_frame_count() > _WARM_UP_FRAME:
             self.warm_up = False
-            self._preparation.begin()
-        self._preparation.tick()
+            self.preparation.begin()
+        self.preparation.tick()
 
     def _workplace(self, space: int, bars: bool) -> None:
         """The canvas and the panels around it."""

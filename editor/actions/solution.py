@@ -5,14 +5,19 @@ import itertools
 from typing import Any
 
 from editor.commands.level import KeepSolution
+from editor.document import Document
 from editor.jobs import Job, JobState
 from editor.playback import Mode
 from editor.requests import PlaySolution
 from editor.session import Session
-from kinetix.level.model import Solution
+from kinetix.level.model import Level, Solution
 
 PLAYER = "recorded solution"
 """What the recorded solution is called on the screen."""
+_TOO_CLOSE = (
+    "Not kept: played again, these keys just miss. It was won by a hair, and the level's own step "
+    "rounds differently from the one that all levels share. Win it with more room to spare."
+)
 
 
 def can_keep(session: Session) -> bool:
@@ -24,15 +29,44 @@ def can_keep(session: Session) -> bool:
 
 
 def keep(session: Session) -> None:
-    """Record what was played in the level, as one edit."""
+    """Record what was played in the level, as one edit.
+
+    A solution has to win in the step that commands, level sets and other levels of the size use.
+    What was played in the step for this level alone is therefore played again in that one first.
+    """
     trace, skip = session.playback.trace, session.playback.frame_skip
     assert trace is not None
     runs = tuple((len(list(same)), action) for action, same in itertools.groupby(trace.actions))
     actions: Any = runs
     solution = Solution(physics=trace.physics, frame_skip=skip, actions=actions)
     session.leave_play()
+    if not trace.snapshots[-1].tailored:
+        _record(session, solution)
+        return
+    session.worker.submit(
+        PlaySolution(level=session.document.level.replace(solution=solution)),
+        title="Playing the solution again",
+        urgent=True,
+        done=functools.partial(_judged, session, session.document, session.document.level),
+    )
+
+
+def _judged(session: Session, document: Document, level: Level, job: Job) -> None:
+    """Keep a solution that was played again and has won; another level is left alone."""
+    if job.state is JobState.FAILED:
+        session.toast(f"The solution was not kept: {job.error}", "error")
+    elif job.state is JobState.DONE and session.document is document and document.level == level:
+        if job.result.trace.snapshots[-1].outcome == "won":
+            session.leave_play()
+            _record(session, job.result.level.solution)
+        else:
+            session.complain(_TOO_CLOSE)
+
+
+def _record(session: Session, solution: Solution) -> None:
     if session.execute(KeepSolution(solution=solution)).changed:
-        session.toast(f"Kept as the solution: {len(trace.actions)} steps.", action="edit.undo")
+        steps = len(list(solution.unrolled()))
+        session.toast(f"Kept as the solution: {steps} steps.", action="edit.undo")
 
 
 def has_solution(session: Session) -> bool:

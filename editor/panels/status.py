@@ -8,6 +8,7 @@ from editor import widgets
 from editor.look import COLOURS, SMALL, Icons
 from editor.modes import MODE_LOOK
 from editor.playback import Mode
+from editor.requests import Tailor
 from editor.widgets import px
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ class StatusBar:
         c = COLOURS
         parts = []
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
+        jobs += [job for job in session.evaluator.jobs if isinstance(job.request, Tailor)]
         if jobs:
             job = jobs[0]
             share = f" {job.fraction:.0%}" if job.fraction is not None else ""
@@ -86,7 +88,8 @@ class StatusBar:
         parts.append((f"{session.camera.zoom:.0%}", c.muted))
         snapshot = session.playback.snapshot
         if session.playback.active and snapshot is not None:
-            parts.append((f"{snapshot.milliseconds:.1f} ms/step", c.muted))
+            tailored = ", compiled for this level" if snapshot.tailored else ""
+            parts.append((f"{snapshot.milliseconds:.1f} ms/step{tailored}", c.muted))
             parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
         parts.append((f"{session.fps:.0f} fps", c.faint))
         document = session.document

@@ -130,7 +130,13 @@ class Step:
 
 
 class AgentDriver:
-    """An agent that plays one episode, with its memory and its draws."""
+    """An agent that plays one episode, with its memory and its draws.
+
+    It always plays in the step that every level of the size shares: an attempt that is watched is
+    to be the attempt that an evaluation counts, to the bit, and its network outweighs the physics.
+    """
+
+    tailored = False
 
     def __init__(self, level: Level, capacity: Capacity, physics: str, casting: Casting) -> None:
         """Get ready to play a level.

@@ -1,14 +1,12 @@
-"""One episode on the environment: compile for a size once, advance, restore, tell as numpy."""
+"""One episode on the environment: start, advance, restore, tell as numpy."""
 
 import dataclasses
-import functools
 import time
 from typing import Any, Final
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
 
 from editor.commands.rigid import component
 from editor.controls import NOOP
@@ -16,11 +14,8 @@ from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Tr
 from editor.requests import Advance, Opened, PlaySolution, Progress, Pull, StartEpisode
 from editor.simulation.cast import AgentDriver, Step
 from editor.simulation.contacts import contact_points, deepest, pushing_pairs, touching_bodies
+from editor.simulation.stepping import Stepper, best_stepper, first_state, generic_stepper
 from kinetix.engine.spec import Capacity
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
-from kinetix.environment.reset import level_state
-from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.geometry import body_mass
@@ -40,67 +35,17 @@ _AT_ONCE: Final = 30
 """Steps of a recorded solution between two reports."""
 
 
-@functools.cache
-def environment(capacity: Capacity, physics: str) -> KinetixEnv:
-    """The environment of a size and a preset; the same value, and so the same compilation, again.
-
-    Raises:
-        KinetixError: The preset does not exist.
-    """
-    env = make_kinetix_env(
-        ActionType.MULTI_DISCRETE,
-        ObservationType.BLIND,
-        None,
-        EnvParams(),
-        static_params(capacity, physics),
-        auto_reset=False,
-    )
-    assert isinstance(env, KinetixEnv)
-    return env
-
-
-@functools.cache
-def static_params(capacity: Capacity, physics: str) -> StaticEnvParams:
-    """The static parameters of a size: frame skip 2, as people play."""
-    return static_env_params_of(capacity, physics=physics)
-
-
-@functools.partial(jax.jit, static_argnums=0)
-def _step(env: KinetixEnv, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
-    _, state, reward, done, info = env.step(jax.random.key(0), state, action)
-    wanted = {name: info[name] for name in ("GoalR", "distance", "terminated", "nan")}
-    unified = env.actions.unified(action)
-    return state, wanted | {"reward": reward, "done": done, "unified": unified}
-
-
-def start_state(level: Level, physics: str) -> EnvState:
-    """The first state of a level, compiled to the capacity that its size says.
-
-    Raises:
-        KinetixError: The level does not fit, or the preset does not exist.
-    """
-    state = level_state(level, static_params(capacity_of(level), physics))
-    return jax.tree.map(jnp.asarray, state)
-
-
-def warm_up(capacity: Capacity, physics: str) -> None:
-    """Compile the step of a size by playing one step of an empty level."""
-    empty = Level(name="empty")
-    state = level_state(empty, static_params(capacity, physics))
-    env = environment(capacity, physics)
-    action = jnp.zeros(6, jnp.int32)
-    jax.block_until_ready(_step(env, jax.tree.map(jnp.asarray, state), action))
-
-
 class HandDriver:
     """A person who plays one episode: every action comes from outside."""
 
     frame_skip = FRAME_SKIP
     memory = None
 
-    def __init__(self, capacity: Capacity, physics: str) -> None:
-        self.capacity = capacity
-        self.env = environment(capacity, physics)
+    def __init__(self, stepper: Stepper) -> None:
+        self.env = stepper.env
+        self.capacity = stepper.env.static_env_params.capacity
+        self.tailored = stepper.tailored
+        self._compiled = stepper.compiled
 
     def remember(self, memory: Any) -> None:
         """Nothing to remember."""
@@ -109,32 +54,41 @@ class HandDriver:
         """One environment step; see `AgentDriver.step`."""
         del step
         action = jnp.asarray(NOOP if hand is None else hand, jnp.int32)
-        state, info = _step(self.env, state, action)
+        state, info = self._compiled(state, action)
         return Step(state=state, info=info, unified=info["unified"])
 
 
 class Episode:
-    """A level being played."""
+    """A level being played, from its first step to its last in one and the same compiled step."""
 
-    def __init__(self, request: StartEpisode) -> None:
+    def __init__(self, request: StartEpisode, *, judges: bool = False) -> None:
+        """Go to the first state.
+
+        Args:
+            request: What is played.
+            judges: Whether the outcome is to hold elsewhere too: then the step is the one that
+                every level of the size shares, as in commands, level sets and evaluations. The one
+                for this level alone rounds differently, and what is won by a hair may be lost.
+        """
         self.run = request.run
         self._level = request.level
+        self._physics = request.physics
         self._contacts = request.keep_contacts
-        capacity = capacity_of(request.level)
-        casting = request.casting
-        self._driver = (
-            HandDriver(capacity, request.physics)
-            if casting is None
-            else AgentDriver(request.level, capacity, request.physics, casting)
-        )
+        self._driver = self._cast(request, judges=judges)
         self._view = LevelView(request.level, self._driver.capacity)
-        state = level_state(request.level, self._driver.env.static_env_params)
-        self._state = jax.tree.map(jnp.asarray, state)
+        self._state = first_state(request.level, self._driver.env.static_env_params)
         self._ended = False
-        self.snapshot = self._view.first(jax.device_get(self._state), self._driver.frame_skip)
+        first = self._view.first(jax.device_get(self._state), self._driver.frame_skip)
+        self.snapshot = dataclasses.replace(first, tailored=self._driver.tailored)
         # The first step of a new size compiles here, behind the progress bar, not in the game.
         jax.block_until_ready(self._driver.step(self._state, 0, NOOP).state)
         self._driver.remember(None)
+
+    def _cast(self, request: StartEpisode, *, judges: bool) -> "HandDriver | AgentDriver":
+        level, physics = request.level, request.physics
+        if request.casting is not None:
+            return AgentDriver(level, capacity_of(level), physics, request.casting)
+        return HandDriver((generic_stepper if judges else best_stepper)(level, physics))
 
     def advance(self, request: Advance) -> tuple[Snapshot, ...]:
         """Play steps until the episode ends; a snapshot each.
@@ -180,8 +134,11 @@ class Episode:
         return mind
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go on from an earlier snapshot."""
+        """Go on from an earlier snapshot, in the kind of step that it was made with."""
         self._state = jax.tree.map(jnp.asarray, snapshot.state)
+        if self._driver.tailored and not snapshot.tailored:
+            # It is from a recorded solution: what is played on from there belongs to the same run.
+            self._driver = HandDriver(generic_stepper(self._level, self._physics))
         self._driver.remember(snapshot.memory)
         self._ended = snapshot.outcome is not None
         self.snapshot = snapshot
@@ -203,7 +160,7 @@ def play_solution(request: PlaySolution, progress: Progress) -> Opened:
         )
     progress.report(None, "Compiling the level")
     start = StartEpisode(run=0, level=level, physics=solution.physics, keep_contacts=True)
-    episode = Episode(start)
+    episode = Episode(start, judges=True)
     snapshots, actions = [episode.snapshot], tuple(solution.unrolled())
     for first in range(0, len(actions), _AT_ONCE):
         progress.report(first / len(actions), f"Step {first}")
@@ -268,6 +225,7 @@ class LevelView:
             distance=float(info["distance"]),
             outcome=outcome_of(info),
             milliseconds=milliseconds,
+            tailored=before.tailored,
             mind=mind,
             memory=memory,
         )

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from editor.requests import MUTATIONS, CheckDynamics, DynamicsReport, Mutate, Progress, RandomLevel
-from editor.simulation.episode import environment, start_state
+from editor.simulation.stepping import environment, start_state
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.replay import play_actions
 from kinetix.environment.state import EnvState

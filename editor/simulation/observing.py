@@ -9,6 +9,7 @@ import numpy as np
 
 from editor.requests import AgentView, Observe, ViewTable
 from editor.simulation.cast import player_of
+from editor.simulation.stepping import without_memory
 from editor.wording import describe
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.shapes import observations_of_card
@@ -53,7 +54,7 @@ def observe(request: Observe) -> AgentView:
     state = request.state
     if state is None:
         state = level_state(level, env.static_env_params)
-    state = jax.tree.map(jnp.asarray, state)
+    state = jax.tree.map(jnp.asarray, without_memory(state))
     picture = np.asarray(_picture(capacity)(state))
     pixels = np.clip(picture.transpose(1, 0, 2)[::-1] * 255.0, 0, 255).astype(np.uint8)
     observation = env.observations

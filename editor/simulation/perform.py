@@ -26,14 +26,16 @@ from editor.requests import (
     Request,
     Restore,
     StartEpisode,
+    Tailor,
     WarmUp,
 )
 from editor.simulation.cast import load
-from editor.simulation.episode import Episode, play_solution, warm_up
+from editor.simulation.episode import Episode, play_solution
 from editor.simulation.evaluating import open_episode, read_run, run_evaluation
 from editor.simulation.levels import check_dynamics, drawn, mutated
 from editor.simulation.observing import observe
 from editor.simulation.pictures import export_film, export_picture, render_state
+from editor.simulation.stepping import tailor, warm_up
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 from kinetix.errors import KinetixError
@@ -54,6 +56,7 @@ class _Bridge:
         self._episodes: dict[str, Episode] = {}
         self._does: dict[type, Callable[[Any, Progress], Any]] = {
             WarmUp: self._warm_up,
+            Tailor: tailor,
             StartEpisode: self._start,
             Advance: self._advance,
             Restore: self._restore,

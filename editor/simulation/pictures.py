@@ -16,7 +16,7 @@ from PIL import Image as Picture
 from editor.commands.bodies import posed
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
-from editor.simulation.episode import start_state
+from editor.simulation.stepping import start_state, without_memory
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
@@ -66,7 +66,8 @@ def palette_named(name: str) -> Palette:
 
 
 def _state(level: Level, state: Any, physics: str = "balanced") -> EnvState:
-    return start_state(level, physics) if state is None else jax.tree.map(jnp.asarray, state)
+    seen = without_memory(start_state(level, physics) if state is None else state)
+    return jax.tree.map(jnp.asarray, seen)
 
 
 def render_state(request: RenderState) -> Image:

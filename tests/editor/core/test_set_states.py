@@ -6,7 +6,7 @@ import pytest
 
 from editor import files
 from editor.gallery.export import SetPlan, export_set
-from editor.simulation.episode import start_state
+from editor.simulation.stepping import start_state
 from kinetix.environment.params import static_env_params_from_size
 from kinetix.environment.reset import make_reset_fn_list_of_levels
 from kinetix.level.codec import resolve_path

@@ -115,7 +115,7 @@ def test_held_keys_drive_the_motor(episode):
 
 
 def test_another_level_of_the_same_size_compiles_nothing(perform, episode):
-    from editor.simulation import episode as module
+    from editor.simulation import stepping as module
 
     before = module._step._cache_size()
     other = LEVEL.replace(bodies=(*LEVEL.bodies[1:],), joints=(), thrusters=(), gravity=(0.0, -2.0))
