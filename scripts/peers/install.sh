@@ -15,6 +15,8 @@ requirements() {
     box2d) echo "box2d==2.3.10 numpy" ;;
     pymunk) echo "pymunk==7.3.1 numpy" ;;
     mujoco) echo "mujoco==3.17.0 numpy" ;;
+    mjx) echo "mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.10.2" ;;
+    brax) echo "brax==0.14.2 mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.10.2" ;;
     *) return 1 ;;
   esac
 }
@@ -40,5 +42,5 @@ install() {
 }
 
 mkdir -p "$folder"
-[[ $# -gt 0 ]] || set -- jax2d box2d pymunk mujoco
+[[ $# -gt 0 ]] || set -- jax2d box2d pymunk mujoco mjx brax
 for peer in "$@"; do install "$peer" || exit 1; done

@@ -19,16 +19,19 @@ def stacked(trees: list[Any]) -> Any:
     return jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(x) for x in leaves]), *trees)
 
 
-def time_loop(loop: Callable[..., Any], batch: int, *arguments: Any) -> dict[str, Any]:
+def time_loop(
+    loop: Callable[..., Any], batch: int, *arguments: Any, first: int = 16
+) -> dict[str, Any]:
     """Seconds per step and world of a loop: the median of five runs after a warm-up.
 
     Args:
         loop: Takes the arguments and an array of one whole number, how many steps to take.
         batch: Number of worlds.
         arguments: Pytrees with a leading axis of worlds; shared out among the devices there are.
+        first: How many steps the warm-up takes, and a run of a loop that is slow.
     """
     compiled, placed, devices = _over_devices(loop, batch, arguments)
-    steps = 16
+    steps = first
 
     def seconds(steps: int) -> float:
         start = time.perf_counter()

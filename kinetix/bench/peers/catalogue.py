@@ -37,6 +37,26 @@ _MUJOCO = Peer(
     settings={"substeps": 1},
 )
 
+_MJX = Peer(
+    name="mjx",
+    family="mjx",
+    environment="mjx",
+    program="run_mjx.py",
+    settings={"substeps": 1},
+    compiled=True,
+)
+_BRAX = tuple(
+    Peer(
+        name=f"brax {pipeline}",
+        family="brax",
+        environment="brax",
+        program="run_brax.py",
+        settings={"pipeline": pipeline, "substeps": 1},
+        compiled=True,
+    )
+    for pipeline in ("positional", "spring", "generalized")
+)
+
 KINETIX_ENV: Final = Peer(
     name="kinetix-env",
     family="kinetix-env",
@@ -62,9 +82,11 @@ PEERS: Final[tuple[Peer, ...]] = (
     _with(_BOX2D, "bullets", bullets=True),
     _PYMUNK,
     _MUJOCO,
+    _MJX,
+    *_BRAX,
 )
 """Each at its defaults; jax2d with its own moments of inertia and with the true ones, Box2D also
-with every body marked for continuous collision."""
+with every body marked for continuous collision, Brax with each of its three pipelines."""
 
 SWEPT: Final[tuple[Peer, ...]] = (
     *(_with(_BOX2D, f"{v}+{p}", iterations=[v, p]) for v, p in ((2, 1), (4, 2), (20, 8), (50, 20))),
@@ -78,6 +100,8 @@ SWEPT: Final[tuple[Peer, ...]] = (
 SLOW: Final[tuple[Peer, ...]] = (
     *(_with(_JAX2D_TRUE, f"×{n}", iterations=n) for n in (2, 5, 20, 40)),
     *(_with(_JAX2D_TRUE, f"dt/{n}", substeps=n) for n in (2, 4)),
+    *(_with(_MJX, f"dt/{n}", substeps=n) for n in (4,)),
+    *(_with(brax, f"dt/{n}", substeps=n) for brax in _BRAX for n in (4,)),
 )
 """Settings that are measured only when named: each takes minutes to compile."""
 

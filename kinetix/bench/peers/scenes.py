@@ -25,10 +25,12 @@ def measure_peer_scenes(peer: Peer, batches: tuple[int, ...]) -> Iterator[dict[s
     return measure_scenes(batches, lambda trial, batch: _compiled(peer, trial, batch))
 
 
-def _compiled(peer: Peer, trial: Trial, batch: int) -> Rate:
+def _compiled(peer: Peer, trial: Trial, batch: int) -> Rate | None:
     inertia = "kinetix" if peer.own_inertia else "exact"
     job = {"task": "time", "batch": batch, "scenes": [scene_of(trial, inertia=inertia)]}
     told = ask(peer, job, variables=host_devices(os.cpu_count() or 1 if batch > 1 else 1)).told
+    if told.get("unsaid"):
+        return None
     return Rate(
         steps_per_s=1 / told["seconds_per_step"],
         compile_s=None,
