@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jax_scenes import motor_law, part, serve_compiled, thrust
 from mujoco import mjx
 from planar_model import coordinates, planar_model, starting_speeds
-from protocol import Scene, axial_inertia, both_fixed
+from protocol import Scene, UnsaidError, axial_inertia, both_fixed
 
 
 class MjxScene:
@@ -21,6 +21,8 @@ class MjxScene:
         self._scene = scene
         self._substeps = settings["substeps"]
         self._place = coordinates(scene)
+        if not self._place:
+            raise UnsaidError("no body that moves")
         self._motors = [
             joint
             for joint in scene["joints"]

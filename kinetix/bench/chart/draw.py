@@ -16,6 +16,10 @@ COLOURS: Final = {
     "box2d": "#2166ac",
     "pymunk": "#8073ac",
     "mujoco": "#e08214",
+    "mjx": "#7f3b08",
+    "brax positional": "#c51b7d",
+    "brax spring": "#de77ae",
+    "brax generalized": "#8e0152",
 }
 """By family; others are grey."""
 PRESETS_SHOWN: Final = ("fast", "balanced", "accurate")

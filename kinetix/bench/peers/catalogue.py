@@ -48,7 +48,7 @@ _MJX = Peer(
 _BRAX = tuple(
     Peer(
         name=f"brax {pipeline}",
-        family="brax",
+        family=f"brax {pipeline}",
         environment="brax",
         program="run_brax.py",
         settings={"pipeline": pipeline, "substeps": 1},
