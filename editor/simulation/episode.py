@@ -14,7 +14,13 @@ from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Tr
 from editor.requests import Advance, Opened, PlaySolution, Progress, Pull, StartEpisode
 from editor.simulation.cast import AgentDriver, Step
 from editor.simulation.contacts import contact_points, deepest, pushing_pairs, touching_bodies
-from editor.simulation.stepping import Stepper, best_stepper, first_state, generic_stepper
+from editor.simulation.stepping import (
+    MOVING,
+    Stepper,
+    best_stepper,
+    first_state,
+    generic_stepper,
+)
 from kinetix.engine.spec import Capacity
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
@@ -45,7 +51,7 @@ class HandDriver:
         self.env = stepper.env
         self.capacity = stepper.env.static_env_params.capacity
         self.tailored = stepper.tailored
-        self._compiled = stepper.compiled
+        self._stepper = stepper
 
     def remember(self, memory: Any) -> None:
         """Nothing to remember."""
@@ -54,7 +60,7 @@ class HandDriver:
         """One environment step; see `AgentDriver.step`."""
         del step
         action = jnp.asarray(NOOP if hand is None else hand, jnp.int32)
-        state, info = self._compiled(state, action)
+        state, info = self._stepper.step(state, action)
         return Step(state=state, info=info, unified=info["unified"])
 
 
@@ -105,7 +111,7 @@ class Episode:
             if pull is not None:
                 self._state = pulled(self._state, self._view.slots, self._level, pull)
             taken = self._driver.step(self._state, self.snapshot.step, action)
-            told: Step = jax.device_get(taken)
+            told = _fetched(taken, self.snapshot.state)
             milliseconds = (time.perf_counter() - start) * 1e3
             mind = self._mind(told, by_hand=action is not None)
             self._state = taken.state
@@ -142,6 +148,15 @@ class Episode:
         self._driver.remember(snapshot.memory)
         self._ended = snapshot.outcome is not None
         self.snapshot = snapshot
+
+
+def _fetched(taken: Step, before: EnvState) -> Step:
+    """A step as numpy arrays; what the level fixes is taken from the state before."""
+    moved = {name: getattr(taken.state, name) for name in MOVING}
+    rest = (taken.info, taken.unified, taken.thought)
+    moved, (info, unified, thought) = jax.device_get((moved, rest))
+    state = dataclasses.replace(before, **moved)
+    return Step(state=state, info=info, unified=unified, thought=thought)
 
 
 def play_solution(request: PlaySolution, progress: Progress) -> Opened:

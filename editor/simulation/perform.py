@@ -35,6 +35,7 @@ from editor.simulation.evaluating import open_episode, read_run, run_evaluation
 from editor.simulation.levels import check_dynamics, drawn, mutated
 from editor.simulation.observing import observe
 from editor.simulation.pictures import export_film, export_picture, render_state
+from editor.simulation.quiet import without_pauses
 from editor.simulation.stepping import tailor, warm_up
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
@@ -83,7 +84,8 @@ class _Bridge:
         """Compile the named sizes; the result is the names of all presets and solvers."""
         for k, size in enumerate(request.sizes):
             progress.report(k / len(request.sizes), f"Compiling size {size}")
-            warm_up(parse_capacity(size), request.physics)
+            with without_pauses():
+                warm_up(parse_capacity(size), request.physics)
         return (*PRESETS, *SOLVERS)
 
     def _start(self, request: StartEpisode, progress: Progress) -> Any:

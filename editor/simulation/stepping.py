@@ -8,6 +8,7 @@ rounding. It is compiled ahead, on request, and looked up when an episode begins
 import collections
 import dataclasses
 import functools
+import inspect
 import threading
 from collections.abc import Callable
 from typing import Any, Final, TypeAlias
@@ -17,6 +18,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from editor.requests import Progress, Tailor
+from editor.simulation.quiet import not_stored, without_pauses
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
@@ -30,8 +32,12 @@ from kinetix.level.sizes import capacity_of
 KEPT: Final = 12
 """Steps for single levels that are kept, the last ones used: each holds some megabytes."""
 
-Compiled: TypeAlias = Callable[[EnvState, Array], tuple[EnvState, dict[str, Array]]]
-"""From a state and a multi-discrete action to the next state and the environment's `info`."""
+MOVING: Final = ("physics", "timestep", "last_distance")
+"""Fields of a state that a step changes. The others, which the level fixes, are neither returned by
+a compiled step nor fetched after it: that would take about as long as the physics of one world."""
+
+Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str, Array]]]
+"""From a state and a multi-discrete action to the fields that moved and the step's `info`."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -42,6 +48,11 @@ class Stepper:
     compiled: Compiled
     tailored: bool
     """Whether it was made for one level alone."""
+
+    def step(self, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
+        """The next state and the environment's `info`, with `reward`, `done` and `unified`."""
+        moved, info = self.compiled(state, action)
+        return dataclasses.replace(state, **moved), info
 
 
 class Shelf:
@@ -113,11 +124,18 @@ def tailored_params(level: Level, physics: str) -> StaticEnvParams:
     return dataclasses.replace(static, features=features_of(level))
 
 
-def _advanced(env: KinetixEnv, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
-    _, state, reward, done, info = env.step(jax.random.key(0), state, action)
+_TRACED: Final[Any] = inspect.unwrap(KinetixEnv.step)
+"""The step without its own `jit`, which would remember every environment that it was traced for."""
+
+
+def _advanced(
+    env: KinetixEnv, state: EnvState, action: Array
+) -> tuple[dict[str, Any], dict[str, Array]]:
+    _, after, reward, done, info = _TRACED(env, jax.random.key(0), state, action)
+    moved = {name: getattr(after, name) for name in MOVING}
     wanted = {name: info[name] for name in ("GoalR", "distance", "terminated", "nan")}
     unified = env.actions.unified(action)
-    return state, wanted | {"reward": reward, "done": done, "unified": unified}
+    return moved, wanted | {"reward": reward, "done": done, "unified": unified}
 
 
 _step = functools.partial(jax.jit, static_argnums=0)(_advanced)
@@ -181,16 +199,21 @@ def tailor(request: Tailor, progress: Progress) -> None:
     static = tailored_params(request.level, request.physics)
     if _SHELF.get(static) is not None:
         return
-    progress.report(None, "Compiling for this level")
     env = _environment(static)
     # A function of its own, so that a step which is dropped leaves nothing behind.
     step: Any = jax.jit(functools.partial(_advanced, env))
-    traced = step.trace(first_state(request.level, static), _no_action())
-    # Each of the two parts that follow cannot be interrupted: ask whether Play has begun meanwhile.
-    progress.report(None, "Compiling for this level")
-    lowered = traced.lower()
-    progress.report(None, "Compiling for this level")
-    compiled: Any = lowered.compile()
+
+    def going_on() -> None:
+        """No part can be interrupted: between two of them, ask whether Play has begun."""
+        progress.report(None, "Compiling for this level")
+
+    with without_pauses(), not_stored():
+        going_on()
+        traced = step.trace(first_state(request.level, static), _no_action())
+        going_on()
+        lowered = traced.lower()
+        going_on()
+        compiled = lowered.compile()
     _SHELF.put(static, Stepper(env=env, compiled=compiled, tailored=True))
 
 

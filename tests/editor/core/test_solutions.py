@@ -1,5 +1,7 @@
 """A win is kept as the level's solution, and a recorded one is played."""
 
+import dataclasses
+
 import pytest
 
 from editor import actions
@@ -54,6 +56,34 @@ def test_a_kept_solution_goes_with_a_change(session, level):
     session.selection = (1,)
     run(session, "transform.nudge_left")
     assert session.document.level.solution is None
+
+
+@pytest.mark.parametrize("again", ["won", "timeout"])
+def test_a_win_in_the_levels_own_step_is_kept_if_it_wins_in_the_shared_one_too(level, again):
+    judged = []
+
+    def judge(request: PlaySolution, progress: object) -> Opened:
+        judged.append(request.level.solution)
+        last = dataclasses.replace(won_in, outcome=again, tailored=False)
+        trace = Trace(physics="balanced", perturbed=False, snapshots=(last,), actions=())
+        return Opened(level=request.level, trace=trace)
+
+    worker = Worker(perform=judge)
+    session = Session(settings=Settings(), worker=worker, simulator=FakeSimulator(), level=level)
+    won(session)
+    won_in = dataclasses.replace(session.playback.ring.last, tailored=True)
+    session.playback.ring.push(won_in)
+    session.playback._actions.append((0,) * 6)
+    run(session, "level.keep_solution")
+    assert session.editing
+    assert session.document.level.solution is None
+    worker.wait(5)
+    actions.update(session, 0.0)
+    worker.stop()
+    assert len(list(judged[0].unrolled())) == 11
+    assert session.document.level.solution == (judged[0] if again == "won" else None)
+    said = session.toasts[-1].text
+    assert said.startswith("Kept as the solution" if again == "won" else "Not kept")
 
 
 @pytest.mark.parametrize("spoilt", ["perturbed", "lost", "playing"])
