@@ -57,6 +57,7 @@ class Preparation:
     def tick(self) -> None:
         """Prepare what the level in front needs by now, as soon as the worker has nothing to do."""
         session = self._session
+        self._look(session.document.level)
         self._give_way()
         if not session.editing:
             self._outlined = time.monotonic()  # who has just played may play again at once
@@ -66,7 +67,6 @@ class Preparation:
         agent = None if casting is None else (*own, casting.agent, casting.deterministic)
         if (own, agent) != self._need:
             self._need, self._since = (own, agent), time.monotonic()
-        self._look(session.document.level)
         if time.monotonic() - self._since < SETTLED_SECONDS:
             return
         if own not in self._asked:
@@ -102,10 +102,14 @@ class Preparation:
         if found != self._outline:
             self._outline, self._outlined = found, time.monotonic()
 
+    def _wanted(self) -> Hashable:
+        """What the level's own step depends on."""
+        return self._outline, self._session.playback.physics
+
     def _tailor(self) -> None:
         """Ask for the step of the level in front, where nothing else goes on."""
         session = self._session
-        level, need = session.document.level, (self._outline, session.playback.physics)
+        level, need = session.document.level, self._wanted()
         busy = session.driver.active or session.gallery.open or not session.evaluator.idle
         if busy or not self.tailors or not level.bodies or need == self._tailored:
             return
@@ -118,7 +122,7 @@ class Preparation:
         )
 
     def _give_way(self) -> None:
-        """Call the level's own step off where something else is to be done; it is made later."""
+        """Call the level's own step off where anything else is to be done or another is wanted."""
         session, job = self._session, self._tailoring
         if job is None:
             return
@@ -126,5 +130,9 @@ class Preparation:
             if job.state is JobState.CANCELLED:
                 self._tailored = None
             self._tailoring = None
-        elif not session.editing or len(session.evaluator.jobs) > 1:
+        elif (
+            not session.editing
+            or len(session.evaluator.jobs) > 1
+            or self._wanted() != self._tailored
+        ):
             job.cancel()

@@ -30,7 +30,7 @@ class StatusBar:
                 word, colour = "GALLERY", COLOURS.info
             widgets.badge(word, colour)
             imgui.same_line(0, px(10))
-            right = self._right(session)
+            right = self.numbers(session)
             gap = px(18)
             width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
             room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
@@ -65,7 +65,8 @@ class StatusBar:
             words = words[:-4]
         return words + "…" if words else ""
 
-    def _right(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
+    def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
+        """What stands at the right: words and their colour, from left to right."""
         c = COLOURS
         parts = []
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]

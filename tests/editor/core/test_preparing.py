@@ -194,7 +194,7 @@ def test_who_has_played_may_play_again_before_anything_is_compiled(asked, second
     assert len(second.tailored) == 1
 
 
-@pytest.mark.parametrize("reason", ["play", "evaluation"])
+@pytest.mark.parametrize("reason", ["play", "evaluation", "change"])
 def test_the_step_of_the_level_gives_way_and_comes_again(asked, second, reason):
     session, preparation, pass_time = asked
     preparation.begin()
@@ -205,6 +205,8 @@ def test_the_step_of_the_level_gives_way_and_comes_again(asked, second, reason):
     (job,) = session.evaluator.jobs
     if reason == "play":
         session.playback.play(session.document.level)
+    elif reason == "change":
+        session.execute(SetField(ids=(3,), field="fixed", value=True))
     else:
         session.evaluator.submit(CheckDynamics(level=session.document.level), title="Trying")
     pass_time(1)
@@ -213,4 +215,5 @@ def test_the_step_of_the_level_gives_way_and_comes_again(asked, second, reason):
     pass_time(1)
     session.playback.stop()
     pass_time(10)
-    assert [level for level, _ in second.tailored] == [session.document.level] * 2
+    assert len(second.tailored) == 2
+    assert second.tailored[1] == (session.document.level, "balanced")

@@ -3,12 +3,15 @@
 import contextlib
 import dataclasses
 import gc
+import threading
 
 import jax
 import numpy as np
 import pytest
 
+from editor.jobs import Worker
 from editor.outline import outline
+from editor.panels.status import StatusBar
 from editor.requests import (
     Advance,
     Cancelled,
@@ -18,6 +21,8 @@ from editor.requests import (
     StartEpisode,
     Tailor,
 )
+from editor.session import Session
+from editor.settings import Settings
 from kinetix.level.model import (
     Arena,
     ArenaBody,
@@ -31,6 +36,7 @@ from kinetix.level.model import (
     Solution,
     Thruster,
 )
+from tests.editor.core.helpers import FakeSimulator, a_session
 
 LEFT = (1, 0, 0, 0, 0, 0)
 BOX = Polygon(vertices=((0.3, 0.1), (-0.3, 0.1), (-0.3, -0.1), (0.3, -0.1)))
@@ -168,6 +174,29 @@ def test_nothing_that_compiling_changes_stays_changed():
             pass
     assert settings() == before
     gc.unfreeze()
+
+
+def test_the_status_line_says_which_step_plays():
+    def said(session):
+        return [words for words, _ in StatusBar().numbers(session)]
+
+    session = a_session(LEVEL)
+    session.playback.play(LEVEL)
+    session.playback.tick(0.0)
+    assert "0.0 ms/step" in said(session)
+    session.playback.snapshot = dataclasses.replace(session.playback.snapshot, tailored=True)
+    assert "0.0 ms/step, compiled for this level" in said(session)
+
+
+def test_the_status_line_says_when_a_step_is_being_made():
+    going_on = threading.Event()
+    worker = Worker(perform=lambda request, progress: going_on.wait(5))
+    session = Session(settings=Settings(), simulator=FakeSimulator(), evaluator=worker)
+    worker.submit(Tailor(level=LEVEL, physics="fast"), title="Compiling for this level")
+    words = [words for words, _ in StatusBar().numbers(session)]
+    going_on.set()
+    worker.stop()
+    assert any("Compiling for this level" in each for each in words)
 
 
 @pytest.fixture(scope="module")
