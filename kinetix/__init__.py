@@ -6,6 +6,8 @@ Every public name is imported on first use, so that `import kinetix` stays fast 
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from kinetix.compiler import ask_for_options
+
 if TYPE_CHECKING:
     from kinetix.agents.agent import load_agent, save_agent
     from kinetix.environment.env import make_kinetix_env
@@ -77,6 +79,8 @@ __all__ = [
     "save_level",
     "static_env_params_from_size",
 ]
+
+ask_for_options()
 
 
 def __getattr__(name: str) -> Any:

@@ -80,8 +80,10 @@ def ask(
         folder = Path(name)
         file = folder / "job.json"
         file.write_text(json.dumps({**job, "settings": peer.settings}))
-        # Its program must find the peer's own packages, of which one is called as ours is.
-        own = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        # Its program must find the peer's own packages, of which one is called as ours is, and is
+        # measured as its users have it: our options of the compiler are not theirs.
+        ours = ("PYTHONPATH", "XLA_FLAGS")
+        own = {key: value for key, value in os.environ.items() if key not in ours}
         own |= {"JAX_PLATFORMS": "cpu", "KINETIX_PEER_CACHE": str(cache_dir() / "peers")}
         done = subprocess.run(
             [peer.python, PROGRAMS / peer.program, file, folder],

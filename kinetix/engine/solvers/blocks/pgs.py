@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
-from kinetix.engine.solvers.rows import matvec
+from kinetix.engine.solvers.rows import column, matvec, row
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -47,15 +47,17 @@ class Pgs(AbstractBlock):
         start = project(cone, start)
         speed = matvec(matrix, start) + offset
 
-        def column(row: Int[Array, ""]) -> Float[Array, "m n"]:
-            return jax.lax.dynamic_index_in_dim(matrix, row, 1, keepdims=False)
+        def at(values: Float[Array, "k n"], index: Int[Array, ""]) -> Float[Array, " n"]:
+            return row(values, index)[0]
 
-        def at(values: Array, row: Int[Array, ""]) -> Array:
-            return jax.lax.dynamic_index_in_dim(values, row, 0, keepdims=False)
+        def put(values: Array, new: Array, index: Int[Array, ""]) -> Array:
+            return jax.lax.dynamic_update_index_in_dim(
+                values, new, index, 0, allow_negative_indices=False
+            )
 
         def point(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
-            of_tangent, of_normal = column(count + k), column(k)
+            of_tangent, of_normal = column(matrix, count + k), column(matrix, k)
             normal, tangent = at(impulse, k), at(impulse, count + k)
             bound = at(cone.friction, k) * jnp.maximum(normal, 0)
             turned = jnp.clip(
@@ -64,16 +66,16 @@ class Pgs(AbstractBlock):
             closing = at(speed, k) + at(of_tangent, k) * (turned - tangent)
             pushed = jnp.maximum(normal - closing * at(prepared, k), 0)
             pushed = jnp.where(at(cone.closed, k), pushed, 0)
-            impulse = impulse.at[count + k].set(turned).at[k].set(pushed)
+            impulse = put(put(impulse, turned, count + k), pushed, k)
             return impulse, speed + of_tangent * (turned - tangent) + of_normal * (pushed - normal)
 
         def limit(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
-            row = 2 * count + k
-            old = at(impulse, row)
-            new = jnp.maximum(old - at(speed, row) * at(prepared, row), 0)
+            index = 2 * count + k
+            old = at(impulse, index)
+            new = jnp.maximum(old - at(speed, index) * at(prepared, index), 0)
             new = jnp.where(at(cone.limited, k), new, 0)
-            return impulse.at[row].set(new), speed + column(row) * (new - old)
+            return put(impulse, new, index), speed + column(matrix, index) * (new - old)
 
         points, bounded = _last_used(cone.closed), _last_used(cone.limited)
 
