@@ -9,14 +9,15 @@ cd "$(dirname "$0")/../.."
 readonly folder=".bench-envs"
 readonly python="${PYTHON:-.venv/bin/python}"
 
+# jax 0.10.2 hangs now and then in MJX's steps of many worlds on processors; 0.9.0 does not.
 requirements() {
   case "$1" in
     jax2d) echo "jax2d==1.0.1 kinetix-env==3.0.2" ;;
     box2d) echo "box2d==2.3.10 numpy" ;;
     pymunk) echo "pymunk==7.3.1 numpy" ;;
     mujoco) echo "mujoco==3.17.0 numpy" ;;
-    mjx) echo "mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.10.2" ;;
-    brax) echo "brax==0.14.2 mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.10.2" ;;
+    mjx) echo "mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.9.0" ;;
+    brax) echo "brax==0.14.2 mujoco-mjx==3.17.0 mujoco==3.17.0 jax==0.9.0" ;;
     *) return 1 ;;
   esac
 }

@@ -19,7 +19,7 @@ from kinetix.bench.peers import scenes as peer_scenes
 from kinetix.bench.peers.accuracy import UNSAID, judged, measure_peer
 from kinetix.bench.peers.catalogue import PEERS, SLOW, SWEPT, peer_named
 from kinetix.bench.peers.exchange import motion_of, scene_of
-from kinetix.bench.peers.launch import Answer, Peer, ask
+from kinetix.bench.peers.launch import Answer, Peer, PeerLateError, ask
 from kinetix.bench.peers.store import chosen_peers
 from kinetix.bench.report import markdown_table, scene_text
 from kinetix.errors import KinetixError
@@ -215,6 +215,15 @@ def test_failures_of_a_peer_are_said_in_its_words(toy, monkeypatch):
     monkeypatch.setattr(launch, "ENVIRONMENTS", Path("/nowhere"))
     with pytest.raises(KinetixError, match="toy is not installed: run `make bench-peers`"):
         ask(toy, {"task": "record", "sets": {}})
+
+
+def test_peers_that_hang_are_left_out(toy, tmp_path, monkeypatch):
+    (tmp_path / "toy.py").write_text("import time\ntime.sleep(60)\n")
+    with pytest.raises(PeerLateError, match=r"toy: no answer within 0\.2 s"):
+        ask(toy, {"task": "time"}, seconds=0.2)
+    monkeypatch.setattr(peer_scenes, "PATIENCE", 0.2)
+    (trial,) = SCENES["I2"].make_trials()
+    assert peer_scenes._compiled(toy, trial, 1) is None
 
 
 def test_names_of_peers(capsys):

@@ -21,6 +21,10 @@ PROGRAMS: Final = _CHECKOUT / "scripts" / "peers"
 """The programs that the peers' Pythons run."""
 
 
+class PeerLateError(KinetixError):
+    """A peer gave no answer in time."""
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Peer:
     """An engine with its settings."""
@@ -62,7 +66,11 @@ class Answer:
 
 
 def ask(
-    peer: Peer, job: Mapping[str, Any], *, variables: Mapping[str, str] | None = None
+    peer: Peer,
+    job: Mapping[str, Any],
+    *,
+    variables: Mapping[str, str] | None = None,
+    seconds: float | None = None,
 ) -> Answer:
     """Let a peer do a job.
 
@@ -70,8 +78,10 @@ def ask(
         peer: Which.
         job: See scripts/peers/protocol.py; the peer's settings are added.
         variables: Of the process's environment, beyond this process's own.
+        seconds: How long it may take; without end where none are given.
 
     Raises:
+        PeerLateError: It took longer.
         KinetixError: It is not installed, or its program failed.
     """
     if not peer.installed:
@@ -85,14 +95,18 @@ def ask(
         ours = ("PYTHONPATH", "XLA_FLAGS")
         own = {key: value for key, value in os.environ.items() if key not in ours}
         own |= {"JAX_PLATFORMS": "cpu", "KINETIX_PEER_CACHE": str(cache_dir() / "peers")}
-        done = subprocess.run(
-            [peer.python, PROGRAMS / peer.program, file, folder],
-            cwd=folder,
-            env=own | dict(variables or {}),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        try:
+            done = subprocess.run(
+                [peer.python, PROGRAMS / peer.program, file, folder],
+                cwd=folder,
+                env=own | dict(variables or {}),
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=seconds,
+            )
+        except subprocess.TimeoutExpired as late:
+            raise PeerLateError(f"{peer.name}: no answer within {seconds:g} s") from late
         if done.returncode:
             lines = done.stderr.strip().splitlines() or ["no message"]
             # JAX puts advice after the message.

@@ -5,11 +5,14 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from kinetix.bench.peers.exchange import scene_of
-from kinetix.bench.peers.launch import Peer, ask
+from kinetix.bench.peers.launch import Peer, PeerLateError, ask
 from kinetix.bench.processes import host_devices
 from kinetix.bench.scene_speed import Rate, measure_scenes
 from kinetix.scenes import Trial
 
+PATIENCE: Final = 300.0
+"""How long an engine may take to compile and be timed in a scene [s]: under some versions
+of JAX, MJX hangs."""
 SCENE_STEPS: Final = 256
 """Steps from the start over which engines driven from Python are timed."""
 
@@ -28,7 +31,11 @@ def measure_peer_scenes(peer: Peer, batches: tuple[int, ...]) -> Iterator[dict[s
 def _compiled(peer: Peer, trial: Trial, batch: int) -> Rate | None:
     inertia = "kinetix" if peer.own_inertia else "exact"
     job = {"task": "time", "batch": batch, "scenes": [scene_of(trial, inertia=inertia)]}
-    told = ask(peer, job, variables=host_devices(os.cpu_count() or 1 if batch > 1 else 1)).told
+    variables = host_devices(os.cpu_count() or 1 if batch > 1 else 1)
+    try:
+        told = ask(peer, job, variables=variables, seconds=PATIENCE).told
+    except PeerLateError:
+        return None
     if told.get("unsaid"):
         return None
     return Rate(
