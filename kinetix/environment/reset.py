@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from jaxtyping import Array
 
-from kinetix.engine.spec import SceneSpec
+from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -25,7 +25,12 @@ from kinetix.environment.rearrange import check_bindings, expand_state, permute_
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import LoadedLevel, load_document
-from kinetix.level.compile import compile_kinetix_env, compile_level
+from kinetix.level.compile import (
+    compile_kinetix_env,
+    compile_level,
+    features_of,
+    features_union,
+)
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
 from kinetix.level.model import Level
 from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
@@ -144,6 +149,25 @@ def make_reset_fn_list_of_levels(
         return jax.tree.map(lambda x: x[index], stacked)
 
     return reset
+
+
+def static_env_params_for_levels(
+    levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
+) -> StaticEnvParams:
+    """The same sizes, with only what some levels use: their step computes nothing else.
+
+    Args:
+        levels: In any form that `make_reset_fn_list_of_levels` takes. No others may be played.
+        static_env_params: The common sizes.
+
+    Raises:
+        KinetixError: A level does not fit; the message says which and why.
+    """
+    entries, _ = _entries(levels)
+    generic = dataclasses.replace(static_env_params, features=Features())
+    used = (features_of(level_state(level, generic).world) for level in entries)
+    features = features_union(used, static_env_params.capacity)
+    return dataclasses.replace(static_env_params, features=features)
 
 
 def make_reset_fn_sample_kinetix_level(

@@ -22,11 +22,10 @@ from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.plans import HOLD, Plans, channels_in_use, random_plans, runs_of
 from kinetix.environment.replay import play_actions
-from kinetix.environment.reset import level_state
+from kinetix.environment.reset import level_state, static_env_params_for_levels
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.environment.stretches import BATCH, Round, Task, stretches
-from kinetix.level.compile import features_of, features_union
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
 
@@ -145,8 +144,8 @@ def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
         KinetixError: The physics is unknown.
     """
     capacity = common_capacity(levels)
-    features = features_union((features_of(level, capacity=capacity) for level in levels), capacity)
-    static = static_env_params_of(capacity, physics=physics, features=features)
+    static = static_env_params_of(capacity, physics=physics)
+    static = static_env_params_for_levels(levels, static)
     env = make_kinetix_env(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
     )

@@ -156,6 +156,16 @@ class PpoConfig:
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")
 
+    @property
+    def only_listed(self) -> bool:
+        """Whether nothing but the listed levels is ever played, every entity in its own slot.
+
+        Then the step is compiled for what these levels have. With `parity` it is left as the peer
+        has it.
+        """
+        shuffled = self.permute_state_during_training
+        return self.level_mode == "list" and not shuffled and self.parity is None
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SflConfig(PpoConfig):
@@ -206,6 +216,11 @@ class SflConfig(PpoConfig):
                 f"train_buffer_size: expected at least 1, got {self.train_buffer_size}"
             )
 
+    @property
+    def only_listed(self) -> bool:
+        """See `PpoConfig`; evaluation levels in the buffer are played too."""
+        return super().only_listed and not self.put_eval_levels_in_buffer
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ReplayConfig(PpoConfig):
@@ -249,6 +264,11 @@ class ReplayConfig(PpoConfig):
     def steps_per_update(self) -> int:
         """Environment steps of one update: all the rollouts on the same levels."""
         return self.num_steps * self.outer_rollout_steps * self.num_train_envs
+
+    @property
+    def only_listed(self) -> bool:
+        """See `PpoConfig`; mutations make levels that have other things."""
+        return super().only_listed and not self.use_accel
 
 
 CONFIGS: dict[str, type[PpoConfig]] = {

@@ -36,10 +36,11 @@ from kinetix.environment.reset import (
     make_reset_fn_empty,
     make_reset_fn_list_of_levels,
     make_reset_fn_sample_kinetix_level,
+    static_env_params_for_levels,
 )
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.sets import gather_levels, part_of
+from kinetix.level.sets import SetLevel, gather_levels, part_of
 from kinetix.training.config import PpoConfig
 from kinetix.training.devices import check_divisible
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
@@ -177,6 +178,8 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     static_env_params = static_env_params_from_size(
         config.size, frame_skip=config.frame_skip, physics=config.physics
     )
+    if config.only_listed:
+        static_env_params = static_env_params_for_levels(_listed(config), static_env_params)
     env_params = EnvParams(dense_reward_scale=config.dense_reward_scale)
     card = _card(config, env_params, static_env_params)
     if teacher is not None:
@@ -281,5 +284,8 @@ def _reset_function(
         case "empty":
             return make_reset_fn_empty(static_env_params)
         case "list":
-            levels = part_of(gather_levels(config.levels), "train")
-            return make_reset_fn_list_of_levels(levels, static_env_params)
+            return make_reset_fn_list_of_levels(_listed(config), static_env_params)
+
+
+def _listed(config: PpoConfig) -> list[SetLevel]:
+    return part_of(gather_levels(config.levels), "train")

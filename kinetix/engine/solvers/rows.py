@@ -5,6 +5,9 @@ turn `turn_b`·λ), body a the opposite. Contacts, joints, motors and limits are
 function couples any two of them.
 """
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -13,6 +16,8 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine.maths import Vec, cross, dot
 from kinetix.engine.shapes import take
 from kinetix.pytree import pytree
+
+T = TypeVar("T")
 
 
 @pytree
@@ -152,7 +157,7 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
         )
 
     nothing = jnp.zeros_like(velocity.angular)
-    x, y, turn = jax.lax.fori_loop(0, impulse.shape[0], add, (nothing, nothing, nothing))
+    x, y, turn = _accumulate(impulse.shape[0], add, (nothing, nothing, nothing))
     return Velocity(
         linear=Vec(
             x=velocity.linear.x + x * masses.linear, y=velocity.linear.y + y * masses.linear
@@ -184,7 +189,7 @@ def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[
         return total + column(matrix, k) * row(vector, k)
 
     nothing = jnp.zeros((matrix.shape[0], matrix.shape[2]), vector.dtype)
-    return jax.lax.fori_loop(0, matrix.shape[1], add, nothing)
+    return _accumulate(matrix.shape[1], add, nothing)
 
 
 def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[Array, "m l n"]:
@@ -194,7 +199,12 @@ def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[A
         return total + column(left, k)[:, None] * row(right, k)
 
     nothing = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
-    return jax.lax.fori_loop(0, left.shape[1], add, nothing)
+    return _accumulate(left.shape[1], add, nothing)
+
+
+def _accumulate(count: int, add: Callable[[Array, Any], Any], start: T) -> T:
+    """A loop that may have nothing to do: not even the shapes of no rows can be looked at."""
+    return jax.lax.fori_loop(0, count, add, start) if count else start
 
 
 def inverse(

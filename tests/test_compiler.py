@@ -1,0 +1,46 @@
+"""Options of the compiler are asked for once, and nobody's own are changed."""
+
+import subprocess
+import sys
+
+import pytest
+
+from kinetix.compiler import ask_for_options
+
+OPTION = "xla_cpu_small_while_loop_byte_threshold="
+PROGRAM = """
+import jax, jax.numpy as jnp
+{imports}
+loop = lambda x: jax.lax.fori_loop(0, 7, lambda i, x: x * 1.5 + i, x)
+print("small_call" in jax.jit(loop).lower(jnp.ones(1000)).compile().as_text())
+"""
+
+
+@pytest.mark.parametrize("before", ["", "--xla_dump_to=somewhere"])
+def test_options_are_added_to_what_is_there(before: str) -> None:
+    variables = {"XLA_FLAGS": before} if before else {}
+    ask_for_options(variables)
+    assert variables["XLA_FLAGS"].startswith(before)
+    assert OPTION in variables["XLA_FLAGS"]
+    once = dict(variables)
+    ask_for_options(variables)
+    assert variables == once
+
+
+def test_own_options_of_a_person_stay() -> None:
+    variables = {"XLA_FLAGS": "--xla_backend_extra_options=theirs=1"}
+    ask_for_options(variables)
+    assert variables == {"XLA_FLAGS": "--xla_backend_extra_options=theirs=1"}
+
+
+@pytest.mark.parametrize(("imports", "wanted"), [("", "False"), ("import kinetix", "True")])
+def test_the_compiler_obeys(imports: str, wanted: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("XLA_FLAGS", raising=False)
+    monkeypatch.setenv("JAX_PLATFORMS", "cpu")
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM.format(imports=imports)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == wanted
