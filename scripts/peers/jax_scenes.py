@@ -78,6 +78,13 @@ def part(told: dict[str, Any], *names: str) -> dict[str, Any]:
     return {name: told[name] for name in names}
 
 
+def repeated(step: Callable[[Any], Any], state: Any, times: int) -> Any:
+    """A step so many times, compiled once."""
+    if times == 1:
+        return step(state)
+    return jax.lax.fori_loop(0, times, lambda _, state: step(state), state)
+
+
 def serve_compiled(say: Say, package: str) -> None:
     """Do the job.
 

@@ -7,6 +7,7 @@ a chain closes to a loop cannot be said. Shapes are those of planar_model.py.
 Settings: `pipeline` (positional, spring, generalized), `substeps`.
 """
 
+import functools
 import warnings
 from typing import Any
 
@@ -17,7 +18,7 @@ from brax.generalized import pipeline as generalized
 from brax.io import mjcf
 from brax.positional import pipeline as positional
 from brax.spring import pipeline as spring
-from jax_scenes import motor_law, part, serve_compiled, thrust
+from jax_scenes import motor_law, part, repeated, serve_compiled, thrust
 from link_tree import Link, tree_of
 from planar_model import may_meet, put_shape, quaternion, turned
 from protocol import Scene, UnsaidError, axial_inertia
@@ -170,9 +171,10 @@ class BraxScene:
 
     def advance(self, given: Any, state: Any) -> Any:
         """A frame later."""
-        for _ in range(self._substeps):
-            state = self._pipeline.step(given["system"], state, self._actions(given, state))
-        return state
+        return repeated(functools.partial(self._step, given), state, self._substeps)
+
+    def _step(self, given: Any, state: Any) -> Any:
+        return self._pipeline.step(given["system"], state, self._actions(given, state))
 
     def seen(self, given: Any, state: Any) -> jax.Array:
         """See the protocol."""

@@ -3,11 +3,12 @@
 Settings: `substeps`.
 """
 
+import functools
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax_scenes import motor_law, part, serve_compiled, thrust
+from jax_scenes import motor_law, part, repeated, serve_compiled, thrust
 from mujoco import mjx
 from planar_model import coordinates, planar_model, starting_speeds
 from protocol import Scene, UnsaidError, axial_inertia, both_fixed
@@ -48,11 +49,12 @@ class MjxScene:
 
     def advance(self, given: Any, state: Any) -> Any:
         """A frame later."""
-        for _ in range(self._substeps):
-            if self._motors or self._thrusters:
-                state = state.replace(qfrc_applied=self._forces(given, state))
-            state = mjx.step(given["model"], state)
-        return state
+        return repeated(functools.partial(self._step, given), state, self._substeps)
+
+    def _step(self, given: Any, state: Any) -> Any:
+        if self._motors or self._thrusters:
+            state = state.replace(qfrc_applied=self._forces(given, state))
+        return mjx.step(given["model"], state)
 
     def seen(self, given: Any, state: Any) -> jax.Array:
         """See the protocol."""
