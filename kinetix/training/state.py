@@ -19,8 +19,10 @@ def save_state(directory: Path, state: Any) -> None:
         directory: The checkpoint; `state/` is made in it.
         state: Any pytree of numpy arrays.
     """
-    leaves = jax.tree.leaves(state)
-    write_arrays(directory / STATE, {_name(index): leaf for index, leaf in enumerate(leaves)})
+    leaves = enumerate(jax.tree.leaves(state))
+    # Orbax takes no empty arrays, such as the limits of levels that have none.
+    kept = {_name(index): leaf for index, leaf in leaves if np.size(leaf)}
+    write_arrays(directory / STATE, kept)
 
 
 def load_state(directory: Path, like: Any) -> Any:
@@ -41,8 +43,13 @@ def load_state(directory: Path, like: Any) -> Any:
         _name(index): jax.ShapeDtypeStruct(np.shape(leaf), leaf.dtype)
         for index, leaf in enumerate(leaves)
     }
-    arrays = read_arrays(directory / STATE, shapes)
-    return jax.tree.unflatten(structure, [arrays[_name(index)] for index in range(len(leaves))])
+    stored = {name: shape for name, shape in shapes.items() if shape.size}
+    arrays = read_arrays(directory / STATE, stored)
+    found = [
+        arrays[name] if name in arrays else np.empty(shape.shape, shape.dtype)
+        for name, shape in shapes.items()
+    ]
+    return jax.tree.unflatten(structure, found)
 
 
 def _name(index: int) -> str:
