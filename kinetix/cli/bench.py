@@ -81,9 +81,9 @@ class MeasurePeers:
 class MeasureScaling:
     """Steps per second and compile time against the number of bodies and of worlds."""
 
-    bodies: str = "8,16,32,64"
+    bodies: str = "8,16,32,64,128,256"
     """Numbers of bodies, with commas between them; none leaves them out."""
-    worlds: str = "1,16,256,1024,4096"
+    worlds: str = "1,16,256,1024,4096,16384"
     """Numbers of worlds, with commas between them; none leaves them out."""
     devices: str = "1,2"
     """Numbers of host devices that the worlds are spread over."""
@@ -91,6 +91,8 @@ class MeasureScaling:
     """Size of the levels of which there are many worlds."""
     physics: str = "balanced"
     """Physics preset or solver."""
+    chart: Path | None = None
+    """Also draw the figures into this PNG file, and keep them beside it as JSON."""
     json: bool = False
     """Print one JSON object a figure on stdout, and nothing else there."""
 
@@ -133,8 +135,14 @@ def run(command: Command) -> int:
         return _accuracy(command)
     if isinstance(command, DrawChart):
         return _chart(command)
+    rows = []
     for row in _rows(command):
+        rows.append(row)
         print(json_module.dumps(row) if command.json else _text(row), flush=True)
+    if isinstance(command, MeasureScaling) and command.chart is not None and rows:
+        from kinetix.bench.chart.scaling import write_scaling
+
+        write_scaling(rows, command.chart)
     return 0
 
 

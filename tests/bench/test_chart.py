@@ -2,6 +2,7 @@ import json
 import math
 
 import pytest
+from PIL import Image
 
 from kinetix import cli
 from kinetix.bench import scaling
@@ -9,6 +10,7 @@ from kinetix.bench.chart import build, points
 from kinetix.bench.chart.draw import draw_chart
 from kinetix.bench.chart.front import dominates, pareto_front, scalars
 from kinetix.bench.chart.points import Point, points_of, read_points, write_rows, write_speeds
+from kinetix.bench.chart.scaling import write_scaling
 from kinetix.bench.scene_speed import SPEED_SCENES, Rate, measure_scenes, speed_trial
 from kinetix.engine.presets import PRESETS, SOLVERS
 from kinetix.scenes import SCENE_CLASSES, SCENES
@@ -231,6 +233,38 @@ def test_scaling_measures_bodies_then_worlds(monkeypatch):
         (8, 1, 1), (64, 1, 1), (None, 1, 1), (None, 16, 1), (None, 16, 2),
     ]  # fmt: skip
     assert (rows[0]["steps_per_s"], rows[0]["compile_s"]) == (100.0, 1.23)
+
+
+def test_the_scaling_chart_keeps_its_figures_beside_it(tmp_path):
+    pytest.importorskip("matplotlib")
+    rows = [
+        {
+            "bodies": n,
+            "worlds": 1,
+            "devices": 1,
+            "physics": "fast",
+            "steps_per_s": 9e4 / n,
+            "compile_s": 2.0,
+        }
+        for n in (8, 64)
+    ] + [
+        {
+            "size": "m",
+            "worlds": n,
+            "devices": d,
+            "physics": "fast",
+            "steps_per_s": 1e4 * n,
+            "compile_s": 3.0,
+        }
+        for n in (1, 16)
+        for d in (1, 2)
+    ]
+    write_scaling(rows, tmp_path / "docs" / "scaling.png")
+    stored = json.loads((tmp_path / "docs" / "scaling.json").read_text())
+    assert stored["rows"] == rows
+    assert "fast" in stored["note"]
+    with Image.open(tmp_path / "docs" / "scaling.png") as picture:
+        assert picture.size == (1000, 600)
 
 
 def test_towers_stand_on_the_floor_side_by_side():
