@@ -2,6 +2,7 @@
 
 import datetime
 import json
+import math
 import os
 import platform
 from collections.abc import Sequence
@@ -62,8 +63,12 @@ def _column(axes: Any, rows: Sequence[dict[str, Any]], across: str, title: str) 
         for each, what in ((speed, "steps_per_s"), (compiling, "compile_s")):
             places = [row[across] for row in own]
             each.plot(places, [row[what] for row in own], "o-", color=colour, label=label)
-    speed.set_yscale("log")
-    compiling.set_ylim(bottom=0)
+    if rows:
+        speeds = [row["steps_per_s"] for row in rows]
+        low, high = (math.log10(speed) for speed in (min(speeds) / 1.5, max(speeds) * 1.5))
+        speed.set_yscale("log")
+        speed.set_ylim(10 ** math.floor(low), 10 ** math.ceil(high))
+        compiling.set_ylim(0, 1.1 * max(row["compile_s"] for row in rows))
     ticks = sorted({row[across] for row in rows})
     for each in (speed, compiling):
         each.set_xlabel(across, fontsize=8)
