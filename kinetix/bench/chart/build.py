@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.bench.chart.draw import draw_chart
+from kinetix.bench.chart.figure import machine
 from kinetix.bench.chart.front import scalars
 from kinetix.bench.chart.points import (
     ACCURACY,
@@ -90,8 +91,7 @@ def build_chart(settings: ChartSettings, say: Callable[[str], None]) -> dict[str
 def chart_data(points: Sequence[Point]) -> dict[str, Any]:
     """Points and scalars as JSON."""
     batches = sorted({point.batch for point in points})
-    machine = f"{platform.machine()}, {os.cpu_count()} cores"
-    today = datetime.date.today().isoformat()
+    place, today = machine(), datetime.date.today().isoformat()
     facets = [
         {"class": group, "batch": batch, **scalars(_facet(points, group, batch))}
         for group in SCENE_CLASSES
@@ -100,8 +100,8 @@ def chart_data(points: Sequence[Point]) -> dict[str, Any]:
     load = max(point.load for point in points)
     busy = f" The machine was busy (load {load:g}): speeds are too low." if load > QUIET else ""
     return {
-        "note": f"{machine}, drawn {today}. Engines called from Python have one world only.{busy}",
-        "machine": machine,
+        "note": f"{place}, drawn {today}. Engines called from Python have one world only.{busy}",
+        "machine": place,
         "python": platform.python_version(),
         "facets": facets,
         "points": [dataclasses.asdict(point) for point in points],

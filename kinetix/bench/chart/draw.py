@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from kinetix.bench.chart.figure import new_figure, save_figure
 from kinetix.bench.chart.front import LEAST_ERROR, pareto_front
 from kinetix.bench.chart.points import OURS, Point
-from kinetix.errors import KinetixError
 from kinetix.scenes import SCENE_CLASSES
 
 COLOURS: Final = {
@@ -39,24 +39,15 @@ def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
     Raises:
         KinetixError: The extra `bench` is not installed.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise KinetixError("the chart is drawn by matplotlib: install the extra `bench`") from None
     batches = sorted({point.batch for point in points})
-    figure = Figure(figsize=(4.6 * len(batches) + 2.2, 3.1 * len(SCENE_CLASSES)), dpi=100)
-    FigureCanvasAgg(figure)
+    figure = new_figure(4.6 * len(batches) + 2.2, 3.1 * len(SCENE_CLASSES))
     axes = figure.subplots(len(SCENE_CLASSES), len(batches), squeeze=False)
     for row, group in enumerate(SCENE_CLASSES):
         for column, batch in enumerate(batches):
             facet = [p for p in points if p.group == group and p.batch == batch]
             _draw_facet(axes[row][column], facet, group, batch)
     _draw_legend(figure, points)
-    figure.text(0.01, 0.004, note, fontsize=7, color="#555555", va="bottom")
-    figure.tight_layout(rect=(0, 0.015, 1, 0.97))
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file)
+    save_figure(figure, file, note=note, room=(0.015, 0.97))
 
 
 def _height(point: Point) -> float:

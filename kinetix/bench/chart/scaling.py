@@ -3,13 +3,11 @@
 import datetime
 import json
 import math
-import os
-import platform
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.errors import KinetixError
+from kinetix.bench.chart.figure import machine, new_figure, save_figure
 from kinetix.level.atomic import write_atomically
 
 _COLOURS: Final = ("#1b7837", "#2166ac", "#e08214", "#8073ac")
@@ -25,27 +23,15 @@ def write_scaling(rows: Sequence[dict[str, Any]], file: Path) -> None:
     Raises:
         KinetixError: The extra `bench` is not installed.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise KinetixError("the chart is drawn by matplotlib: install the extra `bench`") from None
-    note = (
-        f"{platform.machine()}, {os.cpu_count()} cores, {datetime.date.today().isoformat()}, "
-        f"{rows[0]['physics']}"
-    )
-    figure = Figure(figsize=(10, 6), dpi=100)
-    FigureCanvasAgg(figure)
+    note = f"{machine()}, {datetime.date.today().isoformat()}, {rows[0]['physics']}"
+    figure = new_figure(10, 6)
     axes = figure.subplots(2, 2, squeeze=False)
     bodies = [row for row in rows if "bodies" in row]
     worlds = [row for row in rows if "size" in row]
     _column(axes[:, 0], bodies, "bodies", "one world, towers of four boxes")
     sizes = {row["size"]: None for row in worlds}
     _column(axes[:, 1], worlds, "worlds", f"levels of size {', '.join(sizes)}")
-    figure.text(0.01, 0.004, note, fontsize=7, color="#555555", va="bottom")
-    figure.tight_layout(rect=(0, 0.02, 1, 1))
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file)
+    save_figure(figure, file, note=note, room=(0.02, 1))
     text = json.dumps({"note": note, "rows": list(rows)}, indent=1) + "\n"
     write_atomically(file.with_suffix(".json"), text.encode())
 
