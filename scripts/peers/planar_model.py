@@ -28,10 +28,7 @@ def planar_model(scene: Scene, *, timestep: float) -> mujoco.MjModel:
         raise UnsaidError("it has no coefficient of restitution")
     if scene["inactive"]:
         raise UnsaidError("bodies cannot be switched off")
-    spec = mujoco.MjSpec()
-    spec.compiler.degree = False
-    spec.option.timestep = timestep
-    spec.option.gravity = [*scene["gravity"], 0.0]
+    spec = empty_spec(scene, timestep)
     for index, body in enumerate(scene["bodies"]):
         _add_body(spec, index, body)
     _exclude(spec, scene["bodies"])
@@ -39,6 +36,15 @@ def planar_model(scene: Scene, *, timestep: float) -> mujoco.MjModel:
         if not both_fixed(scene, joint):
             _join(spec, scene["bodies"], joint)
     return spec.compile()
+
+
+def empty_spec(scene: Scene, timestep: float) -> Any:
+    """A model without bodies: radians, the scene's gravity."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    spec.option.timestep = timestep
+    spec.option.gravity = [*scene["gravity"], 0.0]
+    return spec
 
 
 def coordinates(scene: Scene) -> dict[int, int]:

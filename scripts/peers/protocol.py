@@ -87,6 +87,15 @@ def axial_inertia(a: dict[str, Any], b: dict[str, Any]) -> float:
     return 1 / inverse if inverse else 0.0
 
 
+def motors_of(scene: Scene) -> list[dict[str, Any]]:
+    """Joints whose motor is driven and can move something."""
+    return [
+        joint
+        for joint in scene["joints"]
+        if joint["motor"] and scene["motor"] and not both_fixed(scene, joint)
+    ]
+
+
 def both_fixed(scene: Scene, joint: dict[str, Any]) -> bool:
     """Whether a joint holds two fixed bodies, or a body to itself: then it does nothing."""
     masses = scene["bodies"][joint["a"]]["mass"], scene["bodies"][joint["b"]]["mass"]

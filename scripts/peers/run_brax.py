@@ -20,7 +20,7 @@ from brax.positional import pipeline as positional
 from brax.spring import pipeline as spring
 from jax_scenes import motor_law, part, repeated, serve_compiled, thrust
 from link_tree import Link, tree_of
-from planar_model import may_meet, put_shape, quaternion, turned
+from planar_model import empty_spec, may_meet, put_shape, quaternion, turned
 from protocol import Scene, UnsaidError, axial_inertia
 
 PIPELINES = {"positional": positional, "spring": spring, "generalized": generalized}
@@ -41,10 +41,7 @@ contacts, of which thick boxes have two for every one in the plane."""
 
 def model_of(scene: Scene, links: list[Link], timestep: float) -> mujoco.MjModel:
     """The tree as a model of MuJoCo, which is what Brax reads."""
-    spec = mujoco.MjSpec()
-    spec.compiler.degree = False
-    spec.option.timestep = timestep
-    spec.option.gravity = [*scene["gravity"], 0.0]
+    spec = empty_spec(scene, timestep)
     bodies = scene["bodies"]
     for index, body in enumerate(bodies):
         if not body["mass"]:

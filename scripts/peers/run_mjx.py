@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jax_scenes import motor_law, part, repeated, serve_compiled, thrust
 from mujoco import mjx
 from planar_model import coordinates, planar_model, starting_speeds
-from protocol import Scene, UnsaidError, axial_inertia, both_fixed
+from protocol import Scene, UnsaidError, axial_inertia, motors_of
 
 
 class MjxScene:
@@ -24,11 +24,7 @@ class MjxScene:
         self._place = coordinates(scene)
         if not self._place:
             raise UnsaidError("no body that moves")
-        self._motors = [
-            joint
-            for joint in scene["joints"]
-            if joint["motor"] and scene["motor"] and not both_fixed(scene, joint)
-        ]
+        self._motors = motors_of(scene)
         self._thrusters = [each for each in scene["thrusters"] if each["body"] in self._place]
         bodies = scene["bodies"]
         self.given = {

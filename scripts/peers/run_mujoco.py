@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 from planar_model import coordinates, planar_model, starting_speeds, turned
-from protocol import THRUSTER_POWER, Scene, axial_inertia, both_fixed, motor_law, serve
+from protocol import THRUSTER_POWER, Scene, axial_inertia, motor_law, motors_of, serve
 
 
 class MujocoWorld:
@@ -23,11 +23,7 @@ class MujocoWorld:
         self._data = mujoco.MjData(self._model)
         self._place = coordinates(scene)
         self._data.qvel[:] = starting_speeds(scene)
-        self._motors = [
-            joint
-            for joint in scene["joints"]
-            if joint["motor"] and scene["motor"] and not both_fixed(scene, joint)
-        ]
+        self._motors = motors_of(scene)
 
     def step(self) -> None:
         """Advance by one frame."""

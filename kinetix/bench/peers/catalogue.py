@@ -100,8 +100,7 @@ SWEPT: Final[tuple[Peer, ...]] = (
 SLOW: Final[tuple[Peer, ...]] = (
     *(_with(_JAX2D_TRUE, f"×{n}", iterations=n) for n in (2, 5, 20, 40)),
     *(_with(_JAX2D_TRUE, f"dt/{n}", substeps=n) for n in (2, 4)),
-    *(_with(_MJX, f"dt/{n}", substeps=n) for n in (4,)),
-    *(_with(brax, f"dt/{n}", substeps=n) for brax in _BRAX for n in (4,)),
+    *(_with(peer, "dt/4", substeps=4) for peer in (_MJX, *_BRAX)),
 )
 """Settings that are measured only when named: each takes minutes to compile."""
 
