@@ -178,8 +178,11 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     static_env_params = static_env_params_from_size(
         config.size, frame_skip=config.frame_skip, physics=config.physics
     )
+    listed: list[SetLevel] = []
+    if config.level_mode == "list":
+        listed = part_of(gather_levels(config.levels), "train")
     if config.only_listed:
-        static_env_params = static_env_params_for_levels(_listed(config), static_env_params)
+        static_env_params = static_env_params_for_levels(listed, static_env_params)
     env_params = EnvParams(dense_reward_scale=config.dense_reward_scale)
     card = _card(config, env_params, static_env_params)
     if teacher is not None:
@@ -187,7 +190,9 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     env: Any = make_kinetix_env(
         action_type=config.action_type,
         observation_type=config.observation_type,
-        reset_fn=_shuffled(config, _reset_function(config, env_params, static_env_params, ued)),
+        reset_fn=_shuffled(
+            config, _reset_function(config, env_params, static_env_params, ued, listed)
+        ),
         env_params=env_params,
         static_env_params=static_env_params,
         keep_terminal_observation=config.bootstrap_on_timeout,
@@ -272,6 +277,7 @@ def _reset_function(
     env_params: EnvParams,
     static_env_params: StaticEnvParams,
     ued: UEDParams,
+    listed: list[SetLevel],
 ) -> ResetFunction:
     static_env_params = with_parity(static_env_params, config.parity)
     match config.level_mode:
@@ -284,8 +290,4 @@ def _reset_function(
         case "empty":
             return make_reset_fn_empty(static_env_params)
         case "list":
-            return make_reset_fn_list_of_levels(_listed(config), static_env_params)
-
-
-def _listed(config: PpoConfig) -> list[SetLevel]:
-    return part_of(gather_levels(config.levels), "train")
+            return make_reset_fn_list_of_levels(listed, static_env_params)

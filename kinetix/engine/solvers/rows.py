@@ -6,7 +6,7 @@ function couples any two of them.
 """
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -202,7 +202,7 @@ def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[A
     return _accumulate(left.shape[1], add, nothing)
 
 
-def _accumulate(count: int, add: Callable[[Array, Any], Any], start: T) -> T:
+def _accumulate(count: int, add: Callable[[Int[Array, ""], T], T], start: T) -> T:
     """A loop that may have nothing to do: not even the shapes of no rows can be looked at."""
     return jax.lax.fori_loop(0, count, add, start) if count else start
 
