@@ -183,3 +183,10 @@ def a_session(level=None, **settings):
 
 def texts(session):
     return [toast.text for toast in session.toasts]
+
+
+class Unheard:
+    """Progress that nobody follows."""
+
+    def report(self, fraction, message):
+        """Nothing happens."""

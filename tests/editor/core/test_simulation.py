@@ -26,6 +26,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 from kinetix.level.validate import validate
+from tests.editor.core.helpers import Unheard
 
 pytestmark = pytest.mark.slow
 
@@ -54,16 +55,11 @@ LEVEL = Level(
 )
 
 
-class Quiet:
-    def report(self, fraction, message):
-        pass
-
-
 @pytest.fixture(scope="module")
 def perform():
     from editor import simulation
 
-    return lambda request: simulation.perform(request, Quiet())
+    return lambda request: simulation.perform(request, Unheard())
 
 
 def play(perform, level=LEVEL, actions=(LEFT,) * 40, **options):

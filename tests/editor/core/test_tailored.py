@@ -36,7 +36,7 @@ from kinetix.level.model import (
     Solution,
     Thruster,
 )
-from tests.editor.core.helpers import FakeSimulator, a_session
+from tests.editor.core.helpers import FakeSimulator, Unheard, a_session
 
 LEFT = (1, 0, 0, 0, 0, 0)
 BOX = Polygon(vertices=((0.3, 0.1), (-0.3, 0.1), (-0.3, -0.1), (0.3, -0.1)))
@@ -61,11 +61,6 @@ LEVEL = Level(
     ),
     max_timesteps=60,
 )
-
-
-class Quiet:
-    def report(self, fraction, message):
-        pass
 
 
 class CalledOff:
@@ -203,7 +198,7 @@ def test_the_status_line_says_when_a_step_is_being_made():
 def perform():
     from editor import simulation
 
-    return lambda request, progress=None: simulation.perform(request, progress or Quiet())
+    return lambda request, progress=None: simulation.perform(request, progress or Unheard())
 
 
 def play(perform, level=LEVEL, run=1):
