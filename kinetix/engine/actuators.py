@@ -1,35 +1,18 @@
 """Motors and thrusters: a control becomes impulses. Worlds on the last axis."""
 
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float
 
+from kinetix.engine.lookup import onto, take, take_pair
 from kinetix.engine.maths import Vec, cross, nonzero, rotate, vec
 from kinetix.engine.types import Control, Parameters, State, World
-
-
-def at_body(values: Float[Array, "b n"], body: Int[Array, "k n"]) -> Float[Array, "k n"]:
-    """The entry of each row's body: a masked sum over the bodies, which needs no gather."""
-    mask = np.arange(values.shape[0])[None, :, None] == body[:, None]
-    return jnp.sum(jnp.where(mask, values[None], 0), axis=1)
-
-
-def onto_bodies(
-    values: Float[Array, "k n"], body: Int[Array, "k n"], body_count: int
-) -> Float[Array, "b n"]:
-    """The sum of the rows' values for each body: the transpose of `at_body`."""
-    mask = np.arange(body_count)[:, None, None] == body[None]
-    return jnp.sum(jnp.where(mask, values[None], 0), axis=1)
 
 
 def joint_angle(world: World, state: State) -> Float[Array, "j n"]:
     """φ = θ_b − θ_a − reference angle [rad]."""
     joints = world.joints
-    return (
-        at_body(state.rotation, joints.body_b)
-        - at_body(state.rotation, joints.body_a)
-        - joints.reference_angle
-    )
+    angle_a, angle_b = take_pair(state.rotation, joints.body_a, joints.body_b)
+    return angle_b - angle_a - joints.reference_angle
 
 
 def motor_fade(
@@ -48,13 +31,11 @@ def motor_fade(
 def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
     """Which motors act: on, revolute, driven, between active bodies that are not both fixed."""
     joints, bodies = world.joints, world.bodies
-    active = bodies.active.astype(bodies.inverse_mass.dtype)
-    both = at_body(active, joints.body_a) * at_body(active, joints.body_b) > 0
-    movable = (
-        at_body(bodies.inverse_mass, joints.body_a) + at_body(bodies.inverse_mass, joints.body_b)
-        > 0
+    (active_a, mass_a), (active_b, mass_b) = take_pair(
+        (bodies.active, bodies.inverse_mass), joints.body_a, joints.body_b
     )
-    return joints.active & joints.motor_on & ~joints.fixed & both & movable & (action != 0)
+    acts = joints.active & joints.motor_on & ~joints.fixed & (action != 0)
+    return acts & active_a & active_b & (mass_a + mass_b > 0)
 
 
 def motor_row(
@@ -84,14 +65,12 @@ def motor_row(
     """
     joints, bodies = world.joints, world.bodies
     target = parameters.base_motor_speed * joints.motor_speed * action
-    inertia = at_body(bodies.inverse_inertia, joints.body_a) + at_body(
-        bodies.inverse_inertia, joints.body_b
-    )
+    inertia_a, inertia_b = take_pair(bodies.inverse_inertia, joints.body_a, joints.body_b)
     strength = (
         parameters.base_motor_power
         * joints.motor_power
         * motor_fade(world, angle, action, parameters)
-        / nonzero(inertia)
+        / nonzero(inertia_a + inertia_b)
     )
     k = parameters.motor_decay_coefficient
     # tanh(x)/x is 1 to rounding below 1e-4, where dividing would lose digits.
@@ -106,17 +85,11 @@ def thrust(
 ) -> tuple[Vec, Float[Array, "b n"]]:
     """Acceleration [m/s²] and angular acceleration [rad/s²] of all bodies under their thrusters."""
     thrusters, bodies = world.thrusters, world.bodies
-    angle = at_body(rotation, thrusters.body)
+    angle = take(rotation, thrusters.body)
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     direction = rotate(cos, sin, Vec(x=jnp.cos(thrusters.angle), y=jnp.sin(thrusters.angle)))
     force = parameters.base_thruster_power * thrusters.power * control.thruster * thrusters.active
     push = direction * force
     arm = rotate(cos, sin, vec(thrusters.position))
-    count = bodies.inverse_mass.shape[0]
-    return (
-        Vec(
-            x=onto_bodies(push.x, thrusters.body, count) * bodies.inverse_mass,
-            y=onto_bodies(push.y, thrusters.body, count) * bodies.inverse_mass,
-        ),
-        onto_bodies(cross(arm, push), thrusters.body, count) * bodies.inverse_inertia,
-    )
+    linear, angular = onto((push, cross(arm, push)), thrusters.body, bodies.inverse_mass.shape[0])
+    return linear * bodies.inverse_mass, angular * bodies.inverse_inertia

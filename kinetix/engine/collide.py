@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
+from kinetix.engine.lookup import take, take_pair
 from kinetix.engine.maths import Vec, dot, length, nonzero, vec
 from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
 from kinetix.engine.shapes import (
@@ -27,8 +28,6 @@ from kinetix.engine.shapes import (
     flat,
     rows,
     rows_vec,
-    take,
-    take_vec,
     turn_polygons,
 )
 from kinetix.engine.spec import SceneSpec
@@ -158,9 +157,11 @@ def _tightest(points: Points, room: int, store: Store) -> tuple[Points, Bool[Arr
     full = jnp.sum(used, axis=0) > room
     used &= ~full | (points.separation <= constants.TOUCH_SLOP)
     index, valid, full = store(compact(used, room))
-    chosen = jax.tree.map(lambda x: take(x, index), points)
-    return chosen.replace(
-        separation=jnp.where(valid, chosen.separation, FAR), key=jnp.where(valid, chosen.key, -1)
+    chosen = take(points, index)
+    return dataclasses.replace(
+        chosen,
+        separation=jnp.where(valid, chosen.separation, FAR),
+        key=jnp.where(valid, chosen.key, -1),
     ), full
 
 
@@ -274,9 +275,9 @@ class _Scene:
         corner_count = self.polygons.offsets.shape[1]
         first = jnp.asarray(polygon[:, None] if polygon.ndim == 1 else polygon) * corner_count
         corners = flat(self.polygons.corners)
-        start = take_vec(corners, first + edge)
-        end = take_vec(corners, first + (edge + 1) % corner_count)
-        return start, end, take_vec(flat(self.polygons.normals), first + edge)
+        start, normal = take((corners, flat(self.polygons.normals)), first + edge)
+        end = take(corners, first + (edge + 1) % corner_count)
+        return start, end, normal
 
     @staticmethod
     def _beyond_face(
@@ -337,7 +338,8 @@ class _Scene:
 
     def _at(self, a: Int[Array, "k n"], b: Int[Array, "k n"], place: Vec) -> tuple[Vec, Vec]:
         """Arms of both bodies to a place that is relative to body b's centre."""
-        return place + take_vec(self.centre, b) - take_vec(self.centre, a), place
+        of_a, of_b = take_pair(self.centre, a, b)
+        return place + of_b - of_a, place
 
     def circle_points(
         self,
@@ -348,7 +350,8 @@ class _Scene:
         """One point for two circles; the normal is that of the moment when they will touch."""
         del faces
         a, b, pair = self._bodies(2, index)
-        apart = take_vec(self.centre, b) - take_vec(self.centre, a)
+        of_a, of_b = take_pair(self.centre, a, b)
+        apart = of_b - of_a
         radius_a, radius_b = self._radius(a), self._radius(b)
         normal, gap = self._round_contact(apart, a, b, radius_a + radius_b)
         arms = normal * radius_a, normal * -radius_b
@@ -362,7 +365,8 @@ class _Scene:
         With them, gap + time·closing speed is zero exactly, so an oblique hit found a step early
         still gets the right normal.
         """
-        motion = take_vec(self.velocity, b) - take_vec(self.velocity, a)
+        of_a, of_b = take_pair(self.velocity, a, b)
+        motion = of_b - of_a
         squared = dot(motion, motion)
         half = dot(apart, motion)
         root = half**2 - squared * (dot(apart, apart) - radius**2)
@@ -384,7 +388,8 @@ class _Scene:
         a, b, pair = self._bodies(1, index)
         edge = take(edges, index)
         start, end, outward = self._edge_ends(b, edge)
-        offset = take_vec(self.centre, a) - take_vec(self.centre, b)
+        of_a, of_b = take_pair(self.centre, a, b)
+        offset = of_a - of_b
         radius = self._radius(a)
         face = dot(outward, offset - start)
         _, corner, at_corner, at_end = self._beyond_face(offset, face, start, end, outward)
@@ -410,7 +415,8 @@ class _Scene:
         reference, incident = jnp.where(swap, b, a), jnp.where(swap, a, b)
         edge = face % 4
         start, end, normal = self.store(self._edge_ends(reference, edge))
-        apart = take_vec(self.centre, incident) - take_vec(self.centre, reference)
+        of_reference, of_incident = take_pair(self.centre, reference, incident)
+        apart = of_incident - of_reference
         other = self.store(self._most_opposed(incident, normal))
         first, last, _ = self._edge_ends(incident, other)
         first, last = self.store((first + apart, last + apart))
@@ -463,7 +469,7 @@ class _Scene:
         best = jnp.full(normal.x.shape, FAR, normal.x.dtype)
         edge = jnp.zeros(normal.x.shape, jnp.int32)
         for i in range(corner_count):
-            candidate = take_vec(normals, polygon * corner_count + i)
+            candidate = take(normals, polygon * corner_count + i)
             exists = (candidate.x != 0) | (candidate.y != 0)
             against = jnp.where(exists, dot(candidate, normal), FAR)
             edge = jnp.where(against < best, i, edge)

@@ -3,6 +3,8 @@
 import functools
 from collections.abc import Callable
 
+from jaxtyping import Array, Int
+
 from kinetix.engine.batch import worlds_last
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
@@ -39,4 +41,10 @@ def _stepper(spec: SceneSpec, solver: AbstractSolver) -> Callable[..., State]:
     def kernel(world: World, state: State, control: Control, parameters: Parameters) -> State:
         return solver.step(world, state, control, parameters, spec)
 
-    return worlds_last(kernel)
+    def effort(
+        world: World, state: State, control: Control, parameters: Parameters
+    ) -> Int[Array, " n"]:
+        del world, control, parameters
+        return solver.effort(state)
+
+    return worlds_last(kernel, effort)

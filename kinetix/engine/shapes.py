@@ -1,9 +1,7 @@
 """World geometry of the polygons, relative to their bodies' positions. Worlds on the last axis."""
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.lax import GatherDimensionNumbers, GatherScatterMode
 from jaxtyping import Array, Float, Int, Shaped
 
 from kinetix.engine import maths
@@ -56,32 +54,6 @@ def turn_polygons(bodies: Bodies, rotation: Float[Array, "b n"]) -> Polygons:
 def flat(v: Vec) -> Vec:
     """(p, v, n) to (p·v, n), so that one index names a corner of a polygon."""
     return Vec(x=v.x.reshape(-1, v.x.shape[-1]), y=v.y.reshape(-1, v.y.shape[-1]))
-
-
-def take(values: Shaped[Array, "rows n"], index: Int[Array, "k n"]) -> Shaped[Array, "k n"]:
-    """values[index[k, n], n].
-
-    One gather, said directly: what `take_along_axis` adds for negative indices is a large part of
-    the time that compiling a step takes.
-    """
-    return jax.lax.gather(
-        values,
-        index[..., None],
-        GatherDimensionNumbers(
-            offset_dims=(),
-            collapsed_slice_dims=(0,),
-            start_index_map=(0,),
-            operand_batching_dims=(1,),
-            start_indices_batching_dims=(1,),
-        ),
-        slice_sizes=(1, 1),
-        mode=GatherScatterMode.PROMISE_IN_BOUNDS,
-    )
-
-
-def take_vec(values: Vec, index: Int[Array, "k n"]) -> Vec:
-    """`take` for both components."""
-    return Vec(x=take(values.x, index), y=take(values.y, index))
 
 
 def rows(

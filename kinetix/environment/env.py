@@ -7,7 +7,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.batch import worlds_last
 from kinetix.engine.pipeline import step as physics_step
@@ -226,7 +226,7 @@ class KinetixEnv:
     def _advance_many(self) -> Callable[..., Any]:
         """Step and observation as a function of one world that runs worlds-last when batched."""
         if not self.observations.worlds_last:
-            advance = worlds_last(jax.vmap(self._advance, in_axes=-1, out_axes=-1))
+            advance = worlds_last(jax.vmap(self._advance, in_axes=-1, out_axes=-1), self._effort)
 
             def apart(state: EnvState, action: Any, params: EnvParams) -> Any:
                 played, *rest = advance(state, action, params)
@@ -238,7 +238,12 @@ class KinetixEnv:
             played, *rest = self._advance(state, action, params)
             return played, self.observations(dataclasses.replace(state, **played)), *rest
 
-        return worlds_last(jax.vmap(one, in_axes=-1, out_axes=-1))
+        return worlds_last(jax.vmap(one, in_axes=-1, out_axes=-1), self._effort)
+
+    def _effort(self, state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
+        """How much work the next step of each world will be."""
+        del action, params
+        return self.physics_engine.solver.effort(state.physics)
 
     def _advance(
         self, state: EnvState, action: Any, params: EnvParams

@@ -3,6 +3,9 @@
 import abc
 from typing import Any, ClassVar
 
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
 
@@ -30,3 +33,7 @@ class AbstractSolver(abc.ABC):
             The new state; `touching` says which candidate pairs touched at the *start* of the step
             (or were hit in it), pairs that never push each other included.
         """
+
+    def effort(self, state: State) -> Int[Array, " n"]:
+        """How much work each world will be, as far as its state tells, to group worlds by."""
+        return jnp.sum(state.touching, axis=0, dtype=jnp.int32)

@@ -20,8 +20,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.lookup import marked, onto, take, take_pair
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
-from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
 from kinetix.engine.solvers.joint_system import (
@@ -144,6 +144,10 @@ class Direct(AbstractSolver):
             joint_force_y=zeros(joints),
         )
 
+    def effort(self, state: State) -> Int[Array, " n"]:
+        """The contact points of the last step: as many are visited in every sweep."""
+        return jnp.sum(state.cache.key >= 0, axis=0, dtype=jnp.int32)
+
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
@@ -221,16 +225,17 @@ class Direct(AbstractSolver):
         own = jnp.where(live, own, 1)
         coupled = live[:, None] & live[None] & ~eye
         matrix = store(jnp.where(eye, own[:, None], jnp.where(coupled, matrix, 0)))
-        friction = jnp.sqrt(take(bodies.friction, a) ** 2 + take(bodies.friction, b) ** 2)
+        (friction_a, restitution_a), (friction_b, restitution_b) = take_pair(
+            (bodies.friction, bodies.restitution), a, b
+        )
+        friction = jnp.sqrt(friction_a**2 + friction_b**2)
         system = ContactSystem(
             rows=rows,
             live=live,
             matrix=matrix,
             prepared=self.block.prepare(matrix),
             friction=store(step.parameters.base_friction * friction),
-            restitution=store(
-                jnp.minimum(take(bodies.restitution, a), take(bodies.restitution, b))
-            ),
+            restitution=store(jnp.minimum(restitution_a, restitution_b)),
         )
         gap = jnp.concatenate(
             [points.separation, jnp.zeros_like(points.separation), limit_gap], axis=0
@@ -238,67 +243,56 @@ class Direct(AbstractSolver):
         return system, gap
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
-        masses, store = step.masses, step.store
+        masses = step.masses
         h = step.parameters.dt / self.substeps
         count = system.friction.shape[0]
         live, limit_live = system.live[:count], system.live[2 * count :]
 
         # Bias: half a kick, then velocities that also bring positions where they belong.
-        push = store(_acceleration(step, phase.rotation))
-        before = store(speeds(system.rows, phase.velocity))
-        velocity = store(_kick(phase.velocity, push, h / 2))
+        push = _acceleration(step, phase.rotation)
+        before = speeds(system.rows, phase.velocity)
+        velocity = _kick(phase.velocity, push, h / 2)
         bias = phase.joints.error * (self.joint_bias / h)
         nothing = jnp.zeros_like(phase.joint_impulse)
         velocity, joint_impulse = project(step, phase.joints, velocity, nothing, bias)
-        offset = store(speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count))
+        offset = speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count)
         cone = Cone(friction=system.friction, closed=live, limited=limit_live)
         bias_impulse = self.block.solve(
             system.prepared, system.matrix, offset, phase.bias_impulse, cone
         )
-        velocity = store(apply(system.rows, bias_impulse, velocity, masses))
+        velocity = apply(system.rows, bias_impulse, velocity, masses)
         bias += curvature(step, phase.joints, velocity, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
         # Drift.
-        position, rotation, gap = store(
-            (
-                phase.position + velocity.linear * h,
-                phase.rotation + velocity.angular * h,
-                phase.gap + h * speeds(system.rows, velocity),
-            )
-        )
+        position = phase.position + velocity.linear * h
+        rotation = phase.rotation + velocity.angular * h
+        gap = phase.gap + h * speeds(system.rows, velocity)
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
-        velocity = store(_kick(velocity, _acceleration(step, rotation), h / 2))
+        velocity = _kick(velocity, _acceleration(step, rotation), h / 2)
         joints = joint_system(step, position, rotation, velocity, h / 2)
         joints, move = settle(step, joints)
-        position, rotation, gap = store(
-            (
-                position + move.linear,
-                rotation + move.angular,
-                gap + speeds(system.rows, move),
-            )
-        )
+        position, rotation = position + move.linear, rotation + move.angular
+        gap += speeds(system.rows, move)
         velocity, relaxed = project(step, joints, velocity, nothing, nothing)
         closed = (bias_impulse > 0) | (gap <= constants.CLOSED_DISTANCE)
-        cone = store(
-            dataclasses.replace(
-                cone, closed=live & closed[:count], limited=limit_live & closed[2 * count :]
-            )
+        cone = dataclasses.replace(
+            cone, closed=live & closed[:count], limited=limit_live & closed[2 * count :]
         )
-        offset = store(speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse))
+        offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
-            offset, knock = store(self._knocks(system, offset, bounce, cone, least))
+            offset, knock = self._knocks(system, offset, bounce, cone, least)
         total = self.block.solve(
             system.prepared,
             system.matrix,
             offset,
-            store(bias_impulse + phase.relax_impulse),
+            bias_impulse + phase.relax_impulse,
             cone,
         )
-        velocity = store(apply(system.rows, store(total - bias_impulse + knock), velocity, masses))
+        velocity = apply(system.rows, total - bias_impulse + knock, velocity, masses)
         velocity, relaxed = project(step, joints, velocity, relaxed, nothing)
         return Phase(
             position=position,
@@ -414,9 +408,9 @@ def _effective_masses(
     ):
         angle = take(state.rotation, body)
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
-        stiffness += sign * actuators.onto_bodies(dot(arm, force), body, count)
+        stiffness += sign * onto(dot(arm, force), body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    fastest = jnp.maximum(take(swing, joints.body_a), take(swing, joints.body_b))
+    fastest = jnp.maximum(*take_pair(swing, joints.body_a, joints.body_b))
     masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
     return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
 
@@ -431,15 +425,17 @@ def _limit_rows(step: Step, state: State) -> tuple[Rows, Bool[Array, "j n"], Flo
     if not step.features.limits:
         joints = jax.tree.map(lambda x: x[:0], joints)
     a, b = joints.body_a, joints.body_b
-    angle = take(state.rotation, b) - take(state.rotation, a) - joints.reference_angle
+    (angle_a, active_a), (angle_b, active_b) = take_pair(
+        (state.rotation, world.bodies.active), a, b
+    )
+    angle = angle_b - angle_a - joints.reference_angle
     least = jnp.minimum(joints.limit_min, joints.limit_max)
     most = jnp.maximum(joints.limit_min, joints.limit_max)
     from_least, from_most = angle - least, most - angle
     sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
     zero = jnp.zeros_like(angle)
     rows = make_rows(step.masses, a, b, Vec(x=zero, y=zero), sign, sign)
-    acts = joints.active & joints.limited & ~joints.fixed & (a != b)
-    acts &= take(world.bodies.active, a) & take(world.bodies.active, b)
+    acts = joints.active & joints.limited & ~joints.fixed & (a != b) & active_a & active_b
     acts &= rows.inertia_a + rows.inertia_b > 0
     return rows, acts, jnp.minimum(from_least, from_most)
 
@@ -490,14 +486,13 @@ def _finish(
     count = found.points.key.shape[0]
     joints = state.cache.joint_force_x.shape[0]
     pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
-    index = np.arange(found.touching.shape[0])[:, None, None]
     return dataclasses.replace(
         state,
         position=jnp.clip(unvec(end.position), -bound, bound),
         rotation=end.rotation,
         velocity=jnp.clip(unvec(end.velocity.linear), -speed, speed),
         angular_velocity=jnp.clip(end.velocity.angular, -spin, spin),
-        touching=found.touching | jnp.any(index == pair[None], axis=1),
+        touching=found.touching | marked(pair, found.touching.shape[0]),
         overflow=found.overflow,
         cache=DirectCache(
             key=found.points.key,

@@ -9,11 +9,11 @@ import dataclasses
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators, constants
+from kinetix.engine.lookup import take_pair
 from kinetix.engine.maths import Vec, rotate, vec
-from kinetix.engine.shapes import take, take_vec
 from kinetix.engine.solvers.rows import (
     Masses,
     Rows,
@@ -94,10 +94,13 @@ def joint_system(
     world, masses, store = step.world, step.masses, step.store
     joints = world.joints
     a, b = joints.body_a, joints.body_b
-    angle_a, angle_b = take(rotation, a), take(rotation, b)
+    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = take_pair(
+        (position, rotation, velocity.angular), a, b
+    )
+    (mass_a, active_a), (mass_b, active_b) = take_pair((masses.linear, world.bodies.active), a, b)
     arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
     arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
-    gap = take_vec(position, b) - take_vec(position, a) + arm_b - arm_a
+    gap = place_b - place_a + arm_b - arm_a
     angle = angle_b - angle_a - joints.reference_angle
 
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
@@ -110,19 +113,13 @@ def joint_system(
     if turning:
         rows.append(make_rows(masses, a, b, Vec(x=zero, y=zero), one, one))
     rows = store(stack(*rows))
-    movable = take(masses.linear, a) + take(masses.linear, b) > 0
-    acts = (
-        joints.active
-        & movable
-        & take(world.bodies.active, a)
-        & take(world.bodies.active, b)
-        & (a != b)
-    )
+    acts = joints.active & (mass_a + mass_b > 0) & active_a & active_b & (a != b)
     wanted, compliance = zero, zero
     if step.features.motors:
-        spin = take(velocity.angular, b) - take(velocity.angular, a)
         wanted, compliance = store(
-            actuators.motor_row(world, angle, spin, step.control.motor, step.parameters, duration)
+            actuators.motor_row(
+                world, angle, spin_b - spin_a, step.control.motor, step.parameters, duration
+            )
         )
     turns = acts & (joints.fixed | (compliance > 0))
 
@@ -171,11 +168,10 @@ def project(
     """
     if system.live.shape[0] == 0:
         return velocity, impulse
-    store = step.store
     residual = speeds(system.rows, velocity) - system.wanted + bias + system.compliance * impulse
-    residual = store(jnp.where(system.live, residual, 0))
-    gained = store(jnp.where(system.live, -matvec(system.solve, residual), 0))
-    return store((apply(system.rows, gained, velocity, step.masses), impulse + gained))
+    residual = jnp.where(system.live, residual, 0)
+    gained = jnp.where(system.live, -matvec(system.solve, residual), 0)
+    return apply(system.rows, gained, velocity, step.masses), impulse + gained
 
 
 def curvature(
@@ -197,22 +193,21 @@ def curvature(
     """
     joints = step.world.joints
 
-    def bend(body: Int[Array, "j n"], arm: Vec) -> Vec:
-        angle = take(velocity.angular, body) * duration
+    spin_a, spin_b = take_pair(velocity.angular, joints.body_a, joints.body_b)
+
+    def bend(spin: Float[Array, "j n"], arm: Vec) -> Vec:
+        angle = spin * duration
         inward = -2 * jnp.sin(0.5 * angle) ** 2
         onward = jnp.sin(angle) - angle
         return Vec(x=inward * arm.x - onward * arm.y, y=inward * arm.y + onward * arm.x)
 
-    bent = bend(joints.body_b, system.arm_b) - bend(joints.body_a, system.arm_a)
-    spin = jnp.maximum(
-        jnp.abs(take(velocity.angular, joints.body_a)),
-        jnp.abs(take(velocity.angular, joints.body_b)),
-    )
+    bent = bend(spin_b, system.arm_b) - bend(spin_a, system.arm_a)
+    spin = jnp.maximum(jnp.abs(spin_a), jnp.abs(spin_b))
     calm = jnp.clip(2 - spin * duration / constants.CALM_TURN, 0, 1)
     bent = bent * (step.loose * calm / duration)
     turns = jnp.zeros_like(system.error[2 * bent.x.shape[0] :])
     rows = jnp.concatenate([bent.x, bent.y, turns], axis=0)
-    return step.store(jnp.where(system.live, rows, 0))
+    return jnp.where(system.live, rows, 0)
 
 
 def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
@@ -231,7 +226,7 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     if joints == 0:
         return system, still
     loose = jnp.concatenate([step.loose] * (system.error.shape[0] // joints), axis=0)
-    left = step.store(system.error * loose)
+    left = system.error * loose
     gained = jnp.where(system.live, matvec(system.solve, left - system.error), 0)
-    move = apply(system.rows, step.store(gained), still, step.masses)
-    return dataclasses.replace(system, error=left), step.store(move)
+    move = apply(system.rows, gained, still, step.masses)
+    return dataclasses.replace(system, error=left), move

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, collide_jax2d, maths
-from kinetix.engine.actuators import at_body, onto_bodies
 from kinetix.engine.collide_jax2d import Manifold
+from kinetix.engine.lookup import onto, take
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, spin, unvec, vec
 from kinetix.engine.pairs import candidate_pairs, pair_counts
 from kinetix.engine.solvers.base import AbstractSolver
@@ -393,17 +393,17 @@ def _drive(world: World, moving: Moving, control: Control, parameters: Parameter
     """Motors and thrusters, each one explicit impulse from the same velocities."""
     joints, bodies = world.joints, world.bodies
     count = bodies.inverse_mass.shape[0]
-    inertia = at_body(bodies.inverse_inertia, joints.body_a) + at_body(
+    inertia = take(bodies.inverse_inertia, joints.body_a) + take(
         bodies.inverse_inertia, joints.body_b
     )
     angle = (
-        at_body(moving.rotation, joints.body_b)
-        - at_body(moving.rotation, joints.body_a)
+        take(moving.rotation, joints.body_b)
+        - take(moving.rotation, joints.body_a)
         - joints.reference_angle
     )
     action = control.motor
     target = parameters.base_motor_speed * joints.motor_speed * action
-    error = at_body(moving.omega, joints.body_b) - at_body(moving.omega, joints.body_a) - target
+    error = take(moving.omega, joints.body_b) - take(moving.omega, joints.body_a) - target
     strength = (
         parameters.base_motor_power
         * joints.motor_power
@@ -412,7 +412,7 @@ def _drive(world: World, moving: Moving, control: Control, parameters: Parameter
     )
     twist = strength / nonzero(inertia) * jnp.tanh(parameters.motor_decay_coefficient * error)
     twist = jnp.where(actuators.motor_runs(world, action), twist, 0)
-    turned = onto_bodies(twist, joints.body_a, count) - onto_bodies(twist, joints.body_b, count)
+    turned = onto(twist, joints.body_a, count) - onto(twist, joints.body_b, count)
     push, turn = actuators.thrust(world, moving.rotation, control, parameters)
     return dataclasses.replace(
         moving,
@@ -442,11 +442,11 @@ def _warm_start(
     impulse = Vec(x=x, y=y)
     arms = []
     for body, anchor in ((joints.body_a, joints.anchor_a), (joints.body_b, joints.anchor_b)):
-        angle = at_body(moving.rotation, body)
+        angle = take(moving.rotation, body)
         arms.append(rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor)))
 
     def net(on_a: Float[Array, "j n"], on_b: Float[Array, "j n"]) -> Float[Array, "b n"]:
-        return onto_bodies(on_a, joints.body_a, count) - onto_bodies(on_b, joints.body_b, count)
+        return onto(on_a, joints.body_a, count) - onto(on_b, joints.body_b, count)
 
     turn = net(cross(arms[0], impulse) + angular, cross(arms[1], impulse) + angular)
     return dataclasses.replace(

@@ -5,7 +5,6 @@ turn `turn_b`·λ), body a the opposite. Contacts, joints, motors and limits are
 function couples any two of them.
 """
 
-from collections.abc import Callable
 from typing import TypeVar
 
 import jax
@@ -13,11 +12,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.lookup import accumulate, column, row, take_pair
 from kinetix.engine.maths import Vec, cross, dot
-from kinetix.engine.shapes import take
+from kinetix.engine.store import Store
 from kinetix.pytree import pytree
 
 T = TypeVar("T")
+
+TERMS = 18
 
 
 @pytree
@@ -61,16 +63,17 @@ def make_rows(
     turn_b: Float[Array, "m n"],
 ) -> Rows:
     """Rows with their bodies' masses looked up."""
+    of_a, of_b = take_pair(masses, body_a, body_b)
     return Rows(
         body_a=body_a,
         body_b=body_b,
         direction=direction,
         turn_a=turn_a,
         turn_b=turn_b,
-        mass_a=take(masses.linear, body_a),
-        mass_b=take(masses.linear, body_b),
-        inertia_a=take(masses.angular, body_a),
-        inertia_b=take(masses.angular, body_b),
+        mass_a=of_a.linear,
+        mass_b=of_b.linear,
+        inertia_a=of_a.angular,
+        inertia_b=of_b.angular,
     )
 
 
@@ -128,13 +131,9 @@ def diagonal(rows: Rows) -> Float[Array, "m n"]:
 
 def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
     """Speed of b relative to a along each row."""
-    x, y, omega = velocity.linear.x, velocity.linear.y, velocity.angular
-    return (
-        rows.direction.x * (take(x, rows.body_b) - take(x, rows.body_a))
-        + rows.direction.y * (take(y, rows.body_b) - take(y, rows.body_a))
-        + rows.turn_b * take(omega, rows.body_b)
-        - rows.turn_a * take(omega, rows.body_a)
-    )
+    of_a, of_b = take_pair(velocity, rows.body_a, rows.body_b)
+    along = dot(rows.direction, of_b.linear - of_a.linear)
+    return along + rows.turn_b * of_b.angular - rows.turn_a * of_a.angular
 
 
 def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
@@ -157,7 +156,7 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
         )
 
     nothing = jnp.zeros_like(velocity.angular)
-    x, y, turn = _accumulate(impulse.shape[0], add, (nothing, nothing, nothing))
+    x, y, turn = accumulate(impulse.shape[0], add, (nothing, nothing, nothing))
     return Velocity(
         linear=Vec(
             x=velocity.linear.x + x * masses.linear, y=velocity.linear.y + y * masses.linear
@@ -166,16 +165,16 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
     )
 
 
-def row(values: Float[Array, "m ..."], index: Int[Array, ""]) -> Float[Array, "1 ..."]:
-    """One row, its axis kept. An index below 0 is not understood: asking for it costs a kernel."""
-    return jax.lax.dynamic_index_in_dim(values, index, 0, allow_negative_indices=False)
+def inner(left: Float[Array, "m n"], right: Float[Array, "m n"]) -> Float[Array, " n"]:
+    """The sum over the rows of the products, in every world.
 
-
-def column(matrix: Float[Array, "m k n"], index: Int[Array, ""]) -> Float[Array, "m n"]:
-    """One column of every world's matrix."""
-    return jax.lax.dynamic_index_in_dim(
-        matrix, index, 1, keepdims=False, allow_negative_indices=False
-    )
+    Written out, so that it stays in registers: a reduction is not vectorised over the worlds, and a
+    loop writes its sum back after each term.
+    """
+    total = jnp.zeros(left.shape[1:], left.dtype)
+    for k in range(left.shape[0]):
+        total += left[k] * right[k]
+    return total
 
 
 def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[Array, "m n"]:
@@ -189,22 +188,20 @@ def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[
         return total + column(matrix, k) * row(vector, k)
 
     nothing = jnp.zeros((matrix.shape[0], matrix.shape[2]), vector.dtype)
-    return _accumulate(matrix.shape[1], add, nothing)
+    return accumulate(matrix.shape[1], add, nothing)
 
 
 def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[Array, "m l n"]:
-    """Matrix times matrix in every world."""
+    """Matrix times matrix in every world.
 
-    def add(k: Int[Array, ""], total: Float[Array, "m l n"]) -> Float[Array, "m l n"]:
-        return total + column(left, k)[:, None] * row(right, k)
-
-    nothing = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
-    return _accumulate(left.shape[1], add, nothing)
-
-
-def _accumulate(count: int, add: Callable[[Int[Array, ""], T], T], start: T) -> T:
-    """A loop that may have nothing to do: not even the shapes of no rows can be looked at."""
-    return jax.lax.fori_loop(0, count, add, start) if count else start
+    Both are read from memory, so they must have been stored (`store.py`). The sum is written out
+    for a few terms at a time: each pass over the product costs more than the multiplications.
+    """
+    total = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
+    for first in range(0, left.shape[1], TERMS):
+        for k in range(first, min(first + TERMS, left.shape[1])):
+            total += left[:, k, None] * right[None, k]
+    return total
 
 
 def inverse(
@@ -221,19 +218,22 @@ def inverse(
     if size == 0:
         return matrix
 
+    store = Store.beside(matrix)
+
     def eliminate(k: Int[Array, ""], m: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-        of_row, of_column = row(m, k), column(m, k)[:, None]
-        pivot = column(of_row, k)[:, None]
+        of_row, of_column = row(m, k)[0], column(m, k)
+        pivot = row(of_row, k)
         if least_pivot is not None:
-            pivot = jnp.maximum(pivot, row(least_pivot, k)[None])
-        index = np.arange(size)
-        on_row, on_column = (index == k)[:, None, None], (index == k)[None, :, None]
-        scaled = of_row / pivot
-        return jnp.where(
-            on_row,
-            jnp.where(on_column, 1 / pivot, scaled),
-            jnp.where(on_column, -of_column / pivot, m - of_column * scaled),
-        )
+            pivot = jnp.maximum(pivot, row(least_pivot, k))
+        here = (np.arange(size) == k)[:, None]
+        # The pivot's row and column come out right if the matrix is 0 there and they are so:
+        inverse_pivot = 1 / pivot
+        scaled = jnp.where(here, inverse_pivot, of_row * inverse_pivot)
+        left = jnp.where(here, -1, of_column)
+        # Once these are stored, the matrix changes in place; else it would be copied.
+        scaled, left = store((scaled, left))
+        kept = jnp.where(here[:, None] | here[None], 0, m)
+        return kept - left[:, None] * scaled[None]
 
     return jax.lax.fori_loop(0, size, eliminate, matrix)
 

@@ -17,8 +17,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.actuators import onto_bodies
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.lookup import onto
 from kinetix.engine.maths import dot, unvec, vec
 from kinetix.engine.solvers.rows import match
 from kinetix.engine.solvers.soft_rows import (
@@ -240,7 +240,7 @@ def _masses(world: World, found: Found, scheme: Scheme) -> SplitMasses:
             (acts, joints.body_a),
             (acts, joints.body_b),
         ):
-            slots += onto_bodies(counted, body, linear.shape[0])
+            slots += onto(counted, body, linear.shape[0])
         copies = jnp.maximum(slots, 1)
     return SplitMasses(linear=linear, angular=angular, copies=copies)
 

@@ -18,8 +18,8 @@ from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import Points
+from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, vec
-from kinetix.engine.shapes import take, take_vec
 from kinetix.engine.solvers.visit import Targets, Twist, at_bodies
 from kinetix.engine.spec import Features
 from kinetix.engine.types import Control, Parameters, World
@@ -366,7 +366,7 @@ def joint_rows(
         limited = turns & joints.limited & ~joints.fixed
     return SoftJoints(
         lever=lever,
-        error=take_vec(moving.position, b) - take_vec(moving.position, a) + arm_b - arm_a,
+        error=take(moving.position, b) - take(moving.position, a) + arm_b - arm_a,
         inverse_xx=yy * scale,
         inverse_xy=-xy * scale,
         inverse_yy=xx * scale,

@@ -15,9 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.actuators import onto_bodies
+from kinetix.engine.lookup import onto, take
 from kinetix.engine.maths import nonzero
-from kinetix.engine.shapes import take
 from kinetix.pytree import pytree
 
 
@@ -58,7 +57,7 @@ Visit = Callable[[Twist, Targets, Any, Any, Solve], tuple[Twist, Any]]
 
 def at_bodies(motion: Twist, body: Int[Array, "k n"]) -> Twist:
     """The motion of each slot's body."""
-    return jax.tree.map(lambda values: take(values, body), motion)
+    return take(motion, body)
 
 
 def add_changes(
@@ -70,11 +69,7 @@ def add_changes(
 ) -> Twist:
     """All bodies after the changes of all slots."""
     count = motion.turn.shape[0]
-
-    def total(values: Array, to_a: Array, to_b: Array) -> Array:
-        return values + onto_bodies(to_a, body_a, count) + onto_bodies(to_b, body_b, count)
-
-    return jax.tree.map(total, motion, change_a, change_b)
+    return motion + onto(change_a, body_a, count) + onto(change_b, body_b, count)
 
 
 def in_turn(

@@ -19,8 +19,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from kinetix.engine.collide import Slots, find_contacts
+from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate, vec
-from kinetix.engine.shapes import take
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.soft import finish

@@ -8,9 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.lookup import row
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
-from kinetix.engine.solvers.rows import column, matvec, row
+from kinetix.engine.solvers.rows import inner, matvec
+from kinetix.engine.store import Store
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -44,8 +46,7 @@ class Pgs(AbstractBlock):
     ) -> Float[Array, "m n"]:
         """See the contract."""
         count, limits = cone.friction.shape[0], cone.limited.shape[0]
-        start = project(cone, start)
-        speed = matvec(matrix, start) + offset
+        store = Store.beside(offset)
 
         def at(values: Float[Array, "k n"], index: Int[Array, ""]) -> Float[Array, " n"]:
             return row(values, index)[0]
@@ -57,17 +58,20 @@ class Pgs(AbstractBlock):
 
         def point(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
-            of_tangent, of_normal = column(matrix, count + k), column(matrix, k)
             normal, tangent = at(impulse, k), at(impulse, count + k)
             bound = at(cone.friction, k) * jnp.maximum(normal, 0)
-            turned = jnp.clip(
-                tangent - at(speed, count + k) * at(prepared, count + k), -bound, bound
-            )
-            closing = at(speed, k) + at(of_tangent, k) * (turned - tangent)
+            turned = tangent - at(speed, count + k) * at(prepared, count + k)
+            turned = jnp.clip(turned, -bound, bound)
+            across = at(at(matrix, k), count + k)
+            closing = at(speed, k) + across * (turned - tangent)
             pushed = jnp.maximum(normal - closing * at(prepared, k), 0)
             pushed = jnp.where(at(cone.closed, k), pushed, 0)
-            impulse = put(put(impulse, turned, count + k), pushed, k)
-            return impulse, speed + of_tangent * (turned - tangent) + of_normal * (pushed - normal)
+            # Once these are stored, what is carried changes in place; else it would be copied.
+            turned, pushed, by_tangent, by_normal = store(
+                (turned, pushed, turned - tangent, pushed - normal)
+            )
+            speed += at(matrix, count + k) * by_tangent + at(matrix, k) * by_normal
+            return put(put(impulse, turned, count + k), pushed, k), speed
 
         def limit(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
@@ -75,11 +79,12 @@ class Pgs(AbstractBlock):
             old = at(impulse, index)
             new = jnp.maximum(old - at(speed, index) * at(prepared, index), 0)
             new = jnp.where(at(cone.limited, k), new, 0)
-            return put(impulse, new, index), speed + column(matrix, index) * (new - old)
+            new, change = store((new, new - old))
+            return put(impulse, new, index), speed + at(matrix, index) * change
 
         points, bounded = _last_used(cone.closed), _last_used(cone.limited)
 
-        def sweep(_: Any, carry: tuple) -> tuple:
+        def sweep(carry: tuple) -> tuple:
             if count > 0:
                 carry = jax.lax.fori_loop(0, points, point, carry)
             if limits > 0:
@@ -87,13 +92,14 @@ class Pgs(AbstractBlock):
             return carry
 
         def accelerated(_: Any, carry: tuple) -> tuple:
-            impulse, speed, direction, of_direction, last = carry
-            swept, swept_speed = sweep(None, (impulse, speed))
+            _, impulse, speed, direction, of_direction, last = carry
+            swept, swept_speed = sweep((impulse, speed))
             change = swept - impulse
-            size = jnp.sum(change**2, axis=0)
+            size = inner(change, change)
             share = size / nonzero(last)
-            share = jnp.where((share < 1) & (last > 0), share, 0)
+            share = store(jnp.where((share < 1) & (last > 0), share, 0))
             return (
+                swept,
                 swept + share * direction,
                 swept_speed + share * of_direction,
                 share * direction + change,
@@ -101,11 +107,11 @@ class Pgs(AbstractBlock):
                 size,
             )
 
+        start = store(project(cone, start))
         zero = jnp.zeros_like(start)
-        carry = (start, speed, zero, zero, jnp.zeros(start.shape[-1], start.dtype))
-        carry = jax.lax.fori_loop(0, self.iterations - 1, accelerated, carry)
-        impulse, _ = sweep(None, carry[:2])
-        return project(cone, impulse)
+        carry = (start, start, matvec(matrix, start) + offset, zero, zero, zero[0])
+        swept, *_ = jax.lax.fori_loop(0, self.iterations, accelerated, carry)
+        return project(cone, swept)
 
 
 def _last_used(mask: Bool[Array, "c n"]) -> Int[Array, ""]:

@@ -1,0 +1,120 @@
+"""Tables of a few rows in every world: entries and sums by index. Worlds on the last axis.
+
+An index differs from world to world, so what is looked up cannot be a slice. A loop that goes
+through the table and picks what matches works on whole lanes of worlds; a gather takes them one by
+one and needs two to three times as long (docs/physics.md).
+"""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.lax import GatherDimensionNumbers, GatherScatterMode
+from jaxtyping import Array, Bool, Float, Int, Shaped
+
+T = TypeVar("T")
+
+MOST_ROWS = 32
+"""Tables with more rows are gathered from."""
+
+
+def take(values: T, index: Int[Array, "k n"]) -> T:
+    """values[index[k, n], n] of every array.
+
+    Args:
+        values: Arrays (rows, n), all with the same number of rows, in any pytree.
+        index: From 0; entries outside the table are not defined.
+
+    Returns:
+        The same tree of arrays (k, n).
+    """
+    table = jax.tree.leaves(values)[0].shape[0]
+    if table > MOST_ROWS:
+        return jax.tree.map(lambda x: _gather(x, index), values)
+
+    def pick(k: Int[Array, ""], found: T) -> T:
+        here = index == k
+        return jax.tree.map(lambda x, old: jnp.where(here, row(x, k), old), values, found)
+
+    nothing = jax.tree.map(lambda x: jnp.zeros(index.shape, x.dtype), values)
+    return accumulate(table, pick, nothing)
+
+
+def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) -> tuple[T, T]:
+    """`take` for two bodies of a row, in one go through the table."""
+    count = first.shape[0]
+    both = take(values, jnp.concatenate([first, second], axis=0))
+    return jax.tree.map(lambda x: x[:count], both), jax.tree.map(lambda x: x[count:], both)
+
+
+def _gather(values: Shaped[Array, "rows n"], index: Int[Array, "k n"]) -> Shaped[Array, "k n"]:
+    """One gather, said directly.
+
+    What `take_along_axis` adds for negative indices is a large part of the time that compiling a
+    step takes.
+    """
+    return jax.lax.gather(
+        values,
+        index[..., None],
+        GatherDimensionNumbers(
+            offset_dims=(),
+            collapsed_slice_dims=(0,),
+            start_index_map=(0,),
+            operand_batching_dims=(1,),
+            start_indices_batching_dims=(1,),
+        ),
+        slice_sizes=(1, 1),
+        mode=GatherScatterMode.PROMISE_IN_BOUNDS,
+    )
+
+
+def onto(values: T, index: Int[Array, "k n"], rows: int) -> T:
+    """The sums of the entries that go to each row of a table: the transpose of `take`.
+
+    Args:
+        values: Arrays (k, n) in any pytree.
+        index: Where each entry goes.
+        rows: Of the table.
+
+    Returns:
+        The same tree of arrays (rows, n).
+    """
+    table = np.arange(rows, dtype=np.int32)[:, None]
+
+    def add(k: Int[Array, ""], total: T) -> T:
+        here = table == row(index, k)
+        return jax.tree.map(lambda x, old: old + jnp.where(here, row(x, k), 0), values, total)
+
+    worlds = index.shape[-1]
+    nothing = jax.tree.map(lambda x: jnp.zeros((rows, worlds), x.dtype), values)
+    return accumulate(index.shape[0], add, nothing)
+
+
+def marked(index: Int[Array, "k n"], rows: int) -> Bool[Array, "rows n"]:
+    """Which rows of a table any of the entries names."""
+    table = np.arange(rows, dtype=np.int32)[:, None]
+
+    def mark(k: Int[Array, ""], found: Bool[Array, "rows n"]) -> Bool[Array, "rows n"]:
+        return found | (table == row(index, k))
+
+    nothing = jnp.zeros((rows, index.shape[-1]), bool)
+    return accumulate(index.shape[0], mark, nothing)
+
+
+def row(values: Shaped[Array, "m ..."], index: Int[Array, ""]) -> Shaped[Array, "1 ..."]:
+    """One row, its axis kept. An index below 0 is not understood: asking for it costs a kernel."""
+    return jax.lax.dynamic_index_in_dim(values, index, 0, allow_negative_indices=False)
+
+
+def column(matrix: Float[Array, "m k n"], index: Int[Array, ""]) -> Float[Array, "m n"]:
+    """One column of every world's matrix."""
+    return jax.lax.dynamic_index_in_dim(
+        matrix, index, 1, keepdims=False, allow_negative_indices=False
+    )
+
+
+def accumulate(count: int, add: Callable[[Int[Array, ""], T], T], start: T) -> T:
+    """A loop that may have nothing to do: not even the shapes of no rows can be looked at."""
+    return jax.lax.fori_loop(0, count, add, start) if count else start
