@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
-from kinetix.engine.lookup import take, take_pair
+from kinetix.engine.lookup import accumulate, row, take, take_pair
 from kinetix.engine.maths import Vec, dot, length, nonzero, vec
 from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
 from kinetix.engine.shapes import (
@@ -109,14 +109,14 @@ def find_contacts(
         near = store(pushes & (separation <= scene.margin[pairs]))
         index, valid, full = store(compact(rows(near, listed), room))
         overflow |= full
-        kinds.append(maker(jnp.asarray(listed, jnp.int32)[index], valid, faces))
+        kinds.append(store(maker(jnp.asarray(listed, jnp.int32)[index], valid, faces)))
     if not kinds:
         return Found(
             points=_no_points(state.rotation),
             touching=jnp.concatenate(touching, axis=0),
             overflow=overflow,
         )
-    points = store(jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *kinds))
+    points = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *kinds)
     points, full = store(_tightest(points, slots.points, store))
     return Found(
         points=points, touching=jnp.concatenate(touching, axis=0), overflow=overflow | full
@@ -142,11 +142,17 @@ def compact(
     mask: Bool[Array, "q n"], room: int
 ) -> tuple[Int[Array, "k n"], Bool[Array, "k n"], Bool[Array, " n"]]:
     """Rows where the mask holds, in order, in `room` slots; whether a slot is used; overflow."""
-    count = mask.shape[0]
-    running = jnp.cumsum(mask, axis=0, dtype=jnp.int32)
-    wanted = np.arange(1, room + 1)[:, None, None]
-    index = jnp.sum(running[None] < wanted, axis=1, dtype=jnp.int32)
-    return jnp.minimum(index, count - 1), index < count, running[-1] > room
+    count, worlds = mask.shape
+    numbers = np.arange(1, room + 1, dtype=np.int32)[:, None]
+
+    def pass_row(k: Int[Array, ""], carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        seen, index = carry
+        seen += row(mask, k)
+        return seen, index + (seen < numbers)
+
+    start = jnp.zeros((1, worlds), jnp.int32), jnp.zeros((room, worlds), jnp.int32)
+    seen, index = accumulate(count, pass_row, start)
+    return jnp.minimum(index, count - 1), index < count, seen[0] > room
 
 
 def _tightest(points: Points, room: int, store: Store) -> tuple[Points, Bool[Array, " n"]]:
