@@ -23,18 +23,22 @@ def curve(run: Path, window: int = 5) -> Curve:
     return points
 
 
-def draw(curves: dict[str, Curve], title: str, file: Path) -> None:
-    """A chart of all curves."""
+def draw(curves: dict[str, list[Curve]], title: str, file: Path) -> None:
+    """A chart of all curves: one colour a start, one line a seed."""
     import matplotlib as mpl
 
     mpl.use("agg")
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
-    for name, points in curves.items():
-        axes.plot(*zip(*points, strict=True), label=name, linewidth=2)
-    axes.set(xlabel="environment steps", ylabel="solve rate", title=title, ylim=(0, 1))
-    axes.legend()
+    for colour, (name, several) in zip(("tab:green", "tab:blue"), curves.items(), strict=True):
+        for number, points in enumerate(several):
+            label = name if number == 0 else None
+            axes.plot(*zip(*points, strict=True), label=label, color=colour, linewidth=1.8)
+    axes.xaxis.set_major_formatter(lambda steps, _: f"{steps / 1e6:g}")
+    axes.set(xlabel="environment steps [millions]", ylabel="solve rate", title=title)
+    axes.set(xlim=(0, None), ylim=(0, 1.02))
+    axes.legend(loc="lower right")
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=120)
     plt.close(figure)
@@ -44,25 +48,29 @@ def main() -> int:
     """Run the example."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--agent", type=Path, default=checkpoints_dir() / "general")
-    parser.add_argument("--level", default="s/wheelie")
+    parser.add_argument("--level", default=str(Path(__file__).parent / "fly_over.json"))
     parser.add_argument("--out", type=Path, default=Path("fine_tuning"))
+    parser.add_argument("--seeds", type=int, default=1, help="how many runs from each start")
     parser.add_argument("arguments", nargs="*", help="more arguments for `kinetix train ppo`")
     given = parser.parse_args()
 
     starts = {"from the general agent": ["--from", str(given.agent)], "from nothing": []}
-    curves: dict[str, Curve] = {}
-    for name, start in starts.items():
-        run = given.out / name.replace(" ", "_")
-        command = ["train", "ppo", "--preset", "small", "--size", "s", "--levels", given.level]
-        command += ["--eval-freq", "0", "--out", str(run), *start, *given.arguments]
-        if status := kinetix(command):
-            return status
-        curves[name] = curve(run)
-        last = f"{curves[name][-1][1]:.2f}" if curves[name] else "no episode ended"
-        print(f"{name}: solve rate at the end {last}")
+    curves: dict[str, list[Curve]] = {name: [] for name in starts}
+    for seed in range(given.seeds):
+        for name, start in starts.items():
+            run = given.out / f"{name.replace(' ', '_')}_{seed}"
+            command = ["train", "ppo", "--preset", "small", "--size", "s", "--levels", given.level]
+            command += ["--seed", str(seed), "--eval-freq", "0", "--out", str(run)]
+            if status := kinetix([*command, *start, *given.arguments]):
+                return status
+            points = curve(run)
+            last = f"{points[-1][1]:.2f}" if points else "no episode ended"
+            print(f"{name}, seed {seed}: solve rate at the end {last}")
+            if points:
+                curves[name].append(points)
     if all(curves.values()):
         try:
-            draw(curves, given.level, given.out / "fine_tuning.png")
+            draw(curves, Path(given.level).stem.replace("_", " "), given.out / "fine_tuning.png")
         except ImportError:
             print("the chart needs matplotlib: pip install 'kinetix-editor[bench]'")
     return 0
