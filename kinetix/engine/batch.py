@@ -29,7 +29,8 @@ def worlds_last(
     """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
 
     Args:
-        kernel: Takes pytrees whose arrays end in the axis `n`, returns the same kind.
+        kernel: Takes pytrees whose arrays end in the axis `n`, some of them of floats; returns
+            the same kind.
         effort: How much work each world will be, from the same arguments, if that differs. A tile
             takes as long as its hardest world: those of like effort are advanced together.
 

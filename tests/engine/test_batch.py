@@ -55,3 +55,50 @@ def test_nested(function):
         matrix, vector[:, 0], 0.5
     )
     assert_equal(found, wanted)
+
+
+@pytest.mark.parametrize("count", [TILE, 3 * TILE + 7])
+def test_worlds_come_back_in_their_order_whatever_their_effort(count):
+    """Numbers, truth values and scalars, with the hardest worlds in between."""
+
+    def kernel(tree):
+        return {
+            "total": jnp.sum(tree["numbers"], axis=0),
+            "flipped": ~tree["flags"],
+            "index": tree["index"] + 1,
+        }
+
+    random = np.random.default_rng(1)
+    tree = {
+        "numbers": random.normal(size=(count, 5, 2)).astype(np.float32),
+        "flags": random.uniform(size=(count, 3)) < 0.5,
+        "index": np.arange(count, dtype=np.int32),
+    }
+    effort = random.integers(0, 4, count)
+    tree["effort"] = effort.astype(np.int32)
+    seen = []
+
+    def remembered(tree):
+        seen.append(tree["effort"].shape)
+        return tree["effort"]
+
+    found = jax.vmap(worlds_last(kernel, remembered))(tree)
+    np.testing.assert_allclose(found["total"], tree["numbers"].sum(axis=1), rtol=1e-5, atol=1e-5)
+    np.testing.assert_array_equal(found["flipped"], ~tree["flags"])
+    np.testing.assert_array_equal(found["index"], np.arange(count) + 1)
+    assert bool(seen) == (count > TILE)
+
+
+def test_worlds_of_like_effort_share_a_tile():
+    """A kernel that tells each world the largest effort in its tile."""
+    effort = np.arange(4 * TILE, dtype=np.int32) % 4
+
+    def hardest(effort):
+        return jnp.broadcast_to(jnp.max(effort, axis=-1), effort.shape)
+
+    mixed = jax.vmap(worlds_last(lambda e, x: (hardest(e), x)))(effort, effort.astype(np.float32))
+    grouped = jax.vmap(worlds_last(lambda e, x: (hardest(e), x), lambda e, x: e))(
+        effort, effort.astype(np.float32)
+    )
+    np.testing.assert_array_equal(mixed[0], 3)
+    np.testing.assert_array_equal(grouped[0], effort)
