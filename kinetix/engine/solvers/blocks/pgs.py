@@ -45,6 +45,8 @@ class Pgs(AbstractBlock):
         cone: Cone,
     ) -> Float[Array, "m n"]:
         """See the contract."""
+        if offset.shape[0] == 0:
+            return start
         count, limits = cone.friction.shape[0], cone.limited.shape[0]
         store = Store.beside(offset)
 
