@@ -1,18 +1,28 @@
 """Train on one level twice: from the bundled general agent, and from nothing. Which is faster?"""
 
 import argparse
+import tomllib
 from pathlib import Path
 
 from kinetix.cli import main as kinetix
 from kinetix.paths import checkpoints_dir
 from kinetix.training.logging import read_metrics
 
+LONGEST = 256
+"""Time limit of most levels [environment steps]."""
+
 Curve = list[tuple[float, float]]
 """Environment steps, and the solve rate of the episodes that ended about then."""
 
 
 def curve(run: Path, window: int = 5) -> Curve:
-    """A run's learning curve: the share of solved episodes over a few updates."""
+    """A run's learning curve: the share of solved episodes over a few updates.
+
+    It begins when no first episode can be going on any more: until then those that are over are the
+    short ones, which are mostly wins.
+    """
+    settings = tomllib.loads((run / "config.toml").read_text())
+    begin = settings["num_train_envs"] * LONGEST
     rows = [row for row in read_metrics(run) if "episode_solved" in row]
     points = []
     for index in range(len(rows)):
@@ -20,7 +30,7 @@ def curve(run: Path, window: int = 5) -> Curve:
         solved = sum(row["episode_solved"] * row["episodes"] for row in seen)
         episodes = sum(row["episodes"] for row in seen)
         points.append((rows[index]["timing/num_env_steps"], solved / episodes))
-    return points
+    return [(steps, rate) for steps, rate in points if steps >= begin]
 
 
 def draw(curves: dict[str, list[Curve]], title: str, file: Path) -> None:
