@@ -103,12 +103,12 @@ def marked(index: Int[Array, "k n"], rows: int) -> Bool[Array, "rows n"]:
     return accumulate(index.shape[0], mark, nothing)
 
 
-def row(values: Shaped[Array, "m ..."], index: Int[Array, ""]) -> Shaped[Array, "1 ..."]:
+def row(values: Shaped[Array, "m ..."], index: Int[Array, ""] | int) -> Shaped[Array, "1 ..."]:
     """One row, its axis kept. An index below 0 is not understood: asking for it costs a kernel."""
     return jax.lax.dynamic_index_in_dim(values, index, 0, allow_negative_indices=False)
 
 
-def column(matrix: Float[Array, "m k n"], index: Int[Array, ""]) -> Float[Array, "m n"]:
+def column(matrix: Float[Array, "m k n"], index: Int[Array, ""] | int) -> Float[Array, "m n"]:
     """One column of every world's matrix."""
     return jax.lax.dynamic_index_in_dim(
         matrix, index, 1, keepdims=False, allow_negative_indices=False

@@ -5,7 +5,7 @@ turn `turn_b`·λ), body a the opposite. Contacts, joints, motors and limits are
 function couples any two of them.
 """
 
-from typing import TypeVar
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -17,9 +17,8 @@ from kinetix.engine.maths import Vec, cross, dot
 from kinetix.engine.store import Store
 from kinetix.pytree import pytree
 
-T = TypeVar("T")
-
-TERMS = 18
+WRITTEN_OUT = 48
+"""Longest sum without a loop: all of size l's."""
 
 
 @pytree
@@ -166,15 +165,9 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
 
 
 def inner(left: Float[Array, "m n"], right: Float[Array, "m n"]) -> Float[Array, " n"]:
-    """The sum over the rows of the products, in every world.
-
-    Written out, so that it stays in registers: a reduction is not vectorised over the worlds, and a
-    loop writes its sum back after each term.
-    """
-    total = jnp.zeros(left.shape[1:], left.dtype)
-    for k in range(left.shape[0]):
-        total += left[k] * right[k]
-    return total
+    """The sum over the rows of the products, in every world."""
+    nothing = jnp.zeros(left.shape[1:], left.dtype)
+    return _sum(left.shape[0], lambda k: (row(left, k) * row(right, k))[0], nothing)
 
 
 def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[Array, "m n"]:
@@ -194,14 +187,25 @@ def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[
 def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[Array, "m l n"]:
     """Matrix times matrix in every world.
 
-    Both are read from memory, so they must have been stored (`store.py`). The sum is written out
-    for a few terms at a time: each pass over the product costs more than the multiplications.
+    Both are read from memory, so they must have been stored (`store.py`).
     """
-    total = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
-    for first in range(0, left.shape[1], TERMS):
-        for k in range(first, min(first + TERMS, left.shape[1])):
-            total += left[:, k, None] * right[None, k]
-    return total
+    nothing = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
+    return _sum(left.shape[1], lambda k: column(left, k)[:, None] * row(right, k), nothing)
+
+
+def _sum(
+    count: int,
+    term: Callable[[Int[Array, ""] | int], Float[Array, "..."]],
+    nothing: Float[Array, "..."],
+) -> Float[Array, "..."]:
+    """A sum of terms, written out where they are few, so that it stays in registers.
+
+    A reduction is not vectorised over the worlds, and a loop writes its sum back after each term;
+    but many terms written out would take minutes to compile.
+    """
+    if count > WRITTEN_OUT:
+        return accumulate(count, lambda k, total: total + term(k), nothing)
+    return sum((term(k) for k in range(count)), start=nothing)
 
 
 def inverse(

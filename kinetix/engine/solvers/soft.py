@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
-from kinetix.engine.lookup import onto
+from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import dot, unvec, vec
 from kinetix.engine.solvers.rows import match
 from kinetix.engine.solvers.soft_rows import (
@@ -211,7 +211,6 @@ def finish(
     bound, speed = parameters.clip_position, parameters.clip_velocity
     spin = parameters.clip_angular_velocity
     pair = jnp.where(hit, found.points.key // FEATURES, -1)
-    index = np.arange(found.touching.shape[0])[:, None, None]
     velocity = jnp.stack([moving.velocity.x, moving.velocity.y], axis=1)
     return dataclasses.replace(
         state,
@@ -219,7 +218,7 @@ def finish(
         rotation=moving.rotation,
         velocity=jnp.clip(velocity, -speed, speed),
         angular_velocity=jnp.clip(moving.velocity.turn, -spin, spin),
-        touching=found.touching | jnp.any(index == pair[None], axis=1),
+        touching=found.touching | marked(pair, found.touching.shape[0]),
         overflow=found.overflow,
         cache=cache,
     )

@@ -68,7 +68,8 @@ class Pgs(AbstractBlock):
             closing = at(speed, k) + across * (turned - tangent)
             pushed = jnp.maximum(normal - closing * at(prepared, k), 0)
             pushed = jnp.where(at(cone.closed, k), pushed, 0)
-            # Once these are stored, what is carried changes in place; else it would be copied.
+            # Once these are stored, what is carried changes in place; else it would be copied. Rows
+            # stand for the columns of the symmetric matrix: they lie together in memory.
             turned, pushed, by_tangent, by_normal = store(
                 (turned, pushed, turned - tangent, pushed - normal)
             )
