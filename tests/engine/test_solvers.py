@@ -106,6 +106,16 @@ def test_a_heavy_box_rests_on_a_light_one(run):
     check(run, "heavy", (heights[:, 1] - heights[:, 0]).min() > 0.19)
 
 
+def test_a_load_of_a_thousand_times_the_mass_rests_and_leaves_the_others_alone():
+    """It takes more sweeps; the worlds beside it get no more than when they are alone."""
+    five, heavy = scenes.stack(5), scenes.stack(2, density=1000.0)
+    together, _ = scenes.play(PRESETS["balanced"], [five, heavy], seconds=4)
+    apart, _ = scenes.play(PRESETS["balanced"], [five, five], seconds=4)
+    heights = together.position[1, -60:, FIRST : FIRST + 2, 1]
+    assert (heights[:, 1] - heights[:, 0]).min() > 0.198
+    np.testing.assert_array_equal(together.position[0], apart.position[0])
+
+
 def test_an_elastic_ball_keeps_its_energy(run):
     _, of, _, _ = run
     height = of("elastic")("position")[:, DISC, 1] - 0.2

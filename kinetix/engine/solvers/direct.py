@@ -21,7 +21,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.lookup import marked, onto, take, take_pair
-from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
+from kinetix.engine.maths import Vec, dot, nonzero, rotate, unvec, vec
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
 from kinetix.engine.solvers.joint_system import (
@@ -34,6 +34,7 @@ from kinetix.engine.solvers.joint_system import (
 )
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import (
+    Directions,
     Masses,
     Rows,
     Velocity,
@@ -44,9 +45,9 @@ from kinetix.engine.solvers.rows import (
     match,
     matmul,
     matvec,
-    point_rows,
     speeds,
-    stack,
+    through_points,
+    turning,
 )
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store
@@ -197,13 +198,13 @@ class Direct(AbstractSolver):
         normal = points.normal
         tangent = Vec(x=normal.y, y=-normal.x)
         a, b = points.body_a, points.body_b
-        limits, limit_live, limit_gap = _limit_rows(step, state)
-        rows = store(
-            stack(
-                point_rows(masses, a, b, normal, points.arm_a, points.arm_b),
-                point_rows(masses, a, b, tangent, points.arm_a, points.arm_b),
-                limits,
-            )
+        limits, limit_live, limit_gap = _limit_directions(step, state)
+        rows = make_rows(
+            masses,
+            store,
+            through_points(a, b, normal, points.arm_a, points.arm_b),
+            through_points(a, b, tangent, points.arm_a, points.arm_b),
+            limits,
         )
         used = points.key >= 0
         live = jnp.concatenate([used, used, limit_live], axis=0)
@@ -233,7 +234,7 @@ class Direct(AbstractSolver):
             rows=rows,
             live=live,
             matrix=matrix,
-            prepared=self.block.prepare(matrix),
+            prepared=self.block.prepare(matrix, _contrast(rows, used)),
             friction=store(step.parameters.base_friction * friction),
             restitution=store(jnp.minimum(restitution_a, restitution_b)),
         )
@@ -415,7 +416,17 @@ def _effective_masses(
     return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
 
 
-def _limit_rows(step: Step, state: State) -> tuple[Rows, Bool[Array, "j n"], Float[Array, "j n"]]:
+def _contrast(rows: Rows, used: Bool[Array, "c n"]) -> Float[Array, " n"]:
+    """The greatest ratio of the masses of two bodies that touch; 1 beside what is fixed."""
+    count = used.shape[0]
+    a, b = rows.mass_a[:count], rows.mass_b[:count]
+    ratio = jnp.maximum(a, b) / nonzero(jnp.minimum(a, b))
+    return jnp.max(jnp.where(used & (a > 0) & (b > 0), ratio, 1), axis=0, initial=1)
+
+
+def _limit_directions(
+    step: Step, state: State
+) -> tuple[Directions, Bool[Array, "j n"], Float[Array, "j n"]]:
     """One row a joint with limits: the nearer of its two; its gap is the angle left [rad].
 
     No row at all in a scene without limits.
@@ -425,19 +436,17 @@ def _limit_rows(step: Step, state: State) -> tuple[Rows, Bool[Array, "j n"], Flo
     if not step.features.limits:
         joints = jax.tree.map(lambda x: x[:0], joints)
     a, b = joints.body_a, joints.body_b
-    (angle_a, active_a), (angle_b, active_b) = take_pair(
-        (state.rotation, world.bodies.active), a, b
+    (angle_a, active_a, inertia_a), (angle_b, active_b, inertia_b) = take_pair(
+        (state.rotation, world.bodies.active, step.masses.angular), a, b
     )
     angle = angle_b - angle_a - joints.reference_angle
     least = jnp.minimum(joints.limit_min, joints.limit_max)
     most = jnp.maximum(joints.limit_min, joints.limit_max)
     from_least, from_most = angle - least, most - angle
     sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
-    zero = jnp.zeros_like(angle)
-    rows = make_rows(step.masses, a, b, Vec(x=zero, y=zero), sign, sign)
     acts = joints.active & joints.limited & ~joints.fixed & (a != b) & active_a & active_b
-    acts &= rows.inertia_a + rows.inertia_b > 0
-    return rows, acts, jnp.minimum(from_least, from_most)
+    acts &= inertia_a + inertia_b > 0
+    return turning(a, b, sign), acts, jnp.minimum(from_least, from_most)
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:

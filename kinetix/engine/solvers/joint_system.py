@@ -24,9 +24,9 @@ from kinetix.engine.solvers.rows import (
     inverse,
     make_rows,
     matvec,
-    point_rows,
     speeds,
-    stack,
+    through_points,
+    turning,
 )
 from kinetix.engine.spec import Features
 from kinetix.engine.store import Store
@@ -105,14 +105,14 @@ def joint_system(
 
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
     arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
-    turning = step.features.welds or step.features.motors
-    rows = [
-        point_rows(masses, a, b, Vec(x=one, y=zero), arm_a, arm_b),
-        point_rows(masses, a, b, Vec(x=zero, y=one), arm_a, arm_b),
+    turns_count = step.features.welds or step.features.motors
+    parts = [
+        through_points(a, b, Vec(x=one, y=zero), arm_a, arm_b),
+        through_points(a, b, Vec(x=zero, y=one), arm_a, arm_b),
     ]
-    if turning:
-        rows.append(make_rows(masses, a, b, Vec(x=zero, y=zero), one, one))
-    rows = store(stack(*rows))
+    if turns_count:
+        parts.append(turning(a, b, one))
+    rows = make_rows(masses, store, *parts)
     acts = joints.active & (mass_a + mass_b > 0) & active_a & active_b & (a != b)
     wanted, compliance = zero, zero
     if step.features.motors:
@@ -124,7 +124,7 @@ def joint_system(
     turns = acts & (joints.fixed | (compliance > 0))
 
     def column(x: Array, y: Array, turn: Array) -> Array:
-        return jnp.concatenate([x, y, turn] if turning else [x, y], axis=0)
+        return jnp.concatenate([x, y, turn] if turns_count else [x, y], axis=0)
 
     live, compliance = store((column(acts, acts, turns), column(zero, zero, compliance)))
 

@@ -38,8 +38,8 @@ class Masses:
 
 
 @pytree
-class Rows:
-    """`m` rows. The mass columns repeat the bodies' values, so that coupling needs no look-up."""
+class Directions:
+    """Along what rows act, the bodies' masses left aside."""
 
     body_a: Int[Array, "m n"]
     body_b: Int[Array, "m n"]
@@ -47,52 +47,58 @@ class Rows:
     turn_a: Float[Array, "m n"]
     """arm_a × direction [m]; 1 for a row that acts on angles alone."""
     turn_b: Float[Array, "m n"]
+
+
+@pytree
+class Rows(Directions):
+    """`m` rows. The mass columns repeat the bodies' values, so that coupling needs no look-up."""
+
     mass_a: Float[Array, "m n"]
     mass_b: Float[Array, "m n"]
     inertia_a: Float[Array, "m n"]
     inertia_b: Float[Array, "m n"]
 
 
-def make_rows(
-    masses: Masses,
-    body_a: Int[Array, "m n"],
-    body_b: Int[Array, "m n"],
-    direction: Vec,
-    turn_a: Float[Array, "m n"],
-    turn_b: Float[Array, "m n"],
-) -> Rows:
-    """Rows with their bodies' masses looked up."""
-    of_a, of_b = take_pair(masses, body_a, body_b)
-    return Rows(
-        body_a=body_a,
-        body_b=body_b,
-        direction=direction,
-        turn_a=turn_a,
-        turn_b=turn_b,
-        mass_a=of_a.linear,
-        mass_b=of_b.linear,
-        inertia_a=of_a.angular,
-        inertia_b=of_b.angular,
-    )
-
-
-def point_rows(
-    masses: Masses,
+def through_points(
     body_a: Int[Array, "c n"],
     body_b: Int[Array, "c n"],
     direction: Vec,
     arm_a: Vec,
     arm_b: Vec,
-) -> Rows:
-    """Rows that act at a point of each body along a direction."""
-    return make_rows(
-        masses, body_a, body_b, direction, cross(arm_a, direction), cross(arm_b, direction)
+) -> Directions:
+    """Directions that go through a point of each body."""
+    return Directions(
+        body_a=body_a,
+        body_b=body_b,
+        direction=direction,
+        turn_a=cross(arm_a, direction),
+        turn_b=cross(arm_b, direction),
     )
 
 
-def stack(*rows: Rows) -> Rows:
-    """One after the other."""
-    return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *rows)
+def turning(
+    body_a: Int[Array, "c n"], body_b: Int[Array, "c n"], turn: Float[Array, "c n"]
+) -> Directions:
+    """Directions that turn two bodies against each other."""
+    nowhere = Vec(x=jnp.zeros_like(turn), y=jnp.zeros_like(turn))
+    return Directions(body_a=body_a, body_b=body_b, direction=nowhere, turn_a=turn, turn_b=turn)
+
+
+def make_rows(masses: Masses, store: Store, *parts: Directions) -> Rows:
+    """Rows along all directions, one part after the other, with their bodies' masses looked up."""
+    along = store(jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *parts))
+    of_a, of_b = take_pair(masses, along.body_a, along.body_b)
+    return Rows(
+        body_a=along.body_a,
+        body_b=along.body_b,
+        direction=along.direction,
+        turn_a=along.turn_a,
+        turn_b=along.turn_b,
+        mass_a=of_a.linear,
+        mass_b=of_b.linear,
+        inertia_a=of_a.angular,
+        inertia_b=of_b.angular,
+    )
 
 
 def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:

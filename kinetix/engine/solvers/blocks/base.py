@@ -42,8 +42,13 @@ class AbstractBlock(abc.ABC):
     name: ClassVar[str]
 
     @abc.abstractmethod
-    def prepare(self, matrix: Float[Array, "m m n"]) -> Any:
-        """What can be computed once for a matrix that serves several solves."""
+    def prepare(self, matrix: Float[Array, "m m n"], contrast: Float[Array, " n"]) -> Any:
+        """What can be computed once for a matrix that serves several solves.
+
+        Args:
+            matrix: A.
+            contrast: The greatest ratio of the masses of two bodies that touch; at least 1.
+        """
 
     @abc.abstractmethod
     def solve(
