@@ -1,18 +1,21 @@
 """From one world to many: `vmap(step)` runs the solvers' own batched kernel, worlds last.
 
 A solver's arrays carry the worlds on the last axis, so that inner loops run over worlds instead of
-over a handful of bodies. `jax.custom_batching.custom_vmap` lets callers write for one world, batch
-with `vmap` (nested too) and still hit that kernel.
+over a handful of bodies. A primitive of our own lets callers write for one world, batch with `vmap`
+(nested too) and still hit that kernel; and it is traced once only, when a program is compiled.
 """
 
+import dataclasses
 import functools
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 import jax
 import jax.numpy as jnp
-from jax.custom_batching import custom_vmap
+from jax.core import ShapedArray
+from jax.extend.core import Primitive
+from jax.interpreters import batching, mlir
 from jaxtyping import Array, Int, Shaped
 
 from kinetix.engine.store import Store
@@ -24,7 +27,9 @@ TILE = 64
 
 
 def worlds_last(
-    kernel: Callable[..., Tree], effort: Callable[..., Int[Array, " n"]] | None = None
+    kernel: Callable[..., Tree],
+    effort: Callable[..., Int[Array, " n"]] | None = None,
+    like: Callable[..., Tree] | None = None,
 ) -> Callable[..., Tree]:
     """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
 
@@ -33,57 +38,106 @@ def worlds_last(
             the same kind.
         effort: How much work each world will be, from the same arguments, if that differs. A tile
             takes as long as its hardest world: those of like effort are advanced together.
+        like: Which of its arguments the kernel's result looks like, array for array, if any: then
+            the kernel need not be traced to know what comes out.
 
     Returns:
         A function of the same pytrees without that axis.
     """
 
-    @custom_vmap
-    def many(*arguments: Tree) -> Tree:
-        return _by_tiles(kernel, effort, arguments)
-
-    @many.def_vmap
-    def _(axis_size: int, batched: list, *arguments: Tree) -> tuple[Tree, Tree]:
-        worlds = jax.tree.leaves(arguments)[0].shape[-1]
-        merged = jax.tree.map(
-            functools.partial(_merge, axis_size=axis_size, worlds=worlds), arguments, tuple(batched)
-        )
-        out = jax.tree.map(lambda x: _split(x, axis_size, worlds), many(*merged))
-        return out, jax.tree.map(lambda _: True, out)
-
-    @custom_vmap
     def one(*arguments: Tree) -> Tree:
-        out = many(*jax.tree.map(lambda x: jnp.asarray(x)[..., None], arguments))
-        return jax.tree.map(lambda x: x[..., 0], out)
-
-    @one.def_vmap
-    def _(axis_size: int, batched: list, *arguments: Tree) -> tuple[Tree, Tree]:
-        moved = jax.tree.map(
-            lambda x, has_axis: (
-                jnp.moveaxis(x, 0, -1)
-                if has_axis
-                else jnp.broadcast_to(jnp.asarray(x)[..., None], (*jnp.shape(x), axis_size))
-            ),
-            arguments,
-            tuple(batched),
-        )
-        out = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), many(*moved))
-        return out, jax.tree.map(lambda _: True, out)
+        wide = jax.tree.map(lambda x: jnp.asarray(x)[..., None], arguments)
+        leaves, structure = jax.tree.flatten(wide)
+        program = _Program(kernel=kernel, effort=effort, like=like, structure=structure)
+        results = _RUN.bind(*leaves, program=program)
+        shapes = program.shapes(wide)
+        return jax.tree.unflatten(jax.tree.structure(shapes), [x[..., 0] for x in results])
 
     return one
 
 
-def _by_tiles(
-    kernel: Callable[..., Tree],
-    effort: Callable[..., Int[Array, " n"]] | None,
-    arguments: tuple[Tree, ...],
-) -> Tree:
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Program:
+    """What the primitive runs: equal ones are the same program."""
+
+    kernel: Callable[..., Tree]
+    effort: Callable[..., Int[Array, " n"]] | None
+    like: Callable[..., Tree] | None
+    structure: Any
+    """Of the arguments."""
+
+    def shapes(self, arguments: tuple[Tree, ...]) -> Tree:
+        """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
+        return jax.eval_shape(self.like or self.kernel, *arguments)
+
+    def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
+        """The same, from the arrays of the arguments and as a list."""
+        return jax.tree.leaves(self.shapes(jax.tree.unflatten(self.structure, leaves)))
+
+
+_RUN: Final = Primitive("worlds")
+_RUN.multiple_results = True
+
+
+@_RUN.def_impl
+def _run(*leaves: Array, program: _Program) -> list[Array]:
+    return _compiled(program)(*leaves)
+
+
+@functools.cache
+def _compiled(program: _Program) -> Callable[..., list[Array]]:
+    """Traced once for all its uses in a program."""
+
+    @jax.jit
+    def worlds(*leaves: Array) -> list[Array]:
+        done = _by_tiles(program, jax.tree.unflatten(program.structure, leaves))
+        shapes = program.results(leaves)
+        return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
+
+    return worlds
+
+
+@_RUN.def_abstract_eval
+def _shapes(*leaves: Any, program: _Program) -> list[Any]:
+    return [ShapedArray(x.shape, x.dtype) for x in program.results(leaves)]
+
+
+def _batched(
+    leaves: Sequence[Array], axes: Sequence[int | None], *, program: _Program
+) -> tuple[list[Array], list[int]]:
+    """Another axis of worlds is merged into the last one."""
+    sizes = [x.shape[axis] for x, axis in zip(leaves, axes, strict=True) if axis is not None]
+    merged = [_merge(x, axis, sizes[0]) for x, axis in zip(leaves, axes, strict=True)]
+    results = [_split(x, sizes[0]) for x in _RUN.bind(*merged, program=program)]
+    return results, [x.ndim - 2 for x in results]
+
+
+def _merge(x: Array, axis: int | None, size: int) -> Array:
+    """(…, m, …, n) or (…, n) to (…, m·n)."""
+    if axis is None:
+        split = jnp.broadcast_to(x[..., None, :], (*x.shape[:-1], size, x.shape[-1]))
+    else:
+        split = jnp.moveaxis(x, axis, -2)
+    return split.reshape(*split.shape[:-2], split.shape[-2] * split.shape[-1])
+
+
+def _split(x: Array, size: int) -> Array:
+    """(…, m·n) to (…, m, n)."""
+    return x.reshape(*x.shape[:-1], size, x.shape[-1] // size)
+
+
+batching.primitive_batchers[_RUN] = _batched
+mlir.register_lowering(_RUN, mlir.lower_fun(_run, multiple_results=True))
+
+
+def _by_tiles(program: _Program, arguments: tuple[Tree, ...]) -> Tree:
     """Run the kernel on `TILE` worlds at a time, one tile after the other."""
     worlds = jax.tree.leaves(arguments)[0].shape[-1]
     if worlds <= TILE:
-        return kernel(*arguments)
+        return program.kernel(*arguments)
     tiles = -(-worlds // TILE)
     # Whole worlds are repeated, so that what fills the last tile is as sane as the rest.
+    effort = program.effort
     order = jnp.arange(worlds) if effort is None else jnp.argsort(effort(*arguments))
     order = jnp.pad(order, (0, tiles * TILE - worlds), mode="edge")
     back = jnp.zeros(worlds, order.dtype).at[order].set(jnp.arange(tiles * TILE))
@@ -92,7 +146,7 @@ def _by_tiles(
         turned = jax.tree.map(jnp.transpose, packed)
         floats = next(x for x in turned.values() if jnp.issubdtype(x.dtype, jnp.floating))
         turned = Store.beside(floats)(turned)
-        done = kernel(*_unpack(turned, arguments, 0))
+        done = program.kernel(*_unpack(turned, arguments, 0))
         return jax.tree.map(jnp.transpose, _pack(done, 0))
 
     def ordered(x: Shaped[Array, "k rows"], order: Int[Array, " n"]) -> Shaped[Array, "n rows"]:
@@ -103,7 +157,7 @@ def _by_tiles(
     )
     done = jax.lax.map(advance, packed)
     done = jax.tree.map(lambda x: ordered(x.reshape(tiles * TILE, -1), back), done)
-    like = jax.eval_shape(_worlds_first, jax.eval_shape(kernel, *arguments))
+    like = jax.eval_shape(_worlds_first, program.shapes(arguments))
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), _unpack(done, like, 1))
 
 
@@ -142,15 +196,3 @@ def _unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> T
         return part.reshape((*shape, worlds) if axis == 0 else (worlds, *shape))
 
     return jax.tree.map(cut, like)
-
-
-def _merge(x: jax.Array, has_axis: bool, *, axis_size: int, worlds: int) -> jax.Array:
-    """(m, …, n) or (…, n) to (…, m·n)."""
-    if not has_axis:
-        x = jnp.broadcast_to(x, (axis_size, *x.shape))
-    return jnp.moveaxis(x, 0, -2).reshape(*x.shape[1:-1], axis_size * worlds)
-
-
-def _split(x: jax.Array, axis_size: int, worlds: int) -> jax.Array:
-    """(…, m·n) to (m, …, n)."""
-    return jnp.moveaxis(x.reshape(*x.shape[:-1], axis_size, worlds), -2, 0)

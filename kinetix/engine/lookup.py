@@ -50,22 +50,18 @@ def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) ->
 
 
 def _gather(values: Shaped[Array, "rows n"], index: Int[Array, "k n"]) -> Shaped[Array, "k n"]:
-    """One gather, said directly.
+    """One gather from the table as one long row, said directly.
 
-    What `take_along_axis` adds for negative indices is a large part of the time that compiling a
-    step takes.
+    Worlds as a batch axis of the gather would be joined to the indices first, and what
+    `take_along_axis` adds for negative indices is a large part of the time that compiling takes.
     """
+    worlds = values.shape[1]
+    place = index * worlds + np.arange(worlds, dtype=np.int32)
     return jax.lax.gather(
-        values,
-        index[..., None],
-        GatherDimensionNumbers(
-            offset_dims=(),
-            collapsed_slice_dims=(0,),
-            start_index_map=(0,),
-            operand_batching_dims=(1,),
-            start_indices_batching_dims=(1,),
-        ),
-        slice_sizes=(1, 1),
+        values.reshape(-1),
+        place[..., None],
+        GatherDimensionNumbers(offset_dims=(), collapsed_slice_dims=(0,), start_index_map=(0,)),
+        slice_sizes=(1,),
         mode=GatherScatterMode.PROMISE_IN_BOUNDS,
     )
 

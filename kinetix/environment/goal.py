@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import World
 from kinetix.environment.state import NO_DISTANCE
@@ -69,13 +70,13 @@ def sparse_reward(
     Returns:
         −1 where green touches red, otherwise +1 where green touches blue, otherwise 0.
     """
-    touch = touch_matrix(touching, capacity_of_world(world))
+    first, second = candidate_pairs(capacity_of_world(world)).T
     if not includes_joined:
-        touch = touch & world.collides
+        touching = touching & world.collides[first, second]
     role = active_roles(world, labels)
-    product = role[:, None] * role[None, :]
-    goal = jnp.any(touch & (product == GOAL_TOUCH))
-    death = jnp.any(touch & (product == DEATH_TOUCH))
+    product = role[first] * role[second]
+    goal = jnp.any(touching & (product == GOAL_TOUCH))
+    death = jnp.any(touching & (product == DEATH_TOUCH))
     return jnp.where(death, -1.0, jnp.where(goal, 1.0, 0.0))
 
 

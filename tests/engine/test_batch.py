@@ -102,3 +102,17 @@ def test_worlds_of_like_effort_share_a_tile():
     )
     np.testing.assert_array_equal(mixed[0], 3)
     np.testing.assert_array_equal(grouped[0], effort)
+
+
+def test_a_kernel_is_traced_once():
+    traced = []
+
+    def kernel(tree):
+        traced.append(tree["x"].shape)
+        return {"x": tree["x"] + 1}
+
+    function = worlds_last(kernel, like=lambda tree: tree)
+    twice = jax.vmap(jax.vmap(lambda tree: function(function(tree))))
+    found = jax.jit(twice)({"x": np.zeros((3, 5, 2), np.float32)})
+    np.testing.assert_array_equal(found["x"], 2)
+    assert traced == [(2, 15)]
