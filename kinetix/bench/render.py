@@ -14,7 +14,7 @@ from jaxtyping import Array
 from kinetix.engine.types import State
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
-from kinetix.environment.state import EnvState
+from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import parse_capacity
 from kinetix.paths import levels_dir
@@ -71,8 +71,7 @@ def _states(size: str, static: StaticEnvParams) -> EnvState:
     files = sorted((levels_dir() / size).glob("*.json"))
     if not files:
         raise KinetixError(f"{levels_dir() / size}: expected bundled levels of size {size!r}")
-    states = [level_state(file, static) for file in files]
-    return jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(x) for x in leaves]), *states)
+    return stack_states([level_state(file, static) for file in files])
 
 
 def _picture(state: EnvState, side: int) -> Array:

@@ -26,7 +26,7 @@ from kinetix.environment.params import (
 )
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, Dict, ObservationType
-from kinetix.environment.state import EnvState
+from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document
 from kinetix.level.compile import features_of
@@ -142,7 +142,7 @@ def _rates(
     if settings.specialised:
         static = dataclasses.replace(static, features=features_of(states[0].world))
     cycled = [states[index % len(states)] for index in range(batch)]
-    state = jax.tree.map(lambda *leaves: jnp.stack(leaves), *cycled)
+    state = stack_states(cycled)
     actions = jax.random.split(jax.random.key(0), batch)
     return (
         _time(_engine_loop(static), state, actions, batch),

@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import State, World
@@ -80,5 +81,10 @@ def without_contacts(physics: State) -> State:
 
 
 def stack_states(states: list[EnvState]) -> Any:
-    """States of equal capacity as one state with a leading axis of levels."""
-    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *states)
+    """States of equal capacity as one state with a leading axis of levels.
+
+    By numpy: JAX would compile a program for every array, of a thousand levels for minutes.
+    """
+    return jax.tree.map(
+        lambda *leaves: jnp.asarray(np.stack([np.asarray(x) for x in leaves])), *states
+    )
