@@ -138,9 +138,10 @@ def _rates(
     static = static_env_params_of(
         parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
     )
-    states = [level_state(file, static) for file in files]
     if settings.specialised:
-        static = dataclasses.replace(static, features=features_of(states[0].world))
+        world = level_state(files[0], static).world
+        static = dataclasses.replace(static, features=features_of(world))
+    states = [level_state(file, static) for file in files]
     cycled = [states[index % len(states)] for index in range(batch)]
     state = stack_states(cycled)
     actions = jax.random.split(jax.random.key(0), batch)

@@ -6,7 +6,7 @@ from kinetix.errors import KinetixError
 
 PRESETS: dict[str, AbstractSolver] = {
     "jax2d": PgsBaumgarte(),
-    "fast": Direct(substeps=1, block=Pgs(iterations=10)),
+    "fast": Direct(substeps=1, block=Pgs(iterations=24)),
     "balanced": Direct(substeps=2, block=Pgs(iterations=10)),
     "accurate": Direct(substeps=4, block=Pgs(iterations=16)),
     "reference": Direct(substeps=64, block=Pgs(iterations=60)),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.bench.chart.figure import new_figure, save_figure
+from kinetix.bench.chart.figure import lay_out, new_figure, save_figure, spread_labels
 from kinetix.bench.chart.front import LEAST_ERROR, pareto_front
 from kinetix.bench.chart.points import OURS, Point
 from kinetix.scenes import SCENE_CLASSES
@@ -42,12 +42,17 @@ def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
     batches = sorted({point.batch for point in points})
     figure = new_figure(4.6 * len(batches) + 2.2, 3.1 * len(SCENE_CLASSES))
     axes = figure.subplots(len(SCENE_CLASSES), len(batches), squeeze=False)
+    labels = []
     for row, group in enumerate(SCENE_CLASSES):
         for column, batch in enumerate(batches):
             facet = [p for p in points if p.group == group and p.batch == batch]
             _draw_facet(axes[row][column], facet, group, batch)
+            labels.append(_write_labels(axes[row][column], facet))
     _draw_legend(figure, points)
-    save_figure(figure, file, note=note, room=(0.015, 0.97))
+    lay_out(figure, note=note, room=(0.015, 0.97))
+    for texts in labels:
+        spread_labels(texts)
+    save_figure(figure, file)
 
 
 def _height(point: Point) -> float:
@@ -101,7 +106,7 @@ def _draw_family(axes: Any, points: Sequence[Point], colour: str) -> None:
         [p.speed for p in line], [_height(p) for p in line], color=colour, alpha=0.3, linewidth=1
     )
     for point in points:
-        main = point.name in PRESETS_SHOWN or point.name == point.family
+        main = _is_main(point)
         fails = point.error >= 1 and point.group != "robustness"
         hollow = point.failed > 0 and not fails
         axes.plot(
@@ -114,16 +119,25 @@ def _draw_family(axes: Any, points: Sequence[Point], colour: str) -> None:
             markeredgewidth=1.6 if fails else 1.2,
             clip_on=False,
         )
-        label = point.name.removeprefix(f"{point.family} ")
-        axes.annotate(
-            label,
-            (point.speed, _height(point)),
-            xytext=(4, -9 if fails else 4),
-            textcoords="offset points",
-            fontsize=6.5 if main else 5.5,
-            color=colour,
-            alpha=1 if main else 0.75,
+
+
+def _write_labels(axes: Any, points: Sequence[Point]) -> list[Any]:
+    """Each point's name on top of it, to be spread when the figure has its final size."""
+    return [
+        axes.text(
+            point.speed,
+            _height(point),
+            point.name.removeprefix(f"{point.family} "),
+            fontsize=6.5 if _is_main(point) else 5.5,
+            color=COLOURS.get(point.family, "#777777"),
         )
+        for point in points
+    ]
+
+
+def _is_main(point: Point) -> bool:
+    """Our presets, and others at their defaults."""
+    return point.name in PRESETS_SHOWN or point.name == point.family
 
 
 def _draw_legend(figure: Any, points: Sequence[Point]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.bench.chart.figure import machine, new_figure, save_figure
+from kinetix.bench.chart.figure import lay_out, machine, new_figure, save_figure
 from kinetix.level.atomic import write_atomically
 
 _COLOURS: Final = ("#1b7837", "#2166ac", "#e08214", "#8073ac")
@@ -31,7 +31,8 @@ def write_scaling(rows: Sequence[dict[str, Any]], file: Path) -> None:
     _column(axes[:, 0], bodies, "bodies", "one world, towers of four boxes")
     sizes = {row["size"]: None for row in worlds}
     _column(axes[:, 1], worlds, "worlds", f"levels of size {', '.join(sizes)}")
-    save_figure(figure, file, note=note, room=(0.02, 1))
+    lay_out(figure, note=note, room=(0.02, 1))
+    save_figure(figure, file)
     text = json.dumps({"note": note, "rows": list(rows)}, indent=1) + "\n"
     write_atomically(file.with_suffix(".json"), text.encode())
 
