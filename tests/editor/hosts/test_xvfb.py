@@ -24,7 +24,11 @@ class Desktop:
     def __init__(self, level: Path, home: dict[str, str], ends: contextlib.ExitStack) -> None:
         read, write = os.pipe()
         server = start(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
+            [
+                *("Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24"),
+                # Else it starts over when the last client leaves, while the app may be connecting.
+                *("-nolisten", "tcp", "-noreset"),
+            ],
             pass_fds=[write],
             stderr=subprocess.DEVNULL,
         )
