@@ -105,12 +105,12 @@ def joint_system(
 
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
     arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
-    turns_count = step.features.welds or step.features.motors
+    has_angles = step.features.welds or step.features.motors
     parts = [
         through_points(a, b, Vec(x=one, y=zero), arm_a, arm_b),
         through_points(a, b, Vec(x=zero, y=one), arm_a, arm_b),
     ]
-    if turns_count:
+    if has_angles:
         parts.append(turning(a, b, one))
     rows = make_rows(masses, store, *parts)
     acts = joints.active & (mass_a + mass_b > 0) & active_a & active_b & (a != b)
@@ -124,7 +124,7 @@ def joint_system(
     turns = acts & (joints.fixed | (compliance > 0))
 
     def column(x: Array, y: Array, turn: Array) -> Array:
-        return jnp.concatenate([x, y, turn] if turns_count else [x, y], axis=0)
+        return jnp.concatenate([x, y, turn] if has_angles else [x, y], axis=0)
 
     live, compliance = store((column(acts, acts, turns), column(zero, zero, compliance)))
 
