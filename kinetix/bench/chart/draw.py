@@ -21,7 +21,7 @@ COLOURS: Final = {
     "brax spring": "#de77ae",
     "brax generalized": "#8e0152",
 }
-"""By family; others are grey."""
+"""By family."""
 PRESETS_SHOWN: Final = ("fast", "balanced", "accurate")
 """Ours that are joined by a line and drawn larger."""
 TOP: Final = 20.0
@@ -96,7 +96,7 @@ def _draw_facet(axes: Any, points: Sequence[Point], group: str, batch: int) -> N
     )
     for family in dict.fromkeys(point.family for point in points):
         own = [point for point in points if point.family == family]
-        _draw_family(axes, own, COLOURS.get(family, "#777777"))
+        _draw_family(axes, own, _colour(family))
 
 
 def _draw_family(axes: Any, points: Sequence[Point], colour: str) -> None:
@@ -129,10 +129,15 @@ def _write_labels(axes: Any, points: Sequence[Point]) -> list[Any]:
             _height(point),
             point.name.removeprefix(f"{point.family} "),
             fontsize=6.5 if _is_main(point) else 5.5,
-            color=COLOURS.get(point.family, "#777777"),
+            color=_colour(point.family),
         )
         for point in points
     ]
+
+
+def _colour(family: str) -> str:
+    """Grey for a family that has none of its own."""
+    return COLOURS.get(family, "#777777")
 
 
 def _is_main(point: Point) -> bool:
@@ -145,7 +150,7 @@ def _draw_legend(figure: Any, points: Sequence[Point]) -> None:
 
     families = dict.fromkeys(point.family for point in points)
     handles = [
-        Line2D([], [], color=COLOURS.get(family, "#777777"), marker="o", label=family)
+        Line2D([], [], color=_colour(family), marker="o", label=family)
         for family in sorted(families, key=lambda family: (family != OURS, family))
     ]
     grey: dict[str, Any] = {"color": "#333333", "linestyle": "none"}
