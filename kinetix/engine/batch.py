@@ -84,9 +84,12 @@ def _run(*leaves: Array, program: _Program) -> list[Array]:
     return _compiled(program)(*leaves)
 
 
-@functools.cache
+@functools.lru_cache(maxsize=64)
 def _compiled(program: _Program) -> Callable[..., list[Array]]:
-    """Traced once for all its uses in a program."""
+    """Traced once for all its uses in a program.
+
+    Environments make new kernels whenever they are traced: what is long unused must be let go.
+    """
 
     @jax.jit
     def worlds(*leaves: Array) -> list[Array]:
