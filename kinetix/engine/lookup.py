@@ -104,6 +104,15 @@ def row(values: Shaped[Array, "m ..."], index: Int[Array, ""] | int) -> Shaped[A
     return jax.lax.dynamic_index_in_dim(values, index, 0, allow_negative_indices=False)
 
 
+def put(
+    values: Shaped[Array, "..."], new: Shaped[Array, "..."], index: Int[Array, ""], axis: int
+) -> Shaped[Array, "..."]:
+    """`values` with a row (axis 0) or column (axis 1) replaced; the axis of `new` is kept."""
+    return jax.lax.dynamic_update_slice_in_dim(
+        values, new, index, axis, allow_negative_indices=False
+    )
+
+
 def column(matrix: Float[Array, "m k n"], index: Int[Array, ""] | int) -> Float[Array, "m n"]:
     """One column of every world's matrix."""
     return jax.lax.dynamic_index_in_dim(

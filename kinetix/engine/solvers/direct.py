@@ -21,9 +21,10 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.lookup import marked, onto, take, take_pair
-from kinetix.engine.maths import Vec, dot, nonzero, rotate, unvec, vec
+from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
+from kinetix.engine.solvers.contact_system import ContactSystem, contact_system
 from kinetix.engine.solvers.joint_system import (
     JointSystem,
     Step,
@@ -33,22 +34,7 @@ from kinetix.engine.solvers.joint_system import (
     settle,
 )
 from kinetix.engine.solvers.room import usual_room
-from kinetix.engine.solvers.rows import (
-    Directions,
-    Masses,
-    Rows,
-    Velocity,
-    apply,
-    coupling,
-    diagonal,
-    make_rows,
-    match,
-    matmul,
-    matvec,
-    speeds,
-    through_points,
-    turning,
-)
+from kinetix.engine.solvers.rows import Masses, Velocity, apply, match, speeds
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
@@ -73,27 +59,14 @@ class DirectCache:
 
 
 @pytree
-class ContactSystem:
-    """The rows of a step that push one way: contacts and joint limits. Fixed for the whole step."""
-
-    rows: Rows
-    live: Bool[Array, "m n"]
-    matrix: Float[Array, "m m n"]
-    """Their coupling with the joints eliminated."""
-    prepared: Any
-    friction: Float[Array, "c n"]
-    restitution: Float[Array, "c n"]
-
-
-@pytree
 class Phase:
     """What a substep hands to the next."""
 
     position: Vec
     rotation: Float[Array, "b n"]
     velocity: Velocity
-    gap: Float[Array, "m n"]
-    """Of the normal rows and the limit rows; the tangent rows in between are not used."""
+    gap: Float[Array, "g n"]
+    """Of the contacts, then of the limits."""
     bias_impulse: Float[Array, "m n"]
     relax_impulse: Float[Array, "m n"]
     joints: JointSystem
@@ -170,7 +143,7 @@ class Direct(AbstractSolver):
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
         joints = joint_system(this, position, state.rotation, velocity, h / 2)
-        system, gap = self._contact_system(this, state, found, joints)
+        system, gap = contact_system(this, state, found, joints, self.block)
         bias_impulse, relax_impulse = store(_warm_start(state.cache, found))
         start = Phase(
             position=position,
@@ -190,59 +163,6 @@ class Direct(AbstractSolver):
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
         return _finish(state, end, found, h, parameters)
 
-    def _contact_system(
-        self, step: Step, state: State, found: Found, joints: JointSystem
-    ) -> tuple[ContactSystem, Float[Array, "m n"]]:
-        world, masses, store = step.world, step.masses, step.store
-        points, bodies = found.points, world.bodies
-        normal = points.normal
-        tangent = Vec(x=normal.y, y=-normal.x)
-        a, b = points.body_a, points.body_b
-        limits, limit_live, limit_gap = _limit_directions(step, state)
-        rows = make_rows(
-            masses,
-            store,
-            through_points(a, b, normal, points.arm_a, points.arm_b),
-            through_points(a, b, tangent, points.arm_a, points.arm_b),
-            limits,
-        )
-        used = points.key >= 0
-        live = jnp.concatenate([used, used, limit_live], axis=0)
-        matrix = coupling(rows, rows)
-        index = np.arange(live.shape[0])
-        mobility = store(diagonal(rows))
-        if joints.live.shape[0] > 0:
-            across = store(jnp.where(joints.live[:, None], coupling(joints.rows, rows), 0))
-            matrix -= matmul(jnp.swapaxes(across, 0, 1), matmul(joints.solve, across))
-        live = store(live & (matrix[index, index] > constants.LEAST_PIVOT * mobility))
-        eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
-        # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
-        own = matrix[index, index]
-        deep = jnp.concatenate(
-            [points.separation < -constants.DEEP, jnp.zeros_like(used), jnp.zeros_like(limit_live)]
-        )
-        held = own < constants.HELD * mobility
-        own += jnp.where(deep & held, constants.DEEP_COMPLIANCE * mobility, 0)
-        own = jnp.where(live, own, 1)
-        coupled = live[:, None] & live[None] & ~eye
-        matrix = store(jnp.where(eye, own[:, None], jnp.where(coupled, matrix, 0)))
-        (friction_a, restitution_a), (friction_b, restitution_b) = take_pair(
-            (bodies.friction, bodies.restitution), a, b
-        )
-        friction = jnp.sqrt(friction_a**2 + friction_b**2)
-        system = ContactSystem(
-            rows=rows,
-            live=live,
-            matrix=matrix,
-            prepared=self.block.prepare(matrix, _contrast(rows, used)),
-            friction=store(step.parameters.base_friction * friction),
-            restitution=store(jnp.minimum(restitution_a, restitution_b)),
-        )
-        gap = jnp.concatenate(
-            [points.separation, jnp.zeros_like(points.separation), limit_gap], axis=0
-        )
-        return system, gap
-
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
         masses = step.masses
         h = step.parameters.dt / self.substeps
@@ -251,7 +171,7 @@ class Direct(AbstractSolver):
 
         # Bias: half a kick, then velocities that also bring positions where they belong.
         push = _acceleration(step, phase.rotation)
-        before = speeds(system.rows, phase.velocity)
+        before = speeds(system.gaps, phase.velocity)[:count]
         velocity = _kick(phase.velocity, push, h / 2)
         bias = phase.joints.error * (self.joint_bias / h)
         nothing = jnp.zeros_like(phase.joint_impulse)
@@ -266,22 +186,23 @@ class Direct(AbstractSolver):
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
         # Drift.
-        position = phase.position + velocity.linear * h
-        rotation = phase.rotation + velocity.angular * h
-        gap = phase.gap + h * speeds(system.rows, velocity)
+        move = velocity * h
+        position = phase.position + move.linear
+        rotation = phase.rotation + move.angular
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
         velocity = _kick(velocity, _acceleration(step, rotation), h / 2)
         joints = joint_system(step, position, rotation, velocity, h / 2)
-        joints, move = settle(step, joints)
-        position, rotation = position + move.linear, rotation + move.angular
-        gap += speeds(system.rows, move)
+        joints, mend = settle(step, joints)
+        position, rotation = position + mend.linear, rotation + mend.angular
+        gap = phase.gap + speeds(system.gaps, move + mend)
         velocity, relaxed = project(step, joints, velocity, nothing, nothing)
-        closed = (bias_impulse > 0) | (gap <= constants.CLOSED_DISTANCE)
+        pushed = jnp.concatenate([bias_impulse[:count], bias_impulse[2 * count :]], axis=0) > 0
+        closed = pushed | (gap <= constants.CLOSED_DISTANCE)
         cone = dataclasses.replace(
-            cone, closed=live & closed[:count], limited=limit_live & closed[2 * count :]
+            cone, closed=live & closed[:count], limited=limit_live & closed[count:]
         )
-        offset = speeds(system.rows, velocity) - matvec(system.matrix, bias_impulse)
+        offset = speeds(system.rows, velocity) - system.in_use.product(system.matrix, bias_impulse)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
@@ -308,21 +229,19 @@ class Direct(AbstractSolver):
         )
 
     def _gap_bias(
-        self, gap: Float[Array, "m n"], h: Float[Array, " n"], count: int
+        self, gap: Float[Array, "g n"], h: Float[Array, " n"], count: int
     ) -> Float[Array, "m n"]:
         """Closing speeds that are allowed (open gaps) or wanted away (overlaps)."""
         overlap = jnp.minimum(gap + constants.SLOP, 0) * (self.contact_bias / h)
         bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -constants.PUSH_SPEED))
-        is_tangent = (np.arange(gap.shape[0]) // max(count, 1) == 1)[:, None] & (
-            np.arange(gap.shape[0]) < 2 * count
-        )[:, None]
-        return jnp.where(is_tangent, 0, bias)
+        tangents = jnp.zeros_like(bias[:count])
+        return jnp.concatenate([bias[:count], tangents, bias[count:]], axis=0)
 
     def _bounce(
         self,
         system: ContactSystem,
-        before: Float[Array, "m n"],
-        gap: Float[Array, "m n"],
+        before: Float[Array, "c n"],
+        gap: Float[Array, "g n"],
         push: tuple[Vec, Float[Array, "b n"]],
         closed: Bool[Array, "c n"],
         h: Float[Array, " n"],
@@ -334,14 +253,12 @@ class Direct(AbstractSolver):
         """
         count = system.friction.shape[0]
         linear, angular = push
-        closing = -speeds(system.rows, Velocity(linear=linear, angular=angular))[:count]
+        closing = -speeds(system.gaps, Velocity(linear=linear, angular=angular))[:count]
         free_fall = jnp.maximum(closing, 0)
-        speed = jnp.sqrt(
-            jnp.maximum(0, before[:count] ** 2 + 2 * free_fall * jnp.maximum(gap[:count], 0))
-        )
+        speed = jnp.sqrt(jnp.maximum(0, before**2 + 2 * free_fall * jnp.maximum(gap[:count], 0)))
         hardest = jnp.sqrt(dot(linear, linear)).max(axis=0)
         threshold = jnp.maximum(2 * h * hardest, constants.LEAST_BOUNCE)
-        bounces = closed & (speed > threshold) & (before[:count] < 0)
+        bounces = closed & (speed > threshold) & (before < 0)
         return jnp.where(bounces, system.restitution * speed, 0), threshold
 
     def _knocks(
@@ -379,7 +296,7 @@ class Direct(AbstractSolver):
             impulse = self.block.solve(
                 system.prepared, system.matrix, wanted, jnp.zeros_like(knock), hit
             )
-            offset += matvec(system.matrix, impulse)
+            offset += system.in_use.product(system.matrix, impulse)
             closing = -offset[:count]
             again = cone.closed & (closing > threshold)
             bounce = jnp.where(again, system.restitution * closing, 0)
@@ -414,39 +331,6 @@ def _effective_masses(
     fastest = jnp.maximum(*take_pair(swing, joints.body_a, joints.body_b))
     masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
     return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
-
-
-def _contrast(rows: Rows, used: Bool[Array, "c n"]) -> Float[Array, " n"]:
-    """The greatest ratio of the masses of two bodies that touch; 1 beside what is fixed."""
-    count = used.shape[0]
-    a, b = rows.mass_a[:count], rows.mass_b[:count]
-    ratio = jnp.maximum(a, b) / nonzero(jnp.minimum(a, b))
-    return jnp.max(jnp.where(used & (a > 0) & (b > 0), ratio, 1), axis=0, initial=1)
-
-
-def _limit_directions(
-    step: Step, state: State
-) -> tuple[Directions, Bool[Array, "j n"], Float[Array, "j n"]]:
-    """One row a joint with limits: the nearer of its two; its gap is the angle left [rad].
-
-    No row at all in a scene without limits.
-    """
-    world = step.world
-    joints = world.joints
-    if not step.features.limits:
-        joints = jax.tree.map(lambda x: x[:0], joints)
-    a, b = joints.body_a, joints.body_b
-    (angle_a, active_a, inertia_a), (angle_b, active_b, inertia_b) = take_pair(
-        (state.rotation, world.bodies.active, step.masses.angular), a, b
-    )
-    angle = angle_b - angle_a - joints.reference_angle
-    least = jnp.minimum(joints.limit_min, joints.limit_max)
-    most = jnp.maximum(joints.limit_min, joints.limit_max)
-    from_least, from_most = angle - least, most - angle
-    sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
-    acts = joints.active & joints.limited & ~joints.fixed & (a != b) & active_a & active_b
-    acts &= inertia_a + inertia_b > 0
-    return turning(a, b, sign), acts, jnp.minimum(from_least, from_most)
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:

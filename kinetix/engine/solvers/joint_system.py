@@ -15,6 +15,7 @@ from kinetix.engine import actuators, constants
 from kinetix.engine.lookup import take_pair
 from kinetix.engine.maths import Vec, rotate, vec
 from kinetix.engine.solvers.rows import (
+    Links,
     Masses,
     Rows,
     Velocity,
@@ -107,12 +108,12 @@ def joint_system(
     arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
     has_angles = step.features.welds or step.features.motors
     parts = [
-        through_points(a, b, Vec(x=one, y=zero), arm_a, arm_b),
-        through_points(a, b, Vec(x=zero, y=one), arm_a, arm_b),
+        through_points(Vec(x=one, y=zero), arm_a, arm_b),
+        through_points(Vec(x=zero, y=one), arm_a, arm_b),
     ]
     if has_angles:
-        parts.append(turning(a, b, one))
-    rows = make_rows(masses, store, *parts)
+        parts.append(turning(one))
+    rows = make_rows(masses, store, (Links(body_a=a, body_b=b), parts))
     acts = joints.active & (mass_a + mass_b > 0) & active_a & active_b & (a != b)
     wanted, compliance = zero, zero
     if step.features.motors:

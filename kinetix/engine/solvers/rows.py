@@ -5,17 +5,22 @@ turn `turn_b`·λ), body a the opposite. Contacts, joints, motors and limits are
 function couples any two of them.
 """
 
-from collections.abc import Callable
+import dataclasses
+import functools
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int, Shaped
 
-from kinetix.engine.lookup import accumulate, column, row, take_pair
+from kinetix.engine.lookup import accumulate, column, put, row, take_pair
 from kinetix.engine.maths import Vec, cross, dot
 from kinetix.engine.store import Store
-from kinetix.pytree import pytree
+from kinetix.pytree import pytree, static
+
+T = TypeVar("T")
 
 WRITTEN_OUT = 48
 """Longest sum without a loop: all of size l's."""
@@ -23,10 +28,17 @@ WRITTEN_OUT = 48
 
 @pytree
 class Velocity:
-    """Velocities of all bodies."""
+    """Velocities of all bodies, or how far they move."""
 
     linear: Vec
     angular: Float[Array, "b n"]
+
+    def __add__(self, other: "Velocity") -> "Velocity":
+        return Velocity(linear=self.linear + other.linear, angular=self.angular + other.angular)
+
+    def __mul__(self, scale: Float[Array, "..."]) -> "Velocity":
+        """The same direction; with a duration: how far everything moves."""
+        return Velocity(linear=self.linear * scale, angular=self.angular * scale)
 
 
 @pytree
@@ -38,60 +50,72 @@ class Masses:
 
 
 @pytree
-class Directions:
-    """Along what rows act, the bodies' masses left aside."""
+class Links:
+    """Pairs of bodies, each of which any number of rows may act on."""
 
+    body_a: Int[Array, "k n"]
+    body_b: Int[Array, "k n"]
+
+
+@pytree
+class Directions:
+    """One row for each of some links, the bodies' masses left aside."""
+
+    along: Vec
+    turn_a: Float[Array, "k n"]
+    """arm_a × direction [m]; 1 for a row that acts on angles alone."""
+    turn_b: Float[Array, "k n"]
+
+
+@pytree
+class Rows:
+    """`m` rows. Bodies and masses are repeated for each, so that coupling needs no look-up."""
+
+    links: Links
+    """Without repetition: what is looked up in the bodies' tables is looked up once a link."""
+    groups: tuple[tuple[int, int], ...] = static()
+    """Of links that have as many rows each, as (links, rows of each): first rows of all links of
+    the first group, then their second rows …, then the next group."""
     body_a: Int[Array, "m n"]
     body_b: Int[Array, "m n"]
     direction: Vec
     turn_a: Float[Array, "m n"]
-    """arm_a × direction [m]; 1 for a row that acts on angles alone."""
     turn_b: Float[Array, "m n"]
-
-
-@pytree
-class Rows(Directions):
-    """`m` rows. The mass columns repeat the bodies' values, so that coupling needs no look-up."""
-
     mass_a: Float[Array, "m n"]
     mass_b: Float[Array, "m n"]
     inertia_a: Float[Array, "m n"]
     inertia_b: Float[Array, "m n"]
 
 
-def through_points(
-    body_a: Int[Array, "c n"],
-    body_b: Int[Array, "c n"],
-    direction: Vec,
-    arm_a: Vec,
-    arm_b: Vec,
-) -> Directions:
+def through_points(direction: Vec, arm_a: Vec, arm_b: Vec) -> Directions:
     """Directions that go through a point of each body."""
     return Directions(
-        body_a=body_a,
-        body_b=body_b,
-        direction=direction,
-        turn_a=cross(arm_a, direction),
-        turn_b=cross(arm_b, direction),
+        along=direction, turn_a=cross(arm_a, direction), turn_b=cross(arm_b, direction)
     )
 
 
-def turning(
-    body_a: Int[Array, "c n"], body_b: Int[Array, "c n"], turn: Float[Array, "c n"]
-) -> Directions:
+def turning(turn: Float[Array, "k n"]) -> Directions:
     """Directions that turn two bodies against each other."""
-    nowhere = Vec(x=jnp.zeros_like(turn), y=jnp.zeros_like(turn))
-    return Directions(body_a=body_a, body_b=body_b, direction=nowhere, turn_a=turn, turn_b=turn)
+    return Directions(
+        along=Vec(x=jnp.zeros_like(turn), y=jnp.zeros_like(turn)), turn_a=turn, turn_b=turn
+    )
 
 
-def make_rows(masses: Masses, store: Store, *parts: Directions) -> Rows:
-    """Rows along all directions, one part after the other, with their bodies' masses looked up."""
-    along = store(jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *parts))
-    of_a, of_b = take_pair(masses, along.body_a, along.body_b)
+def make_rows(masses: Masses, store: Store, *groups: tuple[Links, Sequence[Directions]]) -> Rows:
+    """Rows along all directions of each group of links, with their bodies' masses looked up."""
+    links = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *(links for links, _ in groups))
+    shape = tuple((links.body_a.shape[0], len(directions)) for links, directions in groups)
+    parts = [part for _, directions in groups for part in directions]
+    along = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *parts)
+    links, along = store((links, along))
+    of_a, of_b = _of_rows(shape, take_pair(masses, links.body_a, links.body_b))
+    bodies = _of_rows(shape, links)
     return Rows(
-        body_a=along.body_a,
-        body_b=along.body_b,
-        direction=along.direction,
+        links=links,
+        groups=shape,
+        body_a=bodies.body_a,
+        body_b=bodies.body_b,
+        direction=along.along,
         turn_a=along.turn_a,
         turn_b=along.turn_b,
         mass_a=of_a.linear,
@@ -99,6 +123,50 @@ def make_rows(masses: Masses, store: Store, *parts: Directions) -> Rows:
         inertia_a=of_a.angular,
         inertia_b=of_b.angular,
     )
+
+
+def first_of_links(rows: Rows) -> Rows:
+    """The first row of every link."""
+    kept, start = [], 0
+    for links, each in rows.groups:
+        kept.append(slice(start, start + links))
+        start += links * each
+
+    def keep(x: Shaped[Array, "m n"]) -> Shaped[Array, "k n"]:
+        return jnp.concatenate([x[part] for part in kept], axis=0)
+
+    return dataclasses.replace(
+        jax.tree.map(keep, dataclasses.replace(rows, links=None)),
+        links=rows.links,
+        groups=tuple((links, 1) for links, _ in rows.groups),
+    )
+
+
+def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
+    """What links have, repeated for their rows."""
+
+    def repeat(x: Shaped[Array, "k n"]) -> Shaped[Array, "m n"]:
+        parts, start = [], 0
+        for links, each in groups:
+            parts += [x[start : start + links]] * each
+            start += links
+        return jnp.concatenate(parts, axis=0)
+
+    return jax.tree.map(repeat, of_links)
+
+
+def _of_links(groups: tuple[tuple[int, int], ...], of_rows: T) -> T:
+    """The sums of what the rows of each link have."""
+
+    def add(x: Float[Array, "m n"]) -> Float[Array, "k n"]:
+        parts, start = [], 0
+        for links, each in groups:
+            starts = range(start, start + links * each, max(links, 1))
+            parts.append(functools.reduce(jnp.add, [x[at : at + links] for at in starts][:each]))
+            start += links * each
+        return jnp.concatenate(parts, axis=0)
+
+    return jax.tree.map(add, of_rows)
 
 
 def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
@@ -136,7 +204,8 @@ def diagonal(rows: Rows) -> Float[Array, "m n"]:
 
 def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
     """Speed of b relative to a along each row."""
-    of_a, of_b = take_pair(velocity, rows.body_a, rows.body_b)
+    of_links = take_pair(velocity, rows.links.body_a, rows.links.body_b)
+    of_a, of_b = _of_rows(rows.groups, of_links)
     along = dot(rows.direction, of_b.linear - of_a.linear)
     return along + rows.turn_b * of_b.angular - rows.turn_a * of_a.angular
 
@@ -144,12 +213,20 @@ def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
 def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
     """The velocities after impulses on all rows."""
     bodies = np.arange(velocity.angular.shape[0], dtype=np.int32)[:, None]
-    along_x, along_y = rows.direction.x * impulse, rows.direction.y * impulse
-    turn_a, turn_b = rows.turn_a * impulse, rows.turn_b * impulse
+    links = rows.links
+    along_x, along_y, turn_a, turn_b = _of_links(
+        rows.groups,
+        (
+            rows.direction.x * impulse,
+            rows.direction.y * impulse,
+            rows.turn_a * impulse,
+            rows.turn_b * impulse,
+        ),
+    )
 
     def add(k: Int[Array, ""], total: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         x, y, turn = total
-        on_a, on_b = bodies == row(rows.body_a, k), bodies == row(rows.body_b, k)
+        on_a, on_b = bodies == row(links.body_a, k), bodies == row(links.body_b, k)
 
         def share(to_a: Array, to_b: Array) -> Array:
             return jnp.where(on_b, row(to_b, k), 0) - jnp.where(on_a, row(to_a, k), 0)
@@ -161,7 +238,7 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
         )
 
     nothing = jnp.zeros_like(velocity.angular)
-    x, y, turn = accumulate(impulse.shape[0], add, (nothing, nothing, nothing))
+    x, y, turn = accumulate(along_x.shape[0], add, (nothing, nothing, nothing))
     return Velocity(
         linear=Vec(
             x=velocity.linear.x + x * masses.linear, y=velocity.linear.y + y * masses.linear
@@ -217,7 +294,7 @@ def _sum(
 def inverse(
     matrix: Float[Array, "m m n"], least_pivot: Float[Array, "m n"] | None = None
 ) -> Float[Array, "m m n"]:
-    """Inverse of symmetric positive definite matrices by Gauss–Jordan elimination, no pivoting.
+    """Inverse of symmetric positive definite matrices by the sweep operator, no pivoting.
 
     Args:
         matrix: One a world.
@@ -230,22 +307,21 @@ def inverse(
 
     store = Store.beside(matrix)
 
-    def eliminate(k: Int[Array, ""], m: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-        of_row, of_column = row(m, k)[0], column(m, k)
+    def sweep(k: Int[Array, ""], m: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
+        of_row = row(m, k)[0]
         pivot = row(of_row, k)
         if least_pivot is not None:
             pivot = jnp.maximum(pivot, row(least_pivot, k))
         here = (np.arange(size) == k)[:, None]
-        # The pivot's row and column come out right if the matrix is 0 there and they are so:
-        inverse_pivot = 1 / pivot
-        scaled = jnp.where(here, inverse_pivot, of_row * inverse_pivot)
-        left = jnp.where(here, -1, of_column)
         # Once these are stored, the matrix changes in place; else it would be copied.
-        scaled, left = store((scaled, left))
-        kept = jnp.where(here[:, None] | here[None], 0, m)
-        return kept - left[:, None] * scaled[None]
+        others = jnp.where(here, 0, of_row)
+        others, scaled, line = store(
+            (others, others / pivot, jnp.where(here, -1 / pivot, others / pivot))
+        )
+        m = m - others[:, None] * scaled[None]
+        return put(put(m, line[None], k, 0), line[:, None], k, 1)
 
-    return jax.lax.fori_loop(0, size, eliminate, matrix)
+    return -jax.lax.fori_loop(0, size, sweep, matrix)
 
 
 def match(

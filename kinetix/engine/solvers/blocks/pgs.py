@@ -6,12 +6,13 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from kinetix.engine.lookup import row
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
-from kinetix.engine.solvers.rows import inner, matvec
+from kinetix.engine.solvers.in_use import InUse
+from kinetix.engine.solvers.rows import inner
 from kinetix.engine.store import Store
 
 EASY_CONTRAST = 60.0
@@ -97,13 +98,13 @@ class Pgs(AbstractBlock):
             new, change = store((new, new - old))
             return put(impulse, new, index), speed + at(matrix, index) * change
 
-        points, bounded = _last_used(cone.closed), _last_used(cone.limited)
+        in_use = InUse.of(cone.closed, cone.limited)
 
         def sweep(carry: tuple) -> tuple:
             if count > 0:
-                carry = jax.lax.fori_loop(0, points, point, carry)
+                carry = jax.lax.fori_loop(0, in_use.points, point, carry)
             if limits > 0:
-                carry = jax.lax.fori_loop(0, bounded, limit, carry)
+                carry = jax.lax.fori_loop(0, in_use.limits, limit, carry)
             return carry
 
         def accelerated(done: Int[Array, ""], carry: tuple) -> tuple:
@@ -126,13 +127,7 @@ class Pgs(AbstractBlock):
 
         start = store(project(cone, start))
         zero = jnp.zeros_like(start)
-        carry = (start, start, matvec(matrix, start) + offset, zero, zero, zero[0])
+        carry = (start, start, in_use.product(matrix, start) + offset, zero, zero, zero[0])
         most = jnp.max(sweeps).astype(jnp.int32)
         result, *_ = jax.lax.fori_loop(0, most, accelerated, carry)
         return project(cone, result)
-
-
-def _last_used(mask: Bool[Array, "c n"]) -> Int[Array, ""]:
-    """How many rows there are up to the last one that any world uses."""
-    rows = np.arange(1, mask.shape[0] + 1, dtype=np.int32)
-    return jnp.max(jnp.where(jnp.any(mask, axis=1), rows, 0), initial=0)
