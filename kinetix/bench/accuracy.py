@@ -9,6 +9,7 @@ from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
 from kinetix.bench.runner import run_trials, spec_for
 from kinetix.engine.collide import Slots
+from kinetix.engine.fitting import fitted
 from kinetix.engine.pairs import pair_counts
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers.base import AbstractSolver
@@ -76,6 +77,7 @@ def _with_room(
 
 def roomier(solver: HasRoom, spec: SceneSpec, factor: int) -> Any:
     """The same method with so many times the room for contacts."""
+    spec = fitted(spec)
     usual, most = solver.slots_for(spec), pair_counts(spec.capacity)
     near = (usual.polygon_polygon, usual.circle_polygon, usual.circle_circle)
     room = [min(factor * slots, count) for slots, count in zip(near, most, strict=True)]

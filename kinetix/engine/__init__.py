@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from kinetix.engine.pipeline import step
     from kinetix.engine.presets import PRESETS, solver_named
     from kinetix.engine.solvers import SOLVERS, AbstractSolver
-    from kinetix.engine.spec import Capacity, Features, SceneSpec
+    from kinetix.engine.spec import Capacity, Features, SceneSpec, Used
     from kinetix.engine.types import (
         Bodies,
         Control,
@@ -35,6 +35,7 @@ _HOME = {
     "SceneSpec": "spec",
     "State": "types",
     "Thrusters": "types",
+    "Used": "spec",
     "World": "types",
     "default_parameters": "types",
     "solver_named": "presets",
@@ -54,6 +55,7 @@ __all__ = [
     "SceneSpec",
     "State",
     "Thrusters",
+    "Used",
     "World",
     "default_parameters",
     "solver_named",

@@ -25,7 +25,6 @@ from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidate
 from kinetix.engine.shapes import (
     FAR,
     Polygons,
-    flat,
     rows,
     rows_vec,
     turn_polygons,
@@ -271,19 +270,9 @@ class _Scene:
         face, edge = _largest(
             dot(rows_vec(polygons.normals, b), offset[:, None]) - rows(polygons.offsets, b)
         )
-        distance = self._beyond_face(offset, face, *self._edge_ends(b, edge))[0]
+        corners, normals = rows_vec(polygons.corners, b), rows_vec(polygons.normals, b)
+        distance = self._beyond_face(offset, face, *_edge_ends(corners, normals, edge))[0]
         return distance - self._radius(a), edge
-
-    def _edge_ends(
-        self, polygon: Int[Array, "q n"] | Int[np.ndarray, " q"], edge: Int[Array, "q n"]
-    ) -> tuple[Vec, Vec, Vec]:
-        """Start, end and normal of an edge of each polygon."""
-        corner_count = self.polygons.offsets.shape[1]
-        first = jnp.asarray(polygon[:, None] if polygon.ndim == 1 else polygon) * corner_count
-        corners = flat(self.polygons.corners)
-        start, normal = take((corners, flat(self.polygons.normals)), first + edge)
-        end = take(corners, first + (edge + 1) % corner_count)
-        return start, end, normal
 
     @staticmethod
     def _beyond_face(
@@ -393,7 +382,9 @@ class _Scene:
         """One point: on the nearest face, or at the nearest corner."""
         a, b, pair = self._bodies(1, index)
         edge = take(edges, index)
-        start, end, outward = self._edge_ends(b, edge)
+        polygons = self.polygons
+        corners, normals = self.store(take((polygons.corners, polygons.normals), b))
+        start, end, outward = _edge_ends(corners, normals, edge)
         of_a, of_b = take_pair(self.centre, a, b)
         offset = of_a - of_b
         radius = self._radius(a)
@@ -420,11 +411,15 @@ class _Scene:
         swap = face >= 4
         reference, incident = jnp.where(swap, b, a), jnp.where(swap, a, b)
         edge = face % 4
-        start, end, normal = self.store(self._edge_ends(reference, edge))
+        polygons = self.polygons
+        own, others = self.store(
+            take_pair((polygons.corners, polygons.normals), reference, incident)
+        )
+        start, end, normal = self.store(_edge_ends(*own, edge))
         of_reference, of_incident = take_pair(self.centre, reference, incident)
         apart = of_incident - of_reference
-        other = self.store(self._most_opposed(incident, normal))
-        first, last, _ = self._edge_ends(incident, other)
+        other = self.store(_most_opposed(others[1], normal))
+        first, last, _ = _edge_ends(*others, other)
         first, last = self.store((first + apart, last + apart))
         clipped = self.store(_clip(start, end, normal, first, last))
         (low, high), (gap_low, gap_high), survives = clipped
@@ -468,19 +463,33 @@ class _Scene:
         )
         return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), first_point, second_point)
 
-    def _most_opposed(self, polygon: Int[Array, "k n"], normal: Vec) -> Int[Array, "k n"]:
-        """The edge whose outward normal points most against the given one."""
-        corner_count = self.polygons.offsets.shape[1]
-        normals = flat(self.polygons.normals)
-        best = jnp.full(normal.x.shape, FAR, normal.x.dtype)
-        edge = jnp.zeros(normal.x.shape, jnp.int32)
-        for i in range(corner_count):
-            candidate = take(normals, polygon * corner_count + i)
-            exists = (candidate.x != 0) | (candidate.y != 0)
-            against = jnp.where(exists, dot(candidate, normal), FAR)
-            edge = jnp.where(against < best, i, edge)
-            best = jnp.minimum(best, against)
-        return edge
+
+def _edge_ends(corners: Vec, normals: Vec, edge: Int[Array, "k n"]) -> tuple[Vec, Vec, Vec]:
+    """Start, end and normal of an edge of each of `k` polygons."""
+    ends = _corners(corners)
+    following = [*ends[1:], ends[0]]
+    start, end, normal = (
+        functools.reduce(
+            lambda found, option: maths.where(edge == option[0], option[1], found),
+            enumerate((corner[:, 0] for corner in options[1:]), start=1),
+            options[0][:, 0],
+        )
+        for options in (ends, following, _corners(normals))
+    )
+    return start, end, normal
+
+
+def _most_opposed(normals: Vec, normal: Vec) -> Int[Array, "k n"]:
+    """The edge of each of `k` polygons whose outward normal points most against the given one."""
+    best = jnp.full(normal.x.shape, FAR, normal.x.dtype)
+    edge = jnp.zeros(normal.x.shape, jnp.int32)
+    for i, column in enumerate(_corners(normals)):
+        candidate = column[:, 0]
+        exists = (candidate.x != 0) | (candidate.y != 0)
+        against = jnp.where(exists, dot(candidate, normal), FAR)
+        edge = jnp.where(against < best, i, edge)
+        best = jnp.minimum(best, against)
+    return edge
 
 
 def _corners(corners: Vec) -> list[Vec]:

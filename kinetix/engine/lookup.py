@@ -24,11 +24,11 @@ def take(values: T, index: Int[Array, "k n"]) -> T:
     """values[index[k, n], n] of every array.
 
     Args:
-        values: Arrays (rows, n), all with the same number of rows, in any pytree.
+        values: Arrays (rows, …, n), all with the same number of rows, in any pytree.
         index: From 0; entries outside the table are not defined.
 
     Returns:
-        The same tree of arrays (k, n).
+        The same tree of arrays (k, …, n).
     """
     table = jax.tree.leaves(values)[0].shape[0]
     if table > MOST_ROWS:
@@ -36,10 +36,17 @@ def take(values: T, index: Int[Array, "k n"]) -> T:
 
     def pick(k: Int[Array, ""], found: T) -> T:
         here = index == k
-        return jax.tree.map(lambda x, old: jnp.where(here, row(x, k), old), values, found)
 
-    nothing = jax.tree.map(lambda x: jnp.zeros(index.shape, x.dtype), values)
-    return accumulate(table, pick, nothing)
+        def entry(x: Shaped[Array, "rows *rest n"], old: Shaped[Array, "k *rest n"]) -> Array:
+            same = here.reshape(here.shape[0], *[1] * (x.ndim - 2), here.shape[1])
+            return jnp.where(same, row(x, k), old)
+
+        return jax.tree.map(entry, values, found)
+
+    def room(x: Shaped[Array, "rows *rest n"]) -> Shaped[Array, "k *rest n"]:
+        return jnp.zeros((index.shape[0], *x.shape[1:]), x.dtype)
+
+    return accumulate(table, pick, jax.tree.map(room, values))
 
 
 def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) -> tuple[T, T]:
@@ -49,12 +56,16 @@ def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) ->
     return jax.tree.map(lambda x: x[:count], both), jax.tree.map(lambda x: x[count:], both)
 
 
-def _gather(values: Shaped[Array, "rows n"], index: Int[Array, "k n"]) -> Shaped[Array, "k n"]:
+def _gather(
+    values: Shaped[Array, "rows *rest n"], index: Int[Array, "k n"]
+) -> Shaped[Array, "k *rest n"]:
     """One gather from the table as one long row, said directly.
 
     Worlds as a batch axis of the gather would be joined to the indices first, and what
     `take_along_axis` adds for negative indices is a large part of the time that compiling takes.
     """
+    if values.ndim > 2:
+        return jax.vmap(_gather, in_axes=(1, None), out_axes=1)(values, index)
     worlds = values.shape[1]
     place = index * worlds + np.arange(worlds, dtype=np.int32)
     return jax.lax.gather(

@@ -2,10 +2,12 @@
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 from jaxtyping import Array, Int
 
 from kinetix.engine.batch import worlds_last
+from kinetix.engine.fitting import fitted, narrow, widen
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
@@ -33,7 +35,15 @@ def step(
     Returns:
         The state after the step. Under `vmap` all worlds are advanced by one batched kernel.
     """
-    return _stepper(spec, solver)(world, state, control, parameters)
+    run = _stepper(fitted(spec), solver)
+    if spec.features.used is None:
+        return run(world, state, control, parameters)
+    return widen(state, run(*narrow(world, state, control, spec), parameters), spec)
+
+
+def empty_cache(spec: SceneSpec, solver: AbstractSolver) -> Any:
+    """What `State.cache` holds before the first step, for one world, as numpy zeros."""
+    return solver.empty_cache(fitted(spec))
 
 
 @functools.cache

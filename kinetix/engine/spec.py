@@ -46,11 +46,29 @@ class Capacity:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Used:
+    """Slots that a scene fills, in order; no other ever holds anything."""
+
+    bodies: tuple[int, ...]
+    """Global indices, those of the arena included."""
+    joints: tuple[int, ...]
+    thrusters: tuple[int, ...]
+
+    def union(self, other: "Used") -> "Used":
+        """The slots that either of two scenes fills."""
+        kinds = zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)
+        bodies, joints, thrusters = (tuple(sorted({*mine, *theirs})) for mine, theirs in kinds)
+        return Used(bodies=bodies, joints=joints, thrusters=thrusters)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Features:
     """What a scene uses; what it does not use is not compiled. The defaults leave everything in."""
 
     pairs: tuple[tuple[int, int], ...] | None = None
     """The pairs (global indices, a < b) that can ever push each other; None: all candidates."""
+    used: Used | None = None
+    """The slots to compile a step for; None: all."""
     restitution: bool = True
     triangles: bool = True
     limits: bool = True

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from kinetix.engine.pairs import candidate_pairs
+from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, World
 from kinetix.environment.params import StaticEnvParams, physics_engine
@@ -36,7 +37,7 @@ def expand_state(
     have, need = capacity_of_world(state.world), static_env_params.capacity
     _check_fit(have, need, name)
     engine = physics_engine(static_env_params)
-    cache = engine.solver.empty_cache(engine.spec)
+    cache = empty_cache(engine.spec, engine.solver)
     if have == need:
         physics = dataclasses.replace(without_contacts(state.physics), cache=cache)
         return dataclasses.replace(state, physics=physics)

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool
 
+from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import EnvState
@@ -101,7 +102,7 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
     if have != need:
         raise KinetixError(f"the level does not fit the environment: {_difference(have, need)}")
     physics = state.physics
-    cache = engine.solver.empty_cache(engine.spec)
+    cache = empty_cache(engine.spec, engine.solver)
     if _shapes(physics.cache) != _shapes(cache):
         physics = dataclasses.replace(physics, cache=cache)
     return jax.tree.map(

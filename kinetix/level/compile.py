@@ -5,6 +5,7 @@ nothing here is traced.
 """
 
 import dataclasses
+import functools
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Final, Literal
 
@@ -13,8 +14,9 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.pairs import candidate_pairs, collision_matrix
+from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
+from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec, Used
 from kinetix.engine.types import Bodies, Joints, State, Thrusters, World
 from kinetix.errors import LevelError
 from kinetix.level.geometry import (
@@ -156,7 +158,7 @@ def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
         angular_velocity=zeros(b),
         touching=flags(len(candidate_pairs(size))),
         overflow=flags(),
-        cache=solver.empty_cache(spec),
+        cache=empty_cache(spec, solver),
     )
     labels = Labels(
         role=integers(b),
@@ -317,15 +319,22 @@ def features_of(subject: "Level | Scene | World", *, capacity: Capacity | None =
     bodies, joints = world.bodies, world.joints
     active = np.asarray(joints.active)
     hinges = active & ~np.asarray(joints.fixed)
-    polygons = np.asarray(bodies.active)[: len(bodies.vertex_count)]
+    filled = np.asarray(bodies.active)
+    polygons = filled[: len(bodies.vertex_count)]
+    thrusters = np.asarray(world.thrusters.active)
     return Features(
         pairs=pushing_pairs(world),
+        used=Used(
+            bodies=tuple(np.flatnonzero(filled | (np.arange(len(filled)) < ARENA_BODIES)).tolist()),
+            joints=tuple(np.flatnonzero(active).tolist()),
+            thrusters=tuple(np.flatnonzero(thrusters).tolist()),
+        ),
         restitution=bool((np.asarray(bodies.restitution) * np.asarray(bodies.active) > 0).any()),
         triangles=bool((polygons & (np.asarray(bodies.vertex_count) == 3)).any()),
         limits=bool((hinges & np.asarray(joints.limited)).any()),
         welds=bool((active & np.asarray(joints.fixed)).any()),
         motors=bool((hinges & np.asarray(joints.motor_on)).any()),
-        thrusters=bool(np.asarray(world.thrusters.active).any()),
+        thrusters=bool(thrusters.any()),
     )
 
 
@@ -361,9 +370,13 @@ def features_union(features: Iterable[Features], capacity: Capacity) -> Features
         wanted = {pair for each in listed if each for pair in each}
         ordered = ((min(a, b), max(a, b)) for a, b in candidate_pairs(capacity).tolist())
         pairs = tuple(pair for pair in ordered if pair in wanted)
-    names = [field.name for field in dataclasses.fields(Features) if field.name != "pairs"]
+    filled = [each.used for each in every]
+    used = None if None in filled else functools.reduce(Used.union, filter(None, filled))
+    names = [field.name for field in dataclasses.fields(Features) if field.type is bool]
     return Features(
-        pairs=pairs, **{name: any(getattr(each, name) for each in every) for name in names}
+        pairs=pairs,
+        used=used,
+        **{name: any(getattr(each, name) for each in every) for name in names},
     )
 
 

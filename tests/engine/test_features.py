@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinetix.engine import Capacity, Control, Features, SceneSpec, default_parameters, step
+from kinetix.engine.fitting import fitted, narrow, widen
 from kinetix.engine.pairs import pair_counts, pushing_candidates
 from kinetix.engine.solvers import SOLVERS
 from kinetix.level.compile import compile_level, features_of
@@ -66,3 +67,27 @@ def test_a_scene_without_pairs_has_no_room_for_contacts():
     capacity = Capacity(polygons=5, circles=1, joints=0, thrusters=0)
     room = SOLVER.slots_for(SceneSpec(capacity=capacity, features=Features(pairs=())))
     assert room.points == 0
+
+
+def test_a_fitted_scene_has_the_used_slots_alone_and_gives_all_of_them_back():
+    level = scenes.motor_wheel(3.0)
+    capacity = Capacity(polygons=9, circles=4, joints=5, thrusters=2)
+    spec = SceneSpec(capacity=capacity, features=features_of(level, capacity=capacity))
+    scene = compile_level(level, spec=spec, solver=SOLVER)
+    small = fitted(spec)
+    assert small.capacity.bodies == 4 + len(level.bodies)
+    assert small.capacity.joints == len(level.joints)
+    assert len(small.features.pairs) == len(spec.features.pairs)
+    control = Control(motor=jnp.arange(5.0), thruster=jnp.zeros(2))
+    world, state, narrowed = narrow(scene.world, scene.state, control, spec)
+    own = compile_level(level, spec=small, solver=SOLVER)
+    for found, expected in zip(
+        jax.tree.leaves((world, state)), jax.tree.leaves((own.world, own.state)), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)
+    assert narrowed.motor.shape == (len(level.joints),)
+    moved = dataclasses.replace(state, rotation=state.rotation + 1)
+    wide = widen(scene.state, moved, spec)
+    kept = np.isin(np.arange(capacity.bodies), spec.features.used.bodies)
+    np.testing.assert_array_equal(wide.rotation - scene.state.rotation, kept)
+    assert wide.touching.shape == scene.state.touching.shape

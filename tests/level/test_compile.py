@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 
 from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.spec import Capacity, Features, SceneSpec
+from kinetix.engine.spec import Capacity, Features, SceneSpec, Used
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, load_document, load_level, loads
 from kinetix.level.compile import (
@@ -329,6 +329,7 @@ def unkeyed(tree):
 def test_features_say_exactly_what_a_level_uses():
     assert features_of(LAMP) == Features(
         pairs=features_of(LAMP).pairs,
+        used=features_of(LAMP).used,
         restitution=True,
         triangles=True,
         limits=True,
@@ -338,13 +339,24 @@ def test_features_say_exactly_what_a_level_uses():
     )
     empty = features_of(Level(name="x"))
     assert empty == Features(
-        pairs=(), restitution=False, triangles=False, limits=False, welds=False, motors=False,
+        pairs=(), used=Used(bodies=(0, 1, 2, 3), joints=(), thrusters=()),
+        restitution=False, triangles=False, limits=False, welds=False, motors=False,
         thrusters=False,
     )  # fmt: skip
     weld = LAMP.replace(joints=(LAMP.joints[0].replace(kind="fixed"),))
     assert features_of(weld).welds
     assert not features_of(weld).motors
     assert not features_of(weld).limits
+
+
+def test_used_slots_are_those_that_a_world_fills():
+    world = compiled(LAMP, "m").world
+    used = features_of(world).used
+    arena = (0, 1, 2, 3)
+    assert used.bodies == arena + tuple(np.flatnonzero(world.bodies.active)[4:])
+    assert len(used.bodies) == 4 + len(LAMP.bodies) < SIZES["m"].bodies
+    assert len(used.joints) == len(LAMP.joints)
+    assert len(used.thrusters) == len(LAMP.thrusters)
 
 
 def brute_force_pairs(scene):
@@ -383,7 +395,9 @@ def test_features_of_several_levels_cover_each():
     assert list(both.pairs) == [pair for pair in order if pair in both.pairs]
     assert both.triangles
     assert both.limits
+    assert set(both.used.bodies) == {*one.used.bodies, *other.used.bodies}
     assert features_union([one, Features()], capacity).pairs is None
+    assert features_union([one, Features()], capacity).used is None
 
 
 # --- sizes

@@ -25,11 +25,18 @@ class InUse:
     limits: Int[Array, ""]
     slots: int = static()
     """Contact slots: their normal rows come first, then their tangent rows, then the limits."""
+    rows: int = static()
+    """Of all slots."""
 
     @staticmethod
     def of(points: Bool[Array, "c n"], limits: Bool[Array, "l n"]) -> "InUse":
         """Up to the last slot that any world uses."""
-        return InUse(points=_last_used(points), limits=_last_used(limits), slots=points.shape[0])
+        return InUse(
+            points=_last_used(points),
+            limits=_last_used(limits),
+            slots=points.shape[0],
+            rows=2 * points.shape[0] + limits.shape[0],
+        )
 
     def each(self, visit: Callable[[Int[Array, ""], T], T], start: T) -> T:
         """Visit the rows in use: both rows of every point, then the limits."""
@@ -39,14 +46,15 @@ class InUse:
             of_limit = visited - 2 * self.points + 2 * self.slots
             return visit(jnp.where(visited < 2 * self.points, of_point, of_limit), carry)
 
+        # Not even the shape of a visit can be told where there are no rows.
+        if self.rows == 0:
+            return start
         return jax.lax.fori_loop(0, 2 * self.points + self.limits, one, start)
 
     def product(
         self, matrix: Float[Array, "m m n"], vector: Float[Array, "m n"]
     ) -> Float[Array, "m n"]:
         """A symmetric matrix times a vector that is 0 in rows that are not in use."""
-        if matrix.shape[0] == 0:
-            return vector
 
         def add(k: Int[Array, ""], total: Float[Array, "m n"]) -> Float[Array, "m n"]:
             return total + row(matrix, k)[0] * row(vector, k)

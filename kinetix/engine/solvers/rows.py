@@ -161,8 +161,8 @@ def _of_links(groups: tuple[tuple[int, int], ...], of_rows: T) -> T:
     def add(x: Float[Array, "m n"]) -> Float[Array, "k n"]:
         parts, start = [], 0
         for links, each in groups:
-            starts = range(start, start + links * each, max(links, 1))
-            parts.append(functools.reduce(jnp.add, [x[at : at + links] for at in starts][:each]))
+            starts = [start + links * number for number in range(each)]
+            parts.append(functools.reduce(jnp.add, [x[at : at + links] for at in starts]))
             start += links * each
         return jnp.concatenate(parts, axis=0)
 

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.pairs import candidate_pairs
+from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, Joints, State, Thrusters, World
 from kinetix.environment.generators.blocks import JointRows, ThrusterRows
@@ -103,7 +104,7 @@ def states(draft: Draft, engine: PhysicsEngine, inertia_model: InertiaModel) -> 
     pairs = candidate_pairs(capacity).shape[0]
     cache = jax.tree.map(
         lambda leaf: jnp.zeros((worlds, *np.shape(leaf)), np.asarray(leaf).dtype),
-        engine.solver.empty_cache(engine.spec),
+        empty_cache(engine.spec, engine.solver),
     )
     physics = State(
         position=_worlds_first(jnp.clip(figures.position, -FARTHEST, FARTHEST)),
