@@ -113,9 +113,9 @@ def static_params(capacity: Capacity, physics: str) -> StaticEnvParams:
 
 
 def tailored_params(level: Level, physics: str) -> StaticEnvParams:
-    """The static parameters of one level: its size, and of that only what it can ever do.
+    """The static parameters of one level: its size, and of that only what it fills and can do.
 
-    They are the key of its step: who moves a shape needs no other one, who adds a joint does.
+    They are the key of its step: who moves a shape needs no other one, who adds a part does.
 
     Raises:
         LevelError: The level does not fit its size.
