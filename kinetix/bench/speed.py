@@ -24,12 +24,11 @@ from kinetix.environment.params import (
     physics_engine,
     static_env_params_of,
 )
-from kinetix.environment.reset import level_state
+from kinetix.environment.reset import level_state, static_env_params_for_levels
 from kinetix.environment.spaces import ActionType, Dict, ObservationType
 from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document
-from kinetix.level.compile import features_of
 from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.paths import levels_dir
 
@@ -139,8 +138,7 @@ def _rates(
         parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
     )
     if settings.specialised:
-        world = level_state(files[0], static).world
-        static = dataclasses.replace(static, features=features_of(world))
+        static = static_env_params_for_levels(files, static)
     states = [level_state(file, static) for file in files]
     cycled = [states[index % len(states)] for index in range(batch)]
     state = stack_states(cycled)

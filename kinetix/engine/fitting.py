@@ -16,10 +16,13 @@ import numpy as np
 from jaxtyping import Array, Bool, Int, Shaped
 
 from kinetix.engine.pairs import candidate_pairs
+from kinetix.engine.shapes import rows
 from kinetix.engine.spec import Capacity, SceneSpec, Used
 from kinetix.engine.types import Bodies, Control, State, World
 
 T = TypeVar("T")
+
+_MOVING = ("position", "rotation", "velocity", "angular_velocity")
 
 
 @functools.cache
@@ -93,9 +96,6 @@ def widen(before: State, after: State, spec: SceneSpec) -> State:
     return dataclasses.replace(after, **moved, touching=touching)
 
 
-_MOVING = ("position", "rotation", "velocity", "angular_velocity")
-
-
 def _narrow_bodies(bodies: Bodies, spec: SceneSpec) -> Bodies:
     used, polygons = _used(spec), spec.capacity.polygons
     of_polygons = [body for body in used.bodies if body < polygons]
@@ -119,7 +119,7 @@ def _of(tree: T, slots: Sequence[int] | Int[np.ndarray, " k"]) -> T:
     def pick(x: Shaped[Array, "rows ..."]) -> Shaped[Array, "k ..."]:
         if len(index) == len(x) and (index == np.arange(len(x))).all():
             return x
-        return jnp.asarray(x).at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)
+        return rows(jnp.asarray(x), index)
 
     return jax.tree.map(pick, tree)
 

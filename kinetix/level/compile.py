@@ -372,7 +372,9 @@ def features_union(features: Iterable[Features], capacity: Capacity) -> Features
         pairs = tuple(pair for pair in ordered if pair in wanted)
     filled = [each.used for each in every]
     used = None if None in filled else functools.reduce(Used.union, filter(None, filled))
-    names = [field.name for field in dataclasses.fields(Features) if field.type is bool]
+    names = [
+        field.name for field in dataclasses.fields(Features) if field.name not in ("pairs", "used")
+    ]
     return Features(
         pairs=pairs,
         used=used,

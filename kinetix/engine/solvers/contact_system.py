@@ -4,7 +4,6 @@ Only rows that a world of the tile uses are computed: a scene of size l has room
 mostly meets four.
 """
 
-import dataclasses
 from typing import Any
 
 import jax
@@ -30,6 +29,7 @@ from kinetix.engine.solvers.rows import (
     make_rows,
     matmul,
     matvec,
+    one_row,
     through_points,
     turning,
 )
@@ -100,7 +100,7 @@ def contact_system(
     own = store(jnp.where(live, own, 1))
 
     def fill(k: Int[Array, ""], matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-        line = coupling(_one(rows, k), rows)
+        line = coupling(one_row(rows, k), rows)
         if joints.live.shape[0] > 0:
             line -= matmul(row(answer, k), across)
         line = jnp.where(row(live, k)[None] & live[None], line, 0)
@@ -140,7 +140,7 @@ def _through_joints(
 
     def visit(k: Int[Array, ""], carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         across, answer, held = carry
-        pull = store(jnp.where(joints.live, coupling(joints.rows, _one(rows, k))[:, 0], 0))
+        pull = store(jnp.where(joints.live, coupling(joints.rows, one_row(rows, k))[:, 0], 0))
         given = matvec(joints.solve, pull)
         return (
             put(across, pull[:, None], k, 1),
@@ -149,14 +149,6 @@ def _through_joints(
         )
 
     return in_use.each(visit, carry)
-
-
-def _one(rows: Rows, k: Int[Array, ""]) -> Rows:
-    """One of the rows."""
-    one = jax.tree.map(lambda x: row(x, k), dataclasses.replace(rows, links=None))
-    return dataclasses.replace(
-        one, links=Links(body_a=one.body_a, body_b=one.body_b), groups=((1, 1),)
-    )
 
 
 def _contrast(rows: Rows, used: Bool[Array, "c n"]) -> Float[Array, " n"]:

@@ -135,11 +135,20 @@ def first_of_links(rows: Rows) -> Rows:
     def keep(x: Shaped[Array, "m n"]) -> Shaped[Array, "k n"]:
         return jnp.concatenate([x[part] for part in kept], axis=0)
 
-    return dataclasses.replace(
-        jax.tree.map(keep, dataclasses.replace(rows, links=None)),
-        links=rows.links,
-        groups=tuple((links, 1) for links, _ in rows.groups),
-    )
+    return _picked(rows, keep, rows.links, tuple((links, 1) for links, _ in rows.groups))
+
+
+def one_row(rows: Rows, index: Int[Array, ""]) -> Rows:
+    """One of the rows, with a link of its own."""
+    links = Links(body_a=row(rows.body_a, index), body_b=row(rows.body_b, index))
+    return _picked(rows, lambda x: row(x, index), links, ((1, 1),))
+
+
+def _picked(
+    rows: Rows, pick: Callable[[Array], Array], links: Links, groups: tuple[tuple[int, int], ...]
+) -> Rows:
+    columns = jax.tree.map(pick, dataclasses.replace(rows, links=None))
+    return dataclasses.replace(columns, links=links, groups=groups)
 
 
 def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:

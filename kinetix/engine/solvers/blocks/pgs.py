@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from kinetix.engine.lookup import row
+from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
 from kinetix.engine.solvers.in_use import InUse
@@ -66,11 +66,6 @@ class Pgs(AbstractBlock):
         def at(values: Float[Array, "k n"], index: Int[Array, ""]) -> Float[Array, " n"]:
             return row(values, index)[0]
 
-        def put(values: Array, new: Array, index: Int[Array, ""]) -> Array:
-            return jax.lax.dynamic_update_index_in_dim(
-                values, new, index, 0, allow_negative_indices=False
-            )
-
         def point(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
             normal, tangent = at(impulse, k), at(impulse, count + k)
@@ -87,7 +82,7 @@ class Pgs(AbstractBlock):
                 (turned, pushed, turned - tangent, pushed - normal)
             )
             speed += at(matrix, count + k) * by_tangent + at(matrix, k) * by_normal
-            return put(put(impulse, turned, count + k), pushed, k), speed
+            return put(put(impulse, turned[None], count + k, 0), pushed[None], k, 0), speed
 
         def limit(k: Int[Array, ""], carry: tuple) -> tuple:
             impulse, speed = carry
@@ -96,7 +91,7 @@ class Pgs(AbstractBlock):
             new = jnp.maximum(old - at(speed, index) * at(mobility, index), 0)
             new = jnp.where(at(cone.limited, k), new, 0)
             new, change = store((new, new - old))
-            return put(impulse, new, index), speed + at(matrix, index) * change
+            return put(impulse, new[None], index, 0), speed + at(matrix, index) * change
 
         in_use = InUse.of(cone.closed, cone.limited)
 
