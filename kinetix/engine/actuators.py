@@ -6,6 +6,7 @@ from jaxtyping import Array, Bool, Float
 from kinetix.engine.lookup import onto, take, take_pair
 from kinetix.engine.maths import Vec, cross, nonzero, rotate, vec
 from kinetix.engine.types import Control, Parameters, State, World
+from kinetix.pytree import pytree
 
 
 def joint_angle(world: World, state: State) -> Float[Array, "j n"]:
@@ -38,8 +39,25 @@ def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
     return acts & active_a & active_b & (mass_a + mass_b > 0)
 
 
+@pytree
+class Motors:
+    """What the law of the motors needs, poses and velocities aside."""
+
+    runs: Bool[Array, "j n"]
+    inverse_inertia: Float[Array, "j n"]
+    """Of both bodies together [1/(kg m²)]."""
+
+
+def motors(world: World, action: Float[Array, "j n"]) -> Motors:
+    """The motors under a control of −1 … 1."""
+    joints = world.joints
+    inertia_a, inertia_b = take_pair(world.bodies.inverse_inertia, joints.body_a, joints.body_b)
+    return Motors(runs=motor_runs(world, action), inverse_inertia=inertia_a + inertia_b)
+
+
 def motor_row(
     world: World,
+    motors: Motors,
     angle: Float[Array, "j n"],
     spin: Float[Array, "j n"],
     action: Float[Array, "j n"],
@@ -54,6 +72,7 @@ def motor_row(
 
     Args:
         world: The worlds.
+        motors: Theirs.
         angle: Of the joints, from their reference angle [rad].
         spin: Speed of body b relative to a [rad/s].
         action: −1 … 1.
@@ -63,20 +82,19 @@ def motor_row(
     Returns:
         Speed [rad/s], and speed error left per unit of impulse [rad/s / (N m s)].
     """
-    joints, bodies = world.joints, world.bodies
+    joints = world.joints
     target = parameters.base_motor_speed * joints.motor_speed * action
-    inertia_a, inertia_b = take_pair(bodies.inverse_inertia, joints.body_a, joints.body_b)
     strength = (
         parameters.base_motor_power
         * joints.motor_power
         * motor_fade(world, angle, action, parameters)
-        / nonzero(inertia_a + inertia_b)
+        / nonzero(motors.inverse_inertia)
     )
     k = parameters.motor_decay_coefficient
     # tanh(x)/x is 1 to rounding below 1e-4, where dividing would lose digits.
     x = jnp.maximum(k * jnp.abs(spin - target), 1e-4)
     slope = duration * strength * k * jnp.tanh(x) / x
-    runs = motor_runs(world, action) & (slope > 0)
+    runs = motors.runs & (slope > 0)
     return jnp.where(runs, target, 0), jnp.where(runs, 1 / nonzero(slope), 0)
 
 

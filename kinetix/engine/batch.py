@@ -50,7 +50,7 @@ def worlds_last(
         leaves, structure = jax.tree.flatten(wide)
         program = _Program(kernel=kernel, effort=effort, like=like, structure=structure)
         results = _RUN.bind(*leaves, program=program)
-        shapes = program.shapes(wide)
+        shapes = program.shapes(leaves)
         return jax.tree.unflatten(jax.tree.structure(shapes), [x[..., 0] for x in results])
 
     return one
@@ -66,13 +66,20 @@ class _Program:
     structure: Any
     """Of the arguments."""
 
-    def shapes(self, arguments: tuple[Tree, ...]) -> Tree:
+    def arguments(self, leaves: Sequence[Any]) -> tuple[Tree, ...]:
+        """The kernel's arguments, with what worlds share repeated for each."""
+        worlds = _count(leaves)
+        wide = [jnp.broadcast_to(x, (*x.shape[:-1], worlds)) for x in leaves]
+        return jax.tree.unflatten(self.structure, wide)
+
+    def shapes(self, leaves: Sequence[Any]) -> Tree:
         """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
-        return jax.eval_shape(self.like or self.kernel, *arguments)
+        run = self.like or self.kernel
+        return jax.eval_shape(lambda *leaves: run(*self.arguments(leaves)), *leaves)
 
     def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
-        """The same, from the arrays of the arguments and as a list."""
-        return jax.tree.leaves(self.shapes(jax.tree.unflatten(self.structure, leaves)))
+        """The same as a list."""
+        return jax.tree.leaves(self.shapes(leaves))
 
 
 _RUN: Final = Primitive("worlds")
@@ -93,7 +100,7 @@ def _compiled(program: _Program) -> Callable[..., list[Array]]:
 
     @jax.jit
     def worlds(*leaves: Array) -> list[Array]:
-        done = _by_tiles(program, jax.tree.unflatten(program.structure, leaves))
+        done = _by_tiles(program, leaves)
         shapes = program.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 
@@ -109,19 +116,25 @@ def _batched(
     leaves: Sequence[Array], axes: Sequence[int | None], *, program: _Program
 ) -> tuple[list[Array], list[int]]:
     """Another axis of worlds is merged into the last one."""
-    sizes = [x.shape[axis] for x, axis in zip(leaves, axes, strict=True) if axis is not None]
-    merged = [_merge(x, axis, sizes[0]) for x, axis in zip(leaves, axes, strict=True)]
-    results = [_split(x, sizes[0]) for x in _RUN.bind(*merged, program=program)]
+    size = next(x.shape[axis] for x, axis in zip(leaves, axes, strict=True) if axis is not None)
+    moved = [
+        x if axis is None else jnp.moveaxis(x, axis, -2)
+        for x, axis in zip(leaves, axes, strict=True)
+    ]
+    sizes = size, _count(moved)
+    merged = [
+        _merge(x[..., None, :] if axis is None else x, sizes)
+        for x, axis in zip(moved, axes, strict=True)
+    ]
+    results = [_split(x, size) for x in _RUN.bind(*merged, program=program)]
     return results, [x.ndim - 2 for x in results]
 
 
-def _merge(x: Array, axis: int | None, size: int) -> Array:
-    """(…, m, …, n) or (…, n) to (…, m·n)."""
-    if axis is None:
-        split = jnp.broadcast_to(x[..., None, :], (*x.shape[:-1], size, x.shape[-1]))
-    else:
-        split = jnp.moveaxis(x, axis, -2)
-    return split.reshape(*split.shape[:-2], split.shape[-2] * split.shape[-1])
+def _merge(x: Array, sizes: tuple[int, int]) -> Array:
+    """(…, m, n) to (…, m·n), or what all worlds share from (…, 1, 1) to (…, 1)."""
+    if x.shape[-2:] == (1, 1):
+        return x[..., 0]
+    return jnp.broadcast_to(x, (*x.shape[:-2], *sizes)).reshape(*x.shape[:-2], math.prod(sizes))
 
 
 def _split(x: Array, size: int) -> Array:
@@ -133,35 +146,49 @@ batching.primitive_batchers[_RUN] = _batched
 mlir.register_lowering(_RUN, mlir.lower_fun(_run, multiple_results=True))
 
 
-def _by_tiles(program: _Program, arguments: tuple[Tree, ...]) -> Tree:
+def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
     """Run the kernel on `TILE` worlds at a time, one tile after the other."""
-    worlds = jax.tree.leaves(arguments)[0].shape[-1]
+    worlds = _count(leaves)
     if worlds <= TILE:
-        return program.kernel(*arguments)
+        return program.kernel(*program.arguments(leaves))
     tiles = -(-worlds // TILE)
     # Whole worlds are repeated, so that what fills the last tile is as sane as the rest.
     effort = program.effort
-    order = jnp.arange(worlds) if effort is None else jnp.argsort(effort(*arguments))
+    order = jnp.arange(worlds)
+    if effort is not None:
+        order = jnp.argsort(effort(*program.arguments(leaves)))
     order = jnp.pad(order, (0, tiles * TILE - worlds), mode="edge")
     back = jnp.zeros(worlds, order.dtype).at[order].set(jnp.arange(tiles * TILE))
+    # What all worlds share needs not be moved.
+    shared = [x.shape[-1] == 1 for x in leaves]
+    own = [x for x, is_shared in zip(leaves, shared, strict=True) if not is_shared]
 
     def advance(packed: dict[str, Array]) -> dict[str, Array]:
         turned = jax.tree.map(jnp.transpose, packed)
         floats = next(x for x in turned.values() if jnp.issubdtype(x.dtype, jnp.floating))
         turned = Store.beside(floats)(turned)
-        done = program.kernel(*_unpack(turned, arguments, 0))
+        unpacked = iter(_unpack(turned, own, 0))
+        parts = [
+            x if is_shared else next(unpacked) for x, is_shared in zip(leaves, shared, strict=True)
+        ]
+        done = program.kernel(*program.arguments(parts))
         return jax.tree.map(jnp.transpose, _pack(done, 0))
 
     def ordered(x: Shaped[Array, "k rows"], order: Int[Array, " n"]) -> Shaped[Array, "n rows"]:
         return x.at[order].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
     packed = jax.tree.map(
-        lambda x: ordered(x, order).reshape(tiles, TILE, -1), _pack(_worlds_first(arguments), 1)
+        lambda x: ordered(x, order).reshape(tiles, TILE, -1), _pack(_worlds_first(own), 1)
     )
     done = jax.lax.map(advance, packed)
     done = jax.tree.map(lambda x: ordered(x.reshape(tiles * TILE, -1), back), done)
-    like = jax.eval_shape(_worlds_first, program.shapes(arguments))
+    like = jax.eval_shape(_worlds_first, program.shapes(leaves))
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), _unpack(done, like, 1))
+
+
+def _count(leaves: Sequence[Any]) -> int:
+    """How many worlds there are; arrays with just one stand for all of them."""
+    return max(x.shape[-1] for x in leaves)
 
 
 def _worlds_first(tree: Tree) -> Tree:

@@ -108,7 +108,7 @@ def find_contacts(
         near = store(pushes & (separation <= scene.margin[pairs]))
         index, valid, full = store(compact(rows(near, listed), room))
         overflow |= full
-        kinds.append(store(maker(jnp.asarray(listed, jnp.int32)[index], valid, faces)))
+        kinds += store(maker(jnp.asarray(listed, jnp.int32)[index], valid, faces))
     if not kinds:
         return Found(
             points=_no_points(state.rotation),
@@ -341,7 +341,7 @@ class _Scene:
         index: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
         faces: Int[Array, "q n"],
-    ) -> Points:
+    ) -> list[Points]:
         """One point for two circles; the normal is that of the moment when they will touch."""
         del faces
         a, b, pair = self._bodies(2, index)
@@ -350,7 +350,7 @@ class _Scene:
         radius_a, radius_b = self._radius(a), self._radius(b)
         normal, gap = self._round_contact(apart, a, b, radius_a + radius_b)
         arms = normal * radius_a, normal * -radius_b
-        return self._points(a, b, normal, arms, gap, pair * FEATURES, valid)
+        return [self._points(a, b, normal, arms, gap, pair * FEATURES, valid)]
 
     def _round_contact(
         self, apart: Vec, a: Int[Array, "k n"], b: Int[Array, "k n"], radius: Float[Array, "k n"]
@@ -378,7 +378,7 @@ class _Scene:
         index: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
         edges: Int[Array, "q n"],
-    ) -> Points:
+    ) -> list[Points]:
         """One point: on the nearest face, or at the nearest corner."""
         a, b, pair = self._bodies(1, index)
         edge = take(edges, index)
@@ -397,14 +397,14 @@ class _Scene:
         arms = normal * radius, maths.where(at_corner, corner, on_face)
         corner_count = self.polygons.offsets.shape[1]
         feature = jnp.where(at_corner, (edge + at_end) % corner_count, edge)
-        return self._points(a, b, normal, arms, gap, pair * FEATURES + feature, valid)
+        return [self._points(a, b, normal, arms, gap, pair * FEATURES + feature, valid)]
 
     def polygon_points(
         self,
         index: Int[Array, "k n"],
         valid: Bool[Array, "k n"],
         faces: Int[Array, "q n"],
-    ) -> Points:
+    ) -> list[Points]:
         """Two clipped points on the reference face, or one where two corners are nearest."""
         a, b, pair = self._bodies(0, index)
         face = take(faces, index)
@@ -461,7 +461,7 @@ class _Scene:
             key(own_corner[1], other_corner[0]),
             valid & survives & ~use_corner & (gap_high <= margin),
         )
-        return jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), first_point, second_point)
+        return [first_point, second_point]
 
 
 def _edge_ends(corners: Vec, normals: Vec, edge: Int[Array, "k n"]) -> tuple[Vec, Vec, Vec]:

@@ -54,8 +54,8 @@ def _stepper(spec: SceneSpec, solver: AbstractSolver) -> Callable[..., State]:
     def effort(
         world: World, state: State, control: Control, parameters: Parameters
     ) -> Int[Array, " n"]:
-        del world, control, parameters
-        return solver.effort(state)
+        del control, parameters
+        return solver.effort(world, state)
 
     def like(world: World, state: State, control: Control, parameters: Parameters) -> State:
         del world, control, parameters

@@ -243,7 +243,7 @@ class KinetixEnv:
     def _effort(self, state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
         """How much work the next step of each world will be."""
         del action, params
-        return self.physics_engine.solver.effort(state.physics)
+        return self.physics_engine.solver.effort(state.world, state.physics)
 
     def _advance(
         self, state: EnvState, action: Any, params: EnvParams

@@ -34,6 +34,7 @@ class AbstractSolver(abc.ABC):
             (or were hit in it), pairs that never push each other included.
         """
 
-    def effort(self, state: State) -> Int[Array, " n"]:
+    def effort(self, world: World, state: State) -> Int[Array, " n"]:
         """How much work each world will be, as far as its state tells, to group worlds by."""
+        del world
         return jnp.sum(state.touching, axis=0, dtype=jnp.int32)

@@ -4,16 +4,17 @@ Only rows that a world of the tile uses are computed: a scene of size l has room
 mostly meets four.
 """
 
+import dataclasses
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
 from kinetix.engine.collide import Found
-from kinetix.engine.lookup import put, row, take_pair
+from kinetix.engine.joints import nearer_limit
+from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock
 from kinetix.engine.solvers.in_use import InUse
@@ -25,10 +26,7 @@ from kinetix.engine.solvers.rows import (
     coupling,
     diagonal,
     first_of_links,
-    inner,
     make_rows,
-    matmul,
-    matvec,
     one_row,
     through_points,
     turning,
@@ -73,23 +71,24 @@ def contact_system(
     points, bodies = found.points, step.world.bodies
     normal = points.normal
     tangent = Vec(x=normal.y, y=-normal.x)
-    a, b = points.body_a, points.body_b
-    limited, limits, limit_live, limit_gap = _limit_directions(step, state)
-    rows = make_rows(
-        step.masses,
-        store,
-        (
-            Links(body_a=a, body_b=b),
-            [through_points(way, points.arm_a, points.arm_b) for way in (normal, tangent)],
-        ),
-        (limited, [limits]),
-    )
     used = points.key >= 0
-    in_use = InUse.of(used, limit_live)
+    touching = Links(body_a=points.body_a, body_b=points.body_b, in_use=InUse.of((used, 2)))
+    limited, limits, limit_live, limit_gap = _limit_directions(step, state)
+    links = Links.joined(touching, limited)
+    in_use = links.in_use
+    rows = make_rows(
+        links,
+        links.look_up(step.masses),
+        [
+            *(through_points(way, points.arm_a, points.arm_b) for way in (normal, tangent)),
+            limits,
+        ],
+        store,
+    )
     live = jnp.concatenate([used, used, limit_live], axis=0)
     mobility = store(diagonal(rows))
-    across, answer, held = _through_joints(rows, joints, in_use, store)
-    own = mobility - held
+    across, answer, answered = _through_joints(rows, joints, store)
+    own = mobility + answered
     live = store(live & (own > constants.LEAST_PIVOT * mobility))
     # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
     deep = jnp.concatenate(
@@ -101,8 +100,7 @@ def contact_system(
 
     def fill(k: Int[Array, ""], matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
         line = coupling(one_row(rows, k), rows)
-        if joints.live.shape[0] > 0:
-            line -= matmul(row(answer, k), across)
+        line += _answered(joints, row(answer, k)[0], across)
         line = jnp.where(row(live, k)[None] & live[None], line, 0)
         here = (np.arange(live.shape[0]) == k)[None, :, None]
         return put(matrix, store(jnp.where(here, own[None], line)), k, 0)
@@ -110,8 +108,8 @@ def contact_system(
     eye = np.eye(live.shape[0], dtype=np.float32)[:, :, None]
     matrix = jnp.broadcast_to(eye, (*eye.shape[:2], own.shape[-1])).astype(own.dtype)
     matrix = in_use.each(fill, matrix)
-    (friction_a, restitution_a), (friction_b, restitution_b) = take_pair(
-        (bodies.friction, bodies.restitution), a, b
+    (friction_a, restitution_a), (friction_b, restitution_b) = touching.look_up(
+        (bodies.friction, bodies.restitution)
     )
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
     system = ContactSystem(
@@ -128,27 +126,39 @@ def contact_system(
 
 
 def _through_joints(
-    rows: Rows, joints: JointSystem, in_use: InUse, store: Store
+    rows: Rows, joints: JointSystem, store: Store
 ) -> tuple[Float[Array, "k m n"], Float[Array, "m k n"], Float[Array, "m n"]]:
-    """What the rows do to the joints, what the joints answer, and what that takes of their own."""
+    """What the rows do to the joints, what the joints answer, and what that does to each row."""
     count, joint_rows = rows.turn_a.shape[0], joints.live.shape[0]
     worlds = rows.turn_a.shape[-1]
     nothing = jnp.zeros((joint_rows, count, worlds), rows.turn_a.dtype)
     carry = nothing, jnp.swapaxes(nothing, 0, 1), jnp.zeros_like(rows.turn_a)
     if joint_rows == 0:
         return carry
+    answering = joints.rows.links.in_use
 
     def visit(k: Int[Array, ""], carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        across, answer, held = carry
+        across, answer, answered = carry
         pull = store(jnp.where(joints.live, coupling(joints.rows, one_row(rows, k))[:, 0], 0))
-        given = matvec(joints.solve, pull)
+        given = store(jnp.where(joints.live, answering.product(joints.answers, pull), 0))
         return (
             put(across, pull[:, None], k, 1),
             put(answer, given[None], k, 0),
-            put(held, inner(pull, given)[None], k, 0),
+            put(answered, answering.inner(pull, given)[None], k, 0),
         )
 
-    return in_use.each(visit, carry)
+    return rows.links.in_use.each(visit, carry)
+
+
+def _answered(
+    joints: JointSystem, answer: Float[Array, "k n"], across: Float[Array, "k m n"]
+) -> Float[Array, "m n"]:
+    """What the joints' answer to one row does to all rows."""
+
+    def add(j: Int[Array, ""], total: Float[Array, "m n"]) -> Float[Array, "m n"]:
+        return total + row(answer, j) * row(across, j)[0]
+
+    return joints.rows.links.in_use.each(add, jnp.zeros(across.shape[1:], across.dtype))
 
 
 def _contrast(rows: Rows, used: Bool[Array, "c n"]) -> Float[Array, " n"]:
@@ -166,19 +176,18 @@ def _limit_directions(
 
     No row at all in a scene without limits.
     """
-    world = step.world
-    joints = world.joints
+    world, held = step.world, step.held
+    joints, of_rows = world.joints, held.rows
+    nothing = jnp.zeros_like(joints.reference_angle[:0])
     if not step.features.limits:
-        joints = jax.tree.map(lambda x: x[:0], joints)
-    a, b = joints.body_a, joints.body_b
-    (angle_a, active_a, inertia_a), (angle_b, active_b, inertia_b) = take_pair(
-        (state.rotation, world.bodies.active, step.masses.angular), a, b
-    )
-    angle = angle_b - angle_a - joints.reference_angle
-    least = jnp.minimum(joints.limit_min, joints.limit_max)
-    most = jnp.maximum(joints.limit_min, joints.limit_max)
-    from_least, from_most = angle - least, most - angle
-    sign = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
-    acts = joints.active & joints.limited & ~joints.fixed & (a != b) & active_a & active_b
-    acts &= inertia_a + inertia_b > 0
-    return Links(body_a=a, body_b=b), turning(sign), acts, jnp.minimum(from_least, from_most)
+        nobody = nothing.astype(jnp.int32)
+        none = nothing.astype(bool)
+        links = Links(body_a=nobody, body_b=nobody, in_use=InUse.of((none, 1)))
+        return links, turning(nothing), none, nothing
+    angle_a, angle_b = held.links.look_up(state.rotation)
+    side, left = nearer_limit(world, angle_b - angle_a - joints.reference_angle)
+    count = side.shape[0]
+    acts = held.acts & joints.limited & ~joints.fixed
+    acts &= of_rows.inertia_a[:count] + of_rows.inertia_b[:count] > 0
+    links = dataclasses.replace(held.links, in_use=InUse.of((acts, 1)))
+    return links, turning(side), acts, left

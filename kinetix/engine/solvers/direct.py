@@ -20,7 +20,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
-from kinetix.engine.lookup import marked, onto, take, take_pair
+from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
@@ -29,12 +29,14 @@ from kinetix.engine.solvers.joint_system import (
     JointSystem,
     Step,
     curvature,
+    held,
+    joint_links,
     joint_system,
     project,
     settle,
 )
 from kinetix.engine.solvers.room import usual_room
-from kinetix.engine.solvers.rows import Masses, Velocity, apply, match, speeds
+from kinetix.engine.solvers.rows import Links, Masses, Velocity, apply, match, speeds
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
@@ -118,9 +120,11 @@ class Direct(AbstractSolver):
             joint_force_y=zeros(joints),
         )
 
-    def effort(self, state: State) -> Int[Array, " n"]:
-        """The contact points of the last step: as many are visited in every sweep."""
-        return jnp.sum(state.cache.key >= 0, axis=0, dtype=jnp.int32)
+    def effort(self, world: World, state: State) -> Int[Array, " n"]:
+        """The joints, and among as many joints the contact points of the last step."""
+        points = jnp.sum(state.cache.key >= 0, axis=0, dtype=jnp.int32)
+        joints = jnp.sum(world.joints.active, axis=0, dtype=jnp.int32)
+        return joints * (state.cache.key.shape[0] + 1) + points
 
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
@@ -129,14 +133,15 @@ class Direct(AbstractSolver):
         control = jax.tree.map(jnp.nan_to_num, control)
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
-        masses, loose = store(_effective_masses(world, state, h))
+        links = joint_links(world, spec.features)
+        masses, loose = store(_effective_masses(world, state, links, h))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
             control=control,
             parameters=parameters,
             masses=masses,
-            loose=loose,
+            held=held(world, control, links, masses, loose, store),
             store=store,
             features=spec.features,
         )
@@ -307,7 +312,7 @@ class Direct(AbstractSolver):
 
 
 def _effective_masses(
-    world: World, state: State, h: Float[Array, " n"]
+    world: World, state: State, links: Links, h: Float[Array, " n"]
 ) -> tuple[Masses, Float[Array, "j n"]]:
     """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
 
@@ -320,15 +325,15 @@ def _effective_masses(
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
     stiffness = jnp.zeros_like(inverse_inertia)
-    for body, anchor, sign in (
-        (joints.body_a, joints.anchor_a, -1),
-        (joints.body_b, joints.anchor_b, 1),
+    angle_a, angle_b = links.look_up(state.rotation)
+    for body, angle, anchor, sign in (
+        (joints.body_a, angle_a, joints.anchor_a, -1),
+        (joints.body_b, angle_b, joints.anchor_b, 1),
     ):
-        angle = take(state.rotation, body)
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         stiffness += sign * onto(dot(arm, force), body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    fastest = jnp.maximum(*take_pair(swing, joints.body_a, joints.body_b))
+    fastest = jnp.maximum(*links.look_up(swing))
     masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
     return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
 

@@ -1,9 +1,11 @@
-"""Loops over the rows that a tile of worlds uses, so that the others cost nothing.
+"""Loops over what a tile of worlds uses, so that the rest costs nothing.
 
-Worlds are on the last axis.
+A scene of size l has room for 20 contact points and 6 joints; most of its worlds use four of the
+one and two of the other. Worlds are on the last axis.
 """
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import jax
@@ -19,37 +21,69 @@ T = TypeVar("T")
 
 @pytree
 class InUse:
-    """How many contact points and joint limits any of the worlds uses: always the first ones."""
+    """How many links (pairs of bodies) of each group any of the worlds uses: always the first ones.
 
-    points: Int[Array, ""]
-    limits: Int[Array, ""]
-    slots: int = static()
-    """Contact slots: their normal rows come first, then their tangent rows, then the limits."""
-    rows: int = static()
-    """Of all slots."""
+    Links have one or several rows: first rows of all links of the first group, then their second
+    rows …, then the next group.
+    """
+
+    counts: tuple[Int[Array, ""], ...]
+    groups: tuple[tuple[int, int], ...] = static()
+    """Of links that have as many rows each, as (links, rows of each)."""
 
     @staticmethod
-    def of(points: Bool[Array, "c n"], limits: Bool[Array, "l n"]) -> "InUse":
-        """Up to the last slot that any world uses."""
+    def of(*groups: tuple[Bool[Array, "k n"], int]) -> "InUse":
+        """Up to the last link of each group that any world uses.
+
+        Args:
+            groups: Which links are used, and how many rows each link of the group has.
+        """
         return InUse(
-            points=_last_used(points),
-            limits=_last_used(limits),
-            slots=points.shape[0],
-            rows=2 * points.shape[0] + limits.shape[0],
+            counts=tuple(_last_used(used) for used, _ in groups),
+            groups=tuple((used.shape[0], rows) for used, rows in groups),
         )
 
+    @property
+    def links(self) -> int:
+        """How many there are, used or not."""
+        return sum(links for links, _ in self.groups)
+
+    @property
+    def rows(self) -> int:
+        """How many there are, used or not."""
+        return sum(links * rows for links, rows in self.groups)
+
+    def one_row_each(self) -> "InUse":
+        """The same links with a row each."""
+        return InUse(counts=self.counts, groups=tuple((links, 1) for links, _ in self.groups))
+
     def each(self, visit: Callable[[Int[Array, ""], T], T], start: T) -> T:
-        """Visit the rows in use: both rows of every point, then the limits."""
+        """Visit the rows in use, in their order."""
+        blocks = [
+            (count, first + number * links)
+            for count, (links, rows), first in zip(
+                self.counts, self.groups, self._first_rows(), strict=True
+            )
+            for number in range(rows)
+        ]
+        return _visited(blocks, self.rows, visit, start)
 
-        def one(visited: Int[Array, ""], carry: T) -> T:
-            of_point = visited // 2 + self.slots * (visited % 2)
-            of_limit = visited - 2 * self.points + 2 * self.slots
-            return visit(jnp.where(visited < 2 * self.points, of_point, of_limit), carry)
+    def each_link(self, visit: Callable[[Int[Array, ""], T], T], start: T) -> T:
+        """Visit the links in use, in their order."""
+        first = np.cumsum([0, *(links for links, _ in self.groups)])
+        blocks = list(zip(self.counts, first[:-1].tolist(), strict=True))
+        return _visited(blocks, self.links, visit, start)
 
-        # Not even the shape of a visit can be told where there are no rows.
-        if self.rows == 0:
-            return start
-        return jax.lax.fori_loop(0, 2 * self.points + self.limits, one, start)
+    def _first_rows(self) -> list[int]:
+        return np.cumsum([0, *(links * rows for links, rows in self.groups)])[:-1].tolist()
+
+    def inner(self, left: Float[Array, "m n"], right: Float[Array, "m n"]) -> Float[Array, " n"]:
+        """The sum of the products of vectors that are 0 in rows that are not in use."""
+
+        def add(k: Int[Array, ""], total: Float[Array, " n"]) -> Float[Array, " n"]:
+            return total + row(left, k)[0] * row(right, k)[0]
+
+        return self.each(add, jnp.zeros(left.shape[1:], left.dtype))
 
     def product(
         self, matrix: Float[Array, "m m n"], vector: Float[Array, "m n"]
@@ -60,6 +94,27 @@ class InUse:
             return total + row(matrix, k)[0] * row(vector, k)
 
         return self.each(add, jnp.zeros_like(vector))
+
+
+def _visited(
+    blocks: Sequence[tuple[Int[Array, ""], int]],
+    most: int,
+    visit: Callable[[Int[Array, ""], T], T],
+    start: T,
+) -> T:
+    """One loop through the first entries of some blocks, each given by their number and place."""
+    # Not even the shape of a visit can be told where there is nothing.
+    if most == 0:
+        return start
+    ends = list(itertools.accumulate(count for count, _ in blocks))
+
+    def one(visited: Int[Array, ""], carry: T) -> T:
+        index = visited + blocks[0][1]
+        for (_, first), before in zip(blocks[1:], ends[:-1], strict=True):
+            index = jnp.where(visited >= before, visited - before + first, index)
+        return visit(index, carry)
+
+    return jax.lax.fori_loop(0, ends[-1], one, start)
 
 
 def _last_used(mask: Bool[Array, "c n"]) -> Int[Array, ""]:

@@ -9,11 +9,14 @@ import dataclasses
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine import actuators, constants
-from kinetix.engine.lookup import take_pair
+from kinetix.engine import constants
+from kinetix.engine.actuators import Motors, motor_row, motors
+from kinetix.engine.joints import joint_acts
+from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, rotate, vec
+from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.solvers.rows import (
     Links,
     Masses,
@@ -22,9 +25,9 @@ from kinetix.engine.solvers.rows import (
     apply,
     coupling,
     diagonal,
-    inverse,
     make_rows,
-    matvec,
+    minus_inverse,
+    one_row,
     speeds,
     through_points,
     turning,
@@ -43,8 +46,8 @@ class JointSystem:
     """
 
     rows: Rows
-    solve: Float[Array, "k k n"]
-    """Inverse of the coupling of the rows among themselves."""
+    answers: Float[Array, "k k n"]
+    """Impulses that answer the rows' speeds: minus the inverse of the rows' coupling."""
     live: Bool[Array, "k n"]
     error: Float[Array, "k n"]
     """What the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
@@ -57,6 +60,25 @@ class JointSystem:
 
 
 @pytree
+class Held:
+    """The joints of a step, poses and velocities aside."""
+
+    acts: Bool[Array, "j n"]
+    rows: Rows
+    """Without the arms, which change with the pose."""
+    live: Bool[Array, "k n"]
+    """Rows that hold whatever a motor does."""
+    motors: Motors
+    loose: Float[Array, "j n"]
+    """1 for a joint whose bodies swing slowly for the substep, 0 for one under great tension."""
+
+    @property
+    def links(self) -> Links:
+        """The joints' bodies."""
+        return self.rows.links
+
+
+@pytree
 class Step:
     """What stays the same for a whole step."""
 
@@ -65,12 +87,56 @@ class Step:
     parameters: Parameters
     masses: Masses
     """Inverse masses that the solver uses."""
-    loose: Float[Array, "j n"]
-    """1 for a joint whose bodies swing slowly for the substep, 0 for one under great tension."""
+    held: Held
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
     """What the scene uses; the rest is left out."""
+
+
+def joint_links(world: World, features: Features) -> Links:
+    """The joints' bodies."""
+    joints = world.joints
+    rows = 3 if features.welds or features.motors else 2
+    in_use = InUse.of((joints.active, rows))
+    return Links(body_a=joints.body_a, body_b=joints.body_b, in_use=in_use)
+
+
+def held(
+    world: World,
+    control: Control,
+    links: Links,
+    masses: Masses,
+    loose: Float[Array, "j n"],
+    store: Store,
+) -> Held:
+    """What the joints of a step are, wherever their bodies will be.
+
+    Args:
+        world: The worlds.
+        control: What drives them.
+        links: The joints' bodies, from `joint_links`.
+        masses: Inverse masses that the solver uses.
+        loose: See `Held`.
+        store: Keeps intermediate results.
+    """
+    joints = world.joints
+    zero = jnp.zeros_like(joints.reference_angle)
+    here, along_x = Vec(x=zero, y=zero), Vec(x=zero + 1, y=zero)
+    directions = [
+        through_points(along_x, here, here),
+        through_points(Vec(x=zero, y=zero + 1), here, here),
+        turning(zero + 1),
+    ]
+    ((_, each),) = links.in_use.groups
+    acts = joint_acts(world)
+    return Held(
+        acts=acts,
+        rows=make_rows(links, links.look_up(masses), directions[:each], store),
+        live=store(jnp.concatenate([acts, acts, acts & joints.fixed][:each], axis=0)),
+        motors=store(motors(world, control.motor)),
+        loose=loose,
+    )
 
 
 def joint_system(
@@ -92,56 +158,60 @@ def joint_system(
     Returns:
         The system, ready to be solved.
     """
-    world, masses, store = step.world, step.masses, step.store
-    joints = world.joints
-    a, b = joints.body_a, joints.body_b
-    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = take_pair(
-        (position, rotation, velocity.angular), a, b
+    world, held, store = step.world, step.held, step.store
+    joints, in_use = world.joints, held.links.in_use
+    ((_, each),) = in_use.groups
+    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = held.links.look_up(
+        (position, rotation, velocity.angular)
     )
-    (mass_a, active_a), (mass_b, active_b) = take_pair((masses.linear, world.bodies.active), a, b)
     arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
     arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
     gap = place_b - place_a + arm_b - arm_a
     angle = angle_b - angle_a - joints.reference_angle
-
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
-    arm_a, arm_b, gap, angle = store((arm_a, arm_b, gap, angle))
-    has_angles = step.features.welds or step.features.motors
-    parts = [
-        through_points(Vec(x=one, y=zero), arm_a, arm_b),
-        through_points(Vec(x=zero, y=one), arm_a, arm_b),
-    ]
-    if has_angles:
-        parts.append(turning(one))
-    rows = make_rows(masses, store, (Links(body_a=a, body_b=b), parts))
-    acts = joints.active & (mass_a + mass_b > 0) & active_a & active_b & (a != b)
-    wanted, compliance = zero, zero
-    if step.features.motors:
-        wanted, compliance = store(
-            actuators.motor_row(
-                world, angle, spin_b - spin_a, step.control.motor, step.parameters, duration
-            )
-        )
-    turns = acts & (joints.fixed | (compliance > 0))
 
     def column(x: Array, y: Array, turn: Array) -> Array:
-        return jnp.concatenate([x, y, turn] if has_angles else [x, y], axis=0)
+        return jnp.concatenate([x, y, turn][:each], axis=0)
 
-    live, compliance = store((column(acts, acts, turns), column(zero, zero, compliance)))
-
-    matrix = jnp.where(live[:, None] & live[None], coupling(rows, rows), 0)
+    turn_a, turn_b = column(-arm_a.y, arm_a.x, one), column(-arm_b.y, arm_b.x, one)
+    arm_a, arm_b, gap, angle, turn_a, turn_b = store((arm_a, arm_b, gap, angle, turn_a, turn_b))
+    rows = dataclasses.replace(held.rows, turn_a=turn_a, turn_b=turn_b)
+    wanted, compliance, live = zero, zero, held.live
+    if step.features.motors:
+        wanted, compliance = motor_row(
+            world,
+            held.motors,
+            angle,
+            spin_b - spin_a,
+            step.control.motor,
+            step.parameters,
+            duration,
+        )
+        never = jnp.zeros_like(held.acts)
+        live |= column(never, never, held.acts & (compliance > 0))
+    wanted, compliance = column(zero, zero, wanted), column(zero, zero, compliance)
+    error = column(gap.x, gap.y, jnp.where(joints.fixed, angle, 0))
+    live, wanted, compliance, error = store((live, wanted, compliance, jnp.where(live, error, 0)))
     mobility = diagonal(rows)
-    own = mobility * constants.JOINT_REGULARISATION + compliance
-    eye = np.eye(live.shape[0], dtype=bool)[:, :, None]
+    yielding = mobility * constants.JOINT_REGULARISATION + compliance
+    own = store(jnp.where(live, mobility + yielding, 1))
+
+    def fill(k: Int[Array, ""], matrix: Float[Array, "k k n"]) -> Float[Array, "k k n"]:
+        line = jnp.where(row(live, k)[None] & live[None], coupling(one_row(rows, k), rows), 0)
+        here = (np.arange(live.shape[0]) == k)[None, :, None]
+        return put(matrix, store(jnp.where(here, own[None], line)), k, 0)
+
+    nothing = jnp.zeros((live.shape[0], *live.shape), own.dtype)
     return JointSystem(
         rows=rows,
-        solve=inverse(
-            matrix + jnp.where(eye, jnp.where(live, own, 1)[:, None], 0),
-            constants.LEAST_PIVOT * (mobility + compliance),
+        answers=minus_inverse(
+            in_use.each(fill, nothing),
+            store(constants.LEAST_PIVOT * (mobility + compliance)),
+            in_use,
         ),
         live=live,
-        error=store(jnp.where(live, column(gap.x, gap.y, jnp.where(joints.fixed, angle, 0)), 0)),
-        wanted=store(column(zero, zero, wanted)),
+        error=error,
+        wanted=wanted,
         compliance=compliance,
         arm_a=arm_a,
         arm_b=arm_b,
@@ -171,7 +241,8 @@ def project(
         return velocity, impulse
     residual = speeds(system.rows, velocity) - system.wanted + bias + system.compliance * impulse
     residual = jnp.where(system.live, residual, 0)
-    gained = jnp.where(system.live, -matvec(system.solve, residual), 0)
+    in_use = system.rows.links.in_use
+    gained = jnp.where(system.live, in_use.product(system.answers, residual), 0)
     return apply(system.rows, gained, velocity, step.masses), impulse + gained
 
 
@@ -192,9 +263,7 @@ def curvature(
         velocity: With which the bodies will drift.
         duration: Of the drift [s].
     """
-    joints = step.world.joints
-
-    spin_a, spin_b = take_pair(velocity.angular, joints.body_a, joints.body_b)
+    spin_a, spin_b = step.held.links.look_up(velocity.angular)
 
     def bend(spin: Float[Array, "j n"], arm: Vec) -> Vec:
         angle = spin * duration
@@ -205,7 +274,7 @@ def curvature(
     bent = bend(spin_b, system.arm_b) - bend(spin_a, system.arm_a)
     spin = jnp.maximum(jnp.abs(spin_a), jnp.abs(spin_b))
     calm = jnp.clip(2 - spin * duration / constants.CALM_TURN, 0, 1)
-    bent = bent * (step.loose * calm / duration)
+    bent = bent * (step.held.loose * calm / duration)
     turns = jnp.zeros_like(system.error[2 * bent.x.shape[0] :])
     rows = jnp.concatenate([bent.x, bent.y, turns], axis=0)
     return jnp.where(system.live, rows, 0)
@@ -223,11 +292,11 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     """
     nowhere = jnp.zeros_like(step.masses.angular)
     still = Velocity(linear=Vec(x=nowhere, y=nowhere), angular=nowhere)
-    joints = step.loose.shape[0]
-    if joints == 0:
+    if step.held.loose.shape[0] == 0:
         return system, still
-    loose = jnp.concatenate([step.loose] * (system.error.shape[0] // joints), axis=0)
-    left = system.error * loose
-    gained = jnp.where(system.live, matvec(system.solve, left - system.error), 0)
+    in_use = step.held.links.in_use
+    ((_, each),) = in_use.groups
+    left = system.error * jnp.concatenate([step.held.loose] * each, axis=0)
+    gained = jnp.where(system.live, in_use.product(system.answers, system.error - left), 0)
     move = apply(system.rows, gained, still, step.masses)
     return dataclasses.replace(system, error=left), move

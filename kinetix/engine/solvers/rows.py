@@ -13,17 +13,15 @@ from typing import TypeVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, Shaped
+from jaxtyping import Array, Float, Int, Shaped
 
-from kinetix.engine.lookup import accumulate, column, put, row, take_pair
+from kinetix.engine.lookup import accumulate, column, put, row, take
 from kinetix.engine.maths import Vec, cross, dot
+from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.store import Store
-from kinetix.pytree import pytree, static
+from kinetix.pytree import pytree
 
 T = TypeVar("T")
-
-WRITTEN_OUT = 48
-"""Longest sum without a loop: all of size l's."""
 
 
 @pytree
@@ -51,10 +49,44 @@ class Masses:
 
 @pytree
 class Links:
-    """Pairs of bodies, each of which any number of rows may act on."""
+    """Pairs of bodies, each of which one or several rows act on."""
 
     body_a: Int[Array, "k n"]
     body_b: Int[Array, "k n"]
+    in_use: InUse
+
+    @staticmethod
+    def joined(*groups: "Links") -> "Links":
+        """The links of several groups, one after the other."""
+        return Links(
+            body_a=jnp.concatenate([links.body_a for links in groups], axis=0),
+            body_b=jnp.concatenate([links.body_b for links in groups], axis=0),
+            in_use=InUse(
+                counts=tuple(count for links in groups for count in links.in_use.counts),
+                groups=tuple(group for links in groups for group in links.in_use.groups),
+            ),
+        )
+
+    def look_up(self, bodies: T) -> tuple[T, T]:
+        """What tables of bodies hold for the two ends of every link in use; 0 for the others.
+
+        Args:
+            bodies: Arrays (b, …, n) in any pytree.
+
+        Returns:
+            Two trees of arrays (k, …, n): of bodies a, and of bodies b.
+        """
+        count = self.body_a.shape[0]
+
+        def visit(k: Int[Array, ""], found: T) -> T:
+            ends = jnp.concatenate([row(self.body_a, k), row(self.body_b, k)], axis=0)
+            return jax.tree.map(lambda x, into: put(into, x[None], k, 0), take(bodies, ends), found)
+
+        def room(x: Shaped[Array, "b *rest n"]) -> Shaped[Array, "k 2 *rest n"]:
+            return jnp.zeros((count, 2, *x.shape[1:]), x.dtype)
+
+        found = self.in_use.each_link(visit, jax.tree.map(room, bodies))
+        return jax.tree.map(lambda x: x[:, 0], found), jax.tree.map(lambda x: x[:, 1], found)
 
 
 @pytree
@@ -73,9 +105,6 @@ class Rows:
 
     links: Links
     """Without repetition: what is looked up in the bodies' tables is looked up once a link."""
-    groups: tuple[tuple[int, int], ...] = static()
-    """Of links that have as many rows each, as (links, rows of each): first rows of all links of
-    the first group, then their second rows …, then the next group."""
     body_a: Int[Array, "m n"]
     body_b: Int[Array, "m n"]
     direction: Vec
@@ -101,20 +130,26 @@ def turning(turn: Float[Array, "k n"]) -> Directions:
     )
 
 
-def make_rows(masses: Masses, store: Store, *groups: tuple[Links, Sequence[Directions]]) -> Rows:
-    """Rows along all directions of each group of links, with their bodies' masses looked up."""
-    links = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *(links for links, _ in groups))
-    shape = tuple((links.body_a.shape[0], len(directions)) for links, directions in groups)
-    parts = [part for _, directions in groups for part in directions]
-    along = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *parts)
+def make_rows(
+    links: Links, masses: tuple[Masses, Masses], directions: Sequence[Directions], store: Store
+) -> Rows:
+    """The rows of some links.
+
+    Args:
+        links: Whom they act on.
+        masses: Of bodies a and of bodies b, a link.
+        directions: In the order of the rows (`InUse`).
+        store: Keeps what the rows are made from.
+    """
+    groups = links.in_use.groups
+    along = jax.tree.map(lambda *x: jnp.concatenate(x, axis=0), *directions)
     links, along = store((links, along))
-    of_a, of_b = _of_rows(shape, take_pair(masses, links.body_a, links.body_b))
-    bodies = _of_rows(shape, links)
+    of_a, of_b = _of_rows(groups, masses)
+    body_a, body_b = _of_rows(groups, (links.body_a, links.body_b))
     return Rows(
         links=links,
-        groups=shape,
-        body_a=bodies.body_a,
-        body_b=bodies.body_b,
+        body_a=body_a,
+        body_b=body_b,
         direction=along.along,
         turn_a=along.turn_a,
         turn_b=along.turn_b,
@@ -128,27 +163,29 @@ def make_rows(masses: Masses, store: Store, *groups: tuple[Links, Sequence[Direc
 def first_of_links(rows: Rows) -> Rows:
     """The first row of every link."""
     kept, start = [], 0
-    for links, each in rows.groups:
+    for links, each in rows.links.in_use.groups:
         kept.append(slice(start, start + links))
         start += links * each
 
     def keep(x: Shaped[Array, "m n"]) -> Shaped[Array, "k n"]:
         return jnp.concatenate([x[part] for part in kept], axis=0)
 
-    return _picked(rows, keep, rows.links, tuple((links, 1) for links, _ in rows.groups))
+    links = dataclasses.replace(rows.links, in_use=rows.links.in_use.one_row_each())
+    return _picked(rows, keep, links)
 
 
 def one_row(rows: Rows, index: Int[Array, ""]) -> Rows:
     """One of the rows, with a link of its own."""
-    links = Links(body_a=row(rows.body_a, index), body_b=row(rows.body_b, index))
-    return _picked(rows, lambda x: row(x, index), links, ((1, 1),))
+    body_a, body_b = row(rows.body_a, index), row(rows.body_b, index)
+    in_use = InUse.of((jnp.ones(body_a.shape, bool), 1))
+    return _picked(
+        rows, lambda x: row(x, index), Links(body_a=body_a, body_b=body_b, in_use=in_use)
+    )
 
 
-def _picked(
-    rows: Rows, pick: Callable[[Array], Array], links: Links, groups: tuple[tuple[int, int], ...]
-) -> Rows:
+def _picked(rows: Rows, pick: Callable[[Array], Array], links: Links) -> Rows:
     columns = jax.tree.map(pick, dataclasses.replace(rows, links=None))
-    return dataclasses.replace(columns, links=links, groups=groups)
+    return dataclasses.replace(columns, links=links)
 
 
 def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
@@ -157,9 +194,10 @@ def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
     def repeat(x: Shaped[Array, "k n"]) -> Shaped[Array, "m n"]:
         parts, start = [], 0
         for links, each in groups:
-            parts += [x[start : start + links]] * each
+            part = x[None, start : start + links]
+            parts.append(jnp.broadcast_to(part, (each, links, x.shape[1])).reshape(-1, x.shape[1]))
             start += links
-        return jnp.concatenate(parts, axis=0)
+        return _in_a_row(parts)
 
     return jax.tree.map(repeat, of_links)
 
@@ -173,9 +211,19 @@ def _of_links(groups: tuple[tuple[int, int], ...], of_rows: T) -> T:
             starts = [start + links * number for number in range(each)]
             parts.append(functools.reduce(jnp.add, [x[at : at + links] for at in starts]))
             start += links * each
-        return jnp.concatenate(parts, axis=0)
+        return _in_a_row(parts)
 
     return jax.tree.map(add, of_rows)
+
+
+def _in_a_row(parts: list[Shaped[Array, "_ n"]]) -> Shaped[Array, "m n"]:
+    """One after the other; nothing to do for one part alone, and for empty ones.
+
+    Joined in the midst of arithmetic, parts cost ten times the arithmetic: each entry asks anew in
+    which part it lies.
+    """
+    filled = [part for part in parts if part.shape[0]] or parts[:1]
+    return filled[0] if len(filled) == 1 else jnp.concatenate(filled, axis=0)
 
 
 def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
@@ -212,19 +260,18 @@ def diagonal(rows: Rows) -> Float[Array, "m n"]:
 
 
 def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
-    """Speed of b relative to a along each row."""
-    of_links = take_pair(velocity, rows.links.body_a, rows.links.body_b)
-    of_a, of_b = _of_rows(rows.groups, of_links)
+    """Speed of b relative to a along each row of the links in use; 0 for the others."""
+    of_a, of_b = _of_rows(rows.links.in_use.groups, rows.links.look_up(velocity))
     along = dot(rows.direction, of_b.linear - of_a.linear)
     return along + rows.turn_b * of_b.angular - rows.turn_a * of_a.angular
 
 
 def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
-    """The velocities after impulses on all rows."""
+    """The velocities after impulses on all rows of the links in use."""
     bodies = np.arange(velocity.angular.shape[0], dtype=np.int32)[:, None]
     links = rows.links
     along_x, along_y, turn_a, turn_b = _of_links(
-        rows.groups,
+        links.in_use.groups,
         (
             rows.direction.x * impulse,
             rows.direction.y * impulse,
@@ -247,19 +294,13 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
         )
 
     nothing = jnp.zeros_like(velocity.angular)
-    x, y, turn = accumulate(along_x.shape[0], add, (nothing, nothing, nothing))
+    x, y, turn = links.in_use.each_link(add, (nothing, nothing, nothing))
     return Velocity(
         linear=Vec(
             x=velocity.linear.x + x * masses.linear, y=velocity.linear.y + y * masses.linear
         ),
         angular=velocity.angular + turn * masses.angular,
     )
-
-
-def inner(left: Float[Array, "m n"], right: Float[Array, "m n"]) -> Float[Array, " n"]:
-    """The sum over the rows of the products, in every world."""
-    nothing = jnp.zeros(left.shape[1:], left.dtype)
-    return _sum(left.shape[0], lambda k: (row(left, k) * row(right, k))[0], nothing)
 
 
 def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[Array, "m n"]:
@@ -276,39 +317,23 @@ def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[
     return accumulate(matrix.shape[1], add, nothing)
 
 
-def matmul(left: Float[Array, "m k n"], right: Float[Array, "k l n"]) -> Float[Array, "m l n"]:
-    """Matrix times matrix in every world.
-
-    Both are read from memory, so they must have been stored (`store.py`).
-    """
-    nothing = jnp.zeros((left.shape[0], *right.shape[1:]), right.dtype)
-    return _sum(left.shape[1], lambda k: column(left, k)[:, None] * row(right, k), nothing)
+def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
+    """Inverse of symmetric positive definite matrices."""
+    return -minus_inverse(matrix)
 
 
-def _sum(
-    count: int,
-    term: Callable[[Int[Array, ""] | int], Float[Array, "..."]],
-    nothing: Float[Array, "..."],
-) -> Float[Array, "..."]:
-    """A sum of terms, written out where they are few, so that it stays in registers.
-
-    A reduction is not vectorised over the worlds, and a loop writes its sum back after each term;
-    but many terms written out would take minutes to compile.
-    """
-    if count > WRITTEN_OUT:
-        return accumulate(count, lambda k, total: total + term(k), nothing)
-    return sum((term(k) for k in range(count)), start=nothing)
-
-
-def inverse(
-    matrix: Float[Array, "m m n"], least_pivot: Float[Array, "m n"] | None = None
+def minus_inverse(
+    matrix: Float[Array, "m m n"],
+    least_pivot: Float[Array, "m n"] | None = None,
+    in_use: InUse | None = None,
 ) -> Float[Array, "m m n"]:
-    """Inverse of symmetric positive definite matrices by the sweep operator, no pivoting.
+    """Minus the inverse of symmetric positive definite matrices: the sweep operator, no pivoting.
 
     Args:
         matrix: One a world.
         least_pivot: What remains of a row after the rows before it were eliminated is raised to
             this: a row that (nearly) depends on others becomes soft instead of being amplified.
+        in_use: Which rows are coupled to any other; the inverse of the others is not defined.
     """
     size = matrix.shape[0]
     if size == 0:
@@ -330,7 +355,9 @@ def inverse(
         m = m - others[:, None] * scaled[None]
         return put(put(m, line[None], k, 0), line[:, None], k, 1)
 
-    return -jax.lax.fori_loop(0, size, sweep, matrix)
+    if in_use is None:
+        return jax.lax.fori_loop(0, size, sweep, matrix)
+    return in_use.each(sweep, matrix)
 
 
 def match(
@@ -339,8 +366,3 @@ def match(
     """The old values of the entries whose key is still there, 0 for new ones and for key −1."""
     same = (key[:, None] == old_key[None]) & (key[:, None] >= 0)
     return tuple(jnp.sum(jnp.where(same, value[None], 0), axis=1) for value in values)
-
-
-def any_true(mask: Bool[Array, "m n"]) -> Bool[Array, " n"]:
-    """Whether any row's mask holds."""
-    return jnp.any(mask, axis=0)

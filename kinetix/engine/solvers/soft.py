@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.joints import joint_acts
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import dot, unvec, vec
 from kinetix.engine.solvers.rows import match
@@ -36,7 +37,6 @@ from kinetix.engine.solvers.soft_rows import (
     contact_push,
     contact_rows,
     drifted,
-    joint_acts,
     joint_push,
     joint_rows,
     kicked,

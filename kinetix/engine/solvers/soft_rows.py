@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators, constants
 from kinetix.engine.collide import Points
+from kinetix.engine.joints import joint_acts, nearer_limit
 from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, vec
 from kinetix.engine.solvers.visit import Targets, Twist, at_bodies
@@ -352,11 +353,13 @@ def joint_rows(
     wanted = compliance = side = left = jnp.zeros_like(angle)
     driven = limited = jnp.zeros(turns.shape, bool)
     if features.motors:
+        action = setting.control.motor
         wanted, compliance = actuators.motor_row(
             setting.world,
+            actuators.motors(setting.world, action),
             angle,
             take(moving.velocity.turn, b) - take(moving.velocity.turn, a),
-            setting.control.motor,
+            action,
             setting.parameters,
             setting.h,
         )
@@ -379,26 +382,6 @@ def joint_rows(
         stops=jnp.where(limited, 1 / nonzero(resistance), 0),
         left=left,
     )
-
-
-def joint_acts(world: World) -> Bool[Array, "j n"]:
-    """Which joints hold: between two different active bodies that are not both fixed."""
-    joints, bodies = world.joints, world.bodies
-    a, b = joints.body_a, joints.body_b
-    movable = take(bodies.inverse_mass, a) + take(bodies.inverse_mass, b) > 0
-    return joints.active & movable & take(bodies.active, a) & take(bodies.active, b) & (a != b)
-
-
-def nearer_limit(
-    world: World, angle: Float[Array, "j n"]
-) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
-    """Which limit is nearer (+1 the lower, −1 the upper one), and the angle left to it [rad]."""
-    joints = world.joints
-    least = jnp.minimum(joints.limit_min, joints.limit_max)
-    most = jnp.maximum(joints.limit_min, joints.limit_max)
-    from_least, from_most = angle - least, most - angle
-    side = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
-    return side, jnp.minimum(from_least, from_most)
 
 
 def soft_joints(rows: SoftJoints, spring: Spring, h: Float[Array, " n"]) -> Softness:

@@ -12,7 +12,6 @@ from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
 from kinetix.engine.solvers.in_use import InUse
-from kinetix.engine.solvers.rows import inner
 from kinetix.engine.store import Store
 
 EASY_CONTRAST = 60.0
@@ -93,13 +92,14 @@ class Pgs(AbstractBlock):
             new, change = store((new, new - old))
             return put(impulse, new[None], index, 0), speed + at(matrix, index) * change
 
-        in_use = InUse.of(cone.closed, cone.limited)
+        in_use = InUse.of((cone.closed, 2), (cone.limited, 1))
+        points_used, limits_used = in_use.counts
 
         def sweep(carry: tuple) -> tuple:
             if count > 0:
-                carry = jax.lax.fori_loop(0, in_use.points, point, carry)
+                carry = jax.lax.fori_loop(0, points_used, point, carry)
             if limits > 0:
-                carry = jax.lax.fori_loop(0, in_use.limits, limit, carry)
+                carry = jax.lax.fori_loop(0, limits_used, limit, carry)
             return carry
 
         def accelerated(done: Int[Array, ""], carry: tuple) -> tuple:
@@ -108,7 +108,7 @@ class Pgs(AbstractBlock):
             # Others in the tile may need more sweeps; what a world gets must not hang on them.
             result = jnp.where(done < sweeps, swept, result)
             change = swept - impulse
-            size = inner(change, change)
+            size = in_use.inner(change, change)
             share = size / nonzero(last)
             share = store(jnp.where((share < 1) & (last > 0), share, 0))
             return (

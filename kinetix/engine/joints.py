@@ -1,0 +1,29 @@
+"""What all solvers ask of joints. Worlds on the last axis."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from kinetix.engine.lookup import take_pair
+from kinetix.engine.types import World
+
+
+def joint_acts(world: World) -> Bool[Array, "j n"]:
+    """Which joints hold: between two different active bodies that are not both fixed."""
+    joints, bodies = world.joints, world.bodies
+    (active_a, mass_a), (active_b, mass_b) = take_pair(
+        (bodies.active, bodies.inverse_mass), joints.body_a, joints.body_b
+    )
+    movable = mass_a + mass_b > 0
+    return joints.active & movable & active_a & active_b & (joints.body_a != joints.body_b)
+
+
+def nearer_limit(
+    world: World, angle: Float[Array, "j n"]
+) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
+    """Which limit is nearer (+1 the lower, −1 the upper one), and the angle left to it [rad]."""
+    joints = world.joints
+    least = jnp.minimum(joints.limit_min, joints.limit_max)
+    most = jnp.maximum(joints.limit_min, joints.limit_max)
+    from_least, from_most = angle - least, most - angle
+    side = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
+    return side, jnp.minimum(from_least, from_most)
