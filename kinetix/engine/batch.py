@@ -25,6 +25,9 @@ Tree = Any
 TILE = 64
 """Worlds that are advanced together: few enough for the cache, enough to fill a core's lanes."""
 
+LARGE: Final = 200
+"""Numbers a world from which on an array is moved by itself."""
+
 
 def worlds_last(
     kernel: Callable[..., Tree],
@@ -172,14 +175,12 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
             x if is_shared else next(unpacked) for x, is_shared in zip(leaves, shared, strict=True)
         ]
         done = program.kernel(*program.arguments(parts))
-        return jax.tree.map(jnp.transpose, _pack(done, 0))
+        return _pack(done)
 
     def ordered(x: Shaped[Array, "k rows"], order: Int[Array, " n"]) -> Shaped[Array, "n rows"]:
         return x.at[order].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
-    packed = jax.tree.map(
-        lambda x: ordered(x, order).reshape(tiles, TILE, -1), _pack(_worlds_first(own), 1)
-    )
+    packed = jax.tree.map(lambda x: ordered(x, order).reshape(tiles, TILE, -1), _pack(own))
     done = jax.lax.map(advance, packed)
     done = jax.tree.map(lambda x: ordered(x.reshape(tiles * TILE, -1), back), done)
     like = jax.eval_shape(_worlds_first, program.shapes(leaves))
@@ -195,34 +196,43 @@ def _worlds_first(tree: Tree) -> Tree:
     return jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), tree)
 
 
-def _pack(tree: Tree, axis: int) -> dict[str, Shaped[Array, "..."]]:
-    """All arrays of a kind in one: one to move instead of dozens.
-
-    Args:
-        tree: Arrays with the worlds on the last axis (axis 0) or on the first one (axis 1).
-        axis: Of the result, along which they stand one after the other.
-    """
-    kinds: dict[str, list[Array]] = {}
-    for leaf in jax.tree.leaves(tree):
+def _pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
+    """All small arrays of a kind in one, worlds first: one to move instead of dozens."""
+    groups: dict[str, list[Array]] = {}
+    for number, leaf in enumerate(jax.tree.leaves(tree)):
         # Moving truth values takes several times as long as moving numbers.
         moved = leaf.astype(jnp.int8) if leaf.dtype == bool else leaf
-        shape = (-1, leaf.shape[-1]) if axis == 0 else (leaf.shape[0], -1)
-        kinds.setdefault(str(moved.dtype), []).append(moved.reshape(shape))
-    return {kind: jnp.concatenate(leaves, axis=axis) for kind, leaves in kinds.items()}
+        rows = jnp.moveaxis(moved, -1, 0).reshape(leaf.shape[-1], -1)
+        groups.setdefault(_group(number, moved.dtype, rows.shape[1]), []).append(rows)
+    return {name: jnp.concatenate(leaves, axis=1) for name, leaves in groups.items()}
+
+
+def _group(number: int, dtype: Any, rows: int) -> str:
+    """Which array a leaf is packed into: a large one stays alone, as cutting it out is a copy."""
+    name = str(jnp.dtype(dtype))
+    return f"{name} {number}" if rows >= LARGE else name
 
 
 def _unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> Tree:
-    """The inverse of `_pack`; `like` tells the shapes, but not how many worlds there are."""
+    """The inverse of `_pack`; `like` tells the shapes, but not how many worlds there are.
+
+    Args:
+        packed: With the worlds on the last axis (axis 0) or on the first one (axis 1).
+        like: A tree with the worlds on the same axis.
+        axis: Along which the leaves stand one after the other.
+    """
     first = dict.fromkeys(packed, 0)
 
-    def cut(leaf: Any) -> Array:
-        kind = "int8" if leaf.dtype == bool else str(leaf.dtype)
+    def cut(number: int, leaf: Any) -> Array:
         shape = leaf.shape[:-1] if axis == 0 else leaf.shape[1:]
-        rows, start = math.prod(shape), first[kind]
-        first[kind] += rows
-        part = jax.lax.slice_in_dim(packed[kind], start, start + rows, axis=axis)
+        rows = math.prod(shape)
+        group = _group(number, jnp.int8 if leaf.dtype == bool else leaf.dtype, rows)
+        start = first[group]
+        first[group] += rows
+        part = jax.lax.slice_in_dim(packed[group], start, start + rows, axis=axis)
         part = part != 0 if leaf.dtype == bool else part
-        worlds = packed[kind].shape[1 - axis]
+        worlds = packed[group].shape[1 - axis]
         return part.reshape((*shape, worlds) if axis == 0 else (worlds, *shape))
 
-    return jax.tree.map(cut, like)
+    leaves, structure = jax.tree.flatten(like)
+    return jax.tree.unflatten(structure, [cut(*each) for each in enumerate(leaves)])
