@@ -28,6 +28,7 @@ from kinetix.engine.solvers.rows import (
     first_of_links,
     make_rows,
     one_row,
+    put_coupling,
     through_points,
     turning,
 )
@@ -101,9 +102,7 @@ def contact_system(
     def fill(k: Int[Array, ""], matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
         line = coupling(one_row(rows, k), rows)
         line += _answered(joints, row(answer, k)[0], across)
-        line = jnp.where(row(live, k)[None] & live[None], line, 0)
-        here = (np.arange(live.shape[0]) == k)[None, :, None]
-        return put(matrix, store(jnp.where(here, own[None], line)), k, 0)
+        return put_coupling(matrix, k, line, live, own, store)
 
     eye = np.eye(live.shape[0], dtype=np.float32)[:, :, None]
     matrix = jnp.broadcast_to(eye, (*eye.shape[:2], own.shape[-1])).astype(own.dtype)

@@ -8,13 +8,11 @@ torque follow the motor's law *after* all impulses of the phase; otherwise it is
 import dataclasses
 
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
 from kinetix.engine.actuators import Motors, motor_row, motors
 from kinetix.engine.joints import joint_acts
-from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, rotate, vec
 from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.solvers.rows import (
@@ -28,6 +26,7 @@ from kinetix.engine.solvers.rows import (
     make_rows,
     minus_inverse,
     one_row,
+    put_coupling,
     speeds,
     through_points,
     turning,
@@ -197,9 +196,7 @@ def joint_system(
     own = store(jnp.where(live, mobility + yielding, 1))
 
     def fill(k: Int[Array, ""], matrix: Float[Array, "k k n"]) -> Float[Array, "k k n"]:
-        line = jnp.where(row(live, k)[None] & live[None], coupling(one_row(rows, k), rows), 0)
-        here = (np.arange(live.shape[0]) == k)[None, :, None]
-        return put(matrix, store(jnp.where(here, own[None], line)), k, 0)
+        return put_coupling(matrix, k, coupling(one_row(rows, k), rows), live, own, store)
 
     nothing = jnp.zeros((live.shape[0], *live.shape), own.dtype)
     return JointSystem(

@@ -13,7 +13,7 @@ from typing import TypeVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, Shaped
+from jaxtyping import Array, Bool, Float, Int, Shaped
 
 from kinetix.engine.lookup import accumulate, column, put, row, take
 from kinetix.engine.maths import Vec, cross, dot
@@ -219,8 +219,7 @@ def _of_links(groups: tuple[tuple[int, int], ...], of_rows: T) -> T:
 def _in_a_row(parts: list[Shaped[Array, "_ n"]]) -> Shaped[Array, "m n"]:
     """One after the other; nothing to do for one part alone, and for empty ones.
 
-    Joined in the midst of arithmetic, parts cost ten times the arithmetic: each entry asks anew in
-    which part it lies.
+    Joined in the midst of arithmetic, parts are not free: each entry asks anew in which it lies.
     """
     filled = [part for part in parts if part.shape[0]] or parts[:1]
     return filled[0] if len(filled) == 1 else jnp.concatenate(filled, axis=0)
@@ -248,6 +247,20 @@ def coupling(left: Rows, right: Rows) -> Float[Array, "m k n"]:
         - share(left.body_a, right.body_b, left.mass_a, left.inertia_a, left.turn_a, right.turn_b)
         - share(left.body_b, right.body_a, left.mass_b, left.inertia_b, left.turn_b, right.turn_a)
     )
+
+
+def put_coupling(
+    matrix: Float[Array, "m m n"],
+    index: Int[Array, ""],
+    line: Float[Array, "1 m n"],
+    live: Bool[Array, "m n"],
+    own: Float[Array, "m n"],
+    store: Store,
+) -> Float[Array, "m m n"]:
+    """The matrix of a system with one more row: `line`, where both rows live, and its diagonal."""
+    line = jnp.where(row(live, index)[None] & live[None], line, 0)
+    here = (np.arange(live.shape[0]) == index)[None, :, None]
+    return put(matrix, store(jnp.where(here, own[None], line)), index, 0)
 
 
 def diagonal(rows: Rows) -> Float[Array, "m n"]:
