@@ -11,8 +11,11 @@ ARGS ?=
 PHYSICS ?= jax2d fast balanced accurate
 # `make check TESTS=0` leaves the tests out.
 TESTS ?= 1
+# The suite runs in this many processes, each with whole files; 0 is the process of pytest itself.
+WORKERS ?= 2
 
 VENV := .venv/bin
+PYTEST := $(VENV)/python -m pytest -n $(WORKERS) --dist loadfile
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -29,7 +32,7 @@ run: setup-run ## set everything up and open the editor (without a display: a fi
 editor: run ## the same as run
 
 test: setup-test ## set everything up and run the whole test suite
-	$(VENV)/python -m pytest $(ARGS)
+	$(PYTEST) $(ARGS)
 
 check: setup-test ## format, lint, types, layers and the tests that are not slow
 	$(VENV)/ruff format --check
@@ -37,7 +40,7 @@ check: setup-test ## format, lint, types, layers and the tests that are not slow
 	$(VENV)/basedpyright
 	$(VENV)/lint-imports
 ifneq ($(TESTS),0)
-	$(VENV)/python -m pytest -m "not slow" $(ARGS)
+	$(PYTEST) -m "not slow" $(ARGS)
 endif
 
 format: setup-test ## write the source in the house's format

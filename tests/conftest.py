@@ -1,4 +1,4 @@
-"""What every test shares: strict JAX settings and a persistent compile cache."""
+"""What every test shares: strict JAX settings, quick compilation and a persistent compile cache."""
 
 import gc
 import os
@@ -12,6 +12,8 @@ os.environ.setdefault(
     "JAX_COMPILATION_CACHE_DIR", str(Path.home() / ".cache" / "kinetix-tests" / "jax")
 )
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
+# Most tests compile for seconds to run for milliseconds.
+os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 
 PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
 """Where the peer's data lies for developers; a user has none."""
