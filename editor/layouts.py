@@ -1,7 +1,8 @@
 """Where the panels are: three arrangements that come with the app, and those that users keep."""
 
 import dataclasses
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from imgui_bundle import imgui
@@ -129,17 +130,71 @@ class LowerRow:
         imgui.internal.dock_builder_set_node_size(node.id_, imgui.ImVec2(node.size.x, wanted))
 
 
-def restore(stored: str, panels: Sequence[Panel]) -> bool:
-    """Take a layout that was kept.
+_HEADER: Final = "; kinetix-editor layout 2"
+"""First line of a stored layout; one without it may have lost its docks."""
+_NODE: Final = re.compile(r"^ *Dock(?:Node|Space) +ID=(0x[0-9A-F]+)", re.MULTILINE)
+_WINDOW: Final = re.compile(r"^\[Window\]\[(?:.*###)?panel-(\w+)\]\n((?:\w+=.*\n)*)", re.MULTILINE)
+_DOCK: Final = re.compile(r"^DockId=(0x[0-9A-F]+)", re.MULTILINE)
+_SIZES: Final = re.compile(r"\b(Size|SizeRef)=(\d+),(\d+)")
+
+
+def snapshot(front: Collection[str]) -> str:
+    """Return where the panels are now, as text for the settings.
 
     Args:
-        stored: As Dear ImGui wrote it.
+        front: Ids of the panels that are on the screen.
+    """
+    return f"{_HEADER}, in front: {' '.join(sorted(front))}\n{imgui.save_ini_settings_to_memory()}"
+
+
+def front_of(stored: str) -> tuple[str, ...]:
+    """Return the ids of the panels that were in front when a layout was stored."""
+    header, _, front = stored.partition("\n")[0].partition(", in front: ")
+    return tuple(front.split()) if header == _HEADER else ARRANGEMENTS["edit"].front
+
+
+def scaled(stored: str, factor: float) -> str:
+    """Return a stored layout for an interface of another scale: every size times the factor."""
+
+    def grown(found: re.Match[str]) -> str:
+        name, width, height = found.groups()
+        return f"{name}={round(int(width) * factor)},{round(int(height) * factor)}"
+
+    return _SIZES.sub(grown, stored)
+
+
+def usable(stored: str, panels: Sequence[Panel]) -> bool:
+    """Return whether a stored layout has a place for every panel.
+
+    One from before a panel existed has none for it. An early version lost docks: what it stored
+    is taken only where every panel is docked still.
+    """
+    docks = dict(_WINDOW.findall(stored))
+    if "\0" in stored or any(panel.id not in docks for panel in panels):
+        return False
+    nodes = set(_NODE.findall(stored))
+    for lines in docks.values():
+        dock = _DOCK.search(lines)
+        if dock is None and not stored.startswith(_HEADER):
+            return False
+        if dock is not None and dock.group(1) not in nodes:
+            return False
+    return True
+
+
+def restore(stored: str, panels: Sequence[Panel]) -> bool:
+    """Put the panels where a stored layout has them.
+
+    Dear ImGui docks windows from a text only between two frames: inside of one they come undocked.
+
+    Args:
+        stored: As `snapshot` wrote it.
         panels: All panels.
 
     Returns:
-        Whether it was taken: one from before a panel existed has no place for it.
+        Whether it was taken.
     """
-    if not all(f"panel-{panel.id}]" in stored for panel in panels):
+    if not usable(stored, panels):
         return False
     imgui.load_ini_settings_from_memory(stored)
     return True

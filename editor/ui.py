@@ -102,6 +102,8 @@ class Ui:
             LogPanel(),
         )
         self._laid_out = False
+        self._rescaled = ""
+        """The layout for another scale, to be taken before the next frame."""
         self._in_front: list[str] = []
         """Ids of panels to bring to the front, one a frame."""
         self.preparation = Preparation(session, self._compiled)
@@ -151,6 +153,29 @@ class Ui:
         """Take an event that is not Dear ImGui's: focus, dropped files, the close button."""
         actions.handle(self.session, event)
 
+    def before_frame(self) -> None:
+        """Put the panels where a stored layout has them: last time's, or a kept one."""
+        view, settings = self.session.view, self.session.settings
+        if self._rescaled:
+            self._restore(self._rescaled)
+            self._rescaled = ""
+        elif not self._laid_out and not view.layout:
+            self._laid_out = self._restore(settings.layout)
+        elif view.layout in settings.layouts and not self.session.gallery.open:
+            if self._restore(settings.layouts[view.layout]):
+                self._laid_out = True
+            else:
+                self.session.complain(f"{view.layout} is from an older version: keep it anew.")
+            view.layout = ""
+
+    def _restore(self, stored: str) -> bool:
+        taken = layouts.restore(stored, self.panels)
+        if taken:
+            self._put_up = imgui.get_frame_count()
+            front = layouts.front_of(stored)
+            self._in_front = [panel.id for panel in self.panels if panel.id in front]
+        return taken
+
     def frame(self, dt: float) -> None:
         """Draw one frame and do what it asked for.
 
@@ -159,7 +184,6 @@ class Ui:
         """
         session = self.session
         self._rescale()
-        self._take_kept_layout()
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps
         session.probe.clear()
@@ -240,7 +264,8 @@ class Ui:
         if wanted == self.scale and text == self._text_scale:
             return
         theme.apply(wanted, text)
-        self._laid_out = False
+        if self._laid_out and self.scale:
+            self._rescaled = layouts.scaled(layouts.snapshot(self._seen), wanted / self.scale)
         self.scale, self._text_scale = wanted, text
 
     def _keys(self) -> None:
@@ -325,15 +350,11 @@ class Ui:
             imgui.pop_style_color()
 
     def _lay_out(self, space: int) -> None:
-        """Put the panels where they belong: as asked for, as it was last time, or as at first."""
-        session = self.session
-        first, self._laid_out = not self._laid_out, True
+        """Put the panels where an arrangement that comes with the app has them."""
+        self._laid_out, view = True, self.session.view
         self._put_up = imgui.get_frame_count()
-        asked, session.view.layout = session.view.layout, ""
-        stored = session.settings.layout
-        if first and not asked and layouts.restore(stored, self.panels):
-            return
-        plan = layouts.ARRANGEMENTS.get(asked, layouts.ARRANGEMENTS["edit"])
+        plan = layouts.ARRANGEMENTS.get(view.layout, layouts.ARRANGEMENTS["edit"])
+        view.layout = ""
         layouts.arrange(space, self.panels, plan)
         self._in_front = list(plan.front)
 
@@ -401,22 +422,14 @@ class Ui:
 
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""
-        self.session.settings.layout = imgui.save_ini_settings_to_memory()
-
-    def _take_kept_layout(self) -> None:
-        """Put the panels where a kept layout has them; only before any window is drawn."""
-        view, kept = self.session.view, self.session.settings.layouts
-        if self._laid_out and view.layout in kept and not self.session.gallery.open:
-            if layouts.restore(kept[view.layout], self.panels):
-                view.layout = ""
-            else:
-                self.session.complain(f"{view.layout} is from an older version: keep it anew.")
+        if self._laid_out:
+            self.session.settings.layout = layouts.snapshot(self._seen)
 
     def _keep_layout(self) -> None:
         """Remember where the panels are under the name that was asked for."""
         view = self.session.view
         if view.layout_name:
-            self.session.settings.layouts[view.layout_name] = imgui.save_ini_settings_to_memory()
+            self.session.settings.layouts[view.layout_name] = layouts.snapshot(self._seen)
             self.session.toast(f"Kept this layout as {view.layout_name}", "success")
             view.layout_name = ""
 

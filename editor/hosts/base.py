@@ -80,6 +80,7 @@ class Host(abc.ABC):
         for event in batch:
             if isinstance(event, _NOT_FOR_WIDGETS):
                 self.ui.notice(event)
+        self.ui.before_frame()
         self._renderer.new_frame()
         imgui.new_frame()
         self.ui.frame(dt)

@@ -1,0 +1,148 @@
+"""The second start shows what the first one showed, also after an earlier version's."""
+
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from editor import layouts
+from editor.session import Session
+from editor.settings import Settings
+
+STORED = Path(__file__).resolve().parent / "stored"
+
+
+def places(gui):
+    """Per panel where it is docked (0: nowhere) and its place on the screen."""
+    found = {}
+    for panel in gui.host.ui.panels:
+        window = imgui.internal.find_window_by_name(panel.window_name)
+        at, size = window.pos, window.size
+        found[panel.id] = (window.dock_id, round(at.x), round(at.y), round(size.x), round(size.y))
+    return found
+
+
+def started(make_gui, layout="", **options):
+    gui = make_gui(session=Session(settings=Settings(layout=layout)), **options)
+    gui.frames(50)
+    return gui
+
+
+def quit_(gui):
+    """What the app keeps when it ends."""
+    gui.host.ui.save_layout()
+    return gui.session.settings.layout
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.5])
+def test_later_starts_look_like_the_first(make_gui, scale):
+    gui = started(make_gui, scale=scale)
+    first, front, canvas = places(gui), set(gui.host.ui._seen), gui.probe("canvas")
+    assert all(dock for dock, *_ in first.values())
+    layout = quit_(gui)
+    for _ in range(3):
+        gui = started(make_gui, layout, scale=scale)
+        assert places(gui) == first
+        assert gui.host.ui._seen == front
+        assert gui.probe("canvas").low == pytest.approx(canvas.low, abs=1)
+        assert gui.probe("canvas").high == pytest.approx(canvas.high, abs=1)
+        assert quit_(gui) == layout
+        layout = quit_(gui)
+
+
+@pytest.mark.parametrize("name", ["first", "second"])
+def test_a_layout_of_version_0_1_0_is_whole_again(make_gui, name):
+    fresh = started(make_gui, size=(1440, 900))
+    expected, front = places(fresh), set(fresh.host.ui._seen)
+    stored = (STORED / f"layout_{name}_start_0.1.0.ini").read_text(encoding="utf-8")
+    gui = started(make_gui, stored, size=(1440, 900))
+    assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in expected.items()}
+    assert all(dock for dock, *_ in places(gui).values())
+    assert gui.host.ui._seen == front
+
+
+def test_the_keyboard_is_on_the_canvas_again(make_gui):
+    layout = quit_(started(make_gui))
+    gui = started(make_gui, layout)
+    gui.key("c")
+    assert gui.session.tool.id == "circle"
+    assert not gui.host.ui._panel_focused
+
+
+def test_a_panel_that_the_user_took_out_stays_out(make_gui):
+    gui = started(make_gui)
+    (history,) = (panel for panel in gui.host.ui.panels if panel.id == "history")
+    imgui.internal.dock_context_process_undock_window(
+        imgui.get_current_context(), imgui.internal.find_window_by_name(history.window_name)
+    )
+    gui.frames(4)
+    out = places(gui)
+    assert not out["history"][0]
+    gui = started(make_gui, quit_(gui))
+    assert places(gui) == out
+
+
+def test_quitting_in_the_gallery_keeps_the_layout(make_gui):
+    layout = quit_(started(make_gui))
+    gui = make_gui(session=Session(settings=Settings(layout=layout)))
+    gui.session.queue("gallery.open")
+    gui.frames(10)
+    again = started(make_gui, quit_(gui))
+    assert all(dock for dock, *_ in places(again).values())
+
+
+def test_quitting_before_the_panels_stood_keeps_what_was_stored(make_gui):
+    session = Session(settings=Settings(layout="what a later version wrote"))
+    session.gallery.open = True
+    gui = make_gui(session=session)
+    assert quit_(gui) == "what a later version wrote"
+
+
+def test_another_scale_keeps_the_panels_docked_and_grows_them(make_gui):
+    gui = started(make_gui, size=(1440, 900))
+    before = places(gui)
+    gui.session.settings.ui_scale = 1.25
+    gui.frames(50)
+    after = places(gui)
+    assert [dock for dock, *_ in after.values()] == [dock for dock, *_ in before.values()]
+    assert after["inspector"][3] == pytest.approx(1.25 * before["inspector"][3], abs=3)
+    assert gui.session.log.lines == ()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda text: text[: len(text) // 2],
+        lambda text: text.replace("DockNode", "DockMode"),
+        lambda text: text.replace("panel-log", "panel-lag"),
+        lambda text: "\0" * 40 + text,
+        lambda text: "[Docking][Data]\n" * 2000,
+    ],
+)
+def test_a_damaged_layout_is_the_first_one(make_gui, damage):
+    gui = started(make_gui)
+    first = {k: v[1:] for k, v in places(gui).items()}
+    gui = started(make_gui, damage(quit_(gui)))
+    assert {k: v[1:] for k, v in places(gui).items()} == first
+
+
+def test_a_kept_layout_brings_its_own_panels_to_the_front(make_gui):
+    gui = started(make_gui)
+    gui.session.view.layout = "play"
+    gui.frames(40)
+    shown = places(gui)
+    gui.session.view.layout_name = "Mine"
+    gui.frames(2)
+    front = set(gui.host.ui._seen)
+    gui.session.view.layout = "edit"
+    gui.frames(40)
+    gui.session.view.layout = "Mine"
+    gui.frames(40)
+    assert gui.host.ui._seen == front
+    assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in shown.items()}
+
+
+def test_sizes_grow_and_nothing_else_does():
+    text = "Size=100,40\nDockId=0x00000010\n  DockNode SizeRef=20,30 Pos=5,5"
+    grown = "Size=150,60\nDockId=0x00000010\n  DockNode SizeRef=30,45 Pos=5,5"
+    assert layouts.scaled(text, 1.5) == grown
