@@ -47,7 +47,8 @@ class Dialogs:
             case MenuQuestion():
                 self._list(session, prompt, fresh)
 
-    def _modal(self, name: str, fresh: bool, size: tuple[float, float] | None) -> bool:
+    def _modal(self, name: str, size: tuple[float, float] | None) -> bool:
+        """Begin a window that stays until it is answered; whether it is on the screen."""
         viewport = imgui.get_main_viewport()
         centre = (
             viewport.pos.x + viewport.size.x / 2,
@@ -56,7 +57,8 @@ class Dialogs:
         imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
         if size is not None:
             imgui.set_next_window_size(size)
-        if fresh:
+        if not imgui.is_popup_open(name):
+            # A panel that comes to the front takes the pop-ups away.
             imgui.open_popup(name)
         flags = _FLAGS | (0 if size else imgui.WindowFlags_.always_auto_resize.value)
         imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(20), px(16)))
@@ -65,7 +67,7 @@ class Dialogs:
         return opened
 
     def _question(self, session: "Session", prompt: Question, fresh: bool) -> None:
-        if not self._modal("###question", fresh, None):
+        if not self._modal("###question", None):
             return
         with widgets.font(FONTS.bold, 18):
             widgets.text(prompt.title)
@@ -115,12 +117,12 @@ class Dialogs:
     def _line(self, session: "Session", prompt: TextQuestion, fresh: bool) -> None:
         if fresh:
             self._text = prompt.text
-        if not self._modal("###line", fresh, None):
+        if not self._modal("###line", None):
             return
         with widgets.font(FONTS.bold, 18):
             widgets.text(prompt.title)
         imgui.set_next_item_width(px(360))
-        if fresh:
+        if imgui.is_window_appearing():
             imgui.set_keyboard_focus_here()
         flags = (
             imgui.InputTextFlags_.enter_returns_true.value
@@ -148,7 +150,7 @@ class Dialogs:
             self._browser = FileBrowser(prompt)
         view = imgui.get_main_viewport().size
         size = (min(px(820), view.x * 0.92), min(px(560), view.y * 0.88))
-        if not self._modal("###file", fresh, size):
+        if not self._modal("###file", size):
             return
         assert self._browser is not None
         done, path = self._browser.draw(session)

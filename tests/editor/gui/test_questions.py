@@ -1,0 +1,95 @@
+"""Questions are on the screen whenever they are asked, and the keyboard answers them."""
+
+import pytest
+
+from editor.jobs import Worker
+from editor.prompts import Choice, Question, TextQuestion
+from editor.session import Session
+from editor.settings import Settings
+from tests.editor.gui.conftest import refuse
+
+
+def a_session(**settings):
+    return Session(settings=Settings(**settings), worker=Worker(perform=refuse))
+
+
+def a_question(answers, title="Restore unsaved work?"):
+    return Question(
+        title=title,
+        message="The app ended without saving it.",
+        choices=(Choice(id="restore", label="Restore"), Choice(id="later", label="Later")),
+        default="restore",
+        cancel="later",
+        answer=answers.append,
+    )
+
+
+def layout_of(make_gui):
+    gui = make_gui(session=a_session())
+    gui.frames(50)
+    gui.host.ui.save_layout()
+    return gui.session.settings.layout
+
+
+@pytest.mark.parametrize("stored", [False, True], ids=["first start", "second start"])
+@pytest.mark.parametrize(("key", "answer"), [("return", "restore"), ("escape", "later")])
+def test_a_question_asked_before_the_first_frame_is_seen_and_answered(
+    make_gui, stored, key, answer
+):
+    answers = []
+    session = a_session(layout=layout_of(make_gui) if stored else "")
+    session.ask(a_question(answers))
+    gui = make_gui(session=session)
+    for _ in range(20):
+        gui.frames(2)
+        assert gui.shows("question.restore")
+    gui.key(key)
+    assert answers == [answer]
+    assert not session.prompts
+    gui.frames(40)
+    gui.key("c")
+    assert session.tool.id == "circle"
+
+
+def test_two_questions_are_asked_one_after_the_other(make_gui):
+    answers = []
+    session = a_session()
+    session.ask(a_question(answers, "First"))
+    session.ask(a_question(answers, "Second"))
+    gui = make_gui(session=session)
+    gui.frames(20)
+    gui.click("question.later")
+    gui.frames(4)
+    gui.click("question.restore")
+    assert answers == ["later", "restore"]
+
+
+@pytest.mark.parametrize("layout", ["edit", "play", "evaluate"])
+def test_panels_that_move_meanwhile_do_not_take_it_away(make_gui, layout):
+    answers = []
+    session = a_session()
+    gui = make_gui(session=session)
+    gui.frames(40)
+    session.ask(a_question(answers))
+    gui.frames(3)
+    session.view.layout = layout
+    session.view.front = "agents"
+    gui.frames(40)
+    gui.click("question.restore")
+    assert answers == ["restore"]
+
+
+def test_a_line_keeps_its_text_and_the_keyboard_when_a_panel_comes(make_gui):
+    answers = []
+    session = a_session()
+    gui = make_gui(session=session)
+    gui.frames(40)
+    session.ask(TextQuestion(title="Name", text="", answer=answers.append))
+    gui.frames(4)
+    gui.text("Car")
+    session.view.front = "agents"
+    gui.frames(10)
+    gui.key("end")
+    gui.text("t")
+    gui.key("return")
+    assert answers == ["Cart"]
