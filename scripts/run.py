@@ -1,21 +1,15 @@
 """Open the editor, or film a short tour of it where there is no display: what `make run` does."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
+
+from editor.hosts.display import has_display
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "out"
 TOUR = ROOT / "editor" / "assets" / "tour.jsonl"
 EDITOR = [sys.executable, "-m", "editor"]
-
-
-def has_display() -> bool:
-    """Whether a window could open."""
-    if sys.platform != "linux":
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def film() -> int:

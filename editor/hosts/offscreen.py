@@ -19,6 +19,8 @@ ENVIRONMENT = {
 class OffscreenHost(PygameHost):
     """Draws into memory; nothing waits for a display."""
 
+    needs_display = False
+
     def __init__(
         self, session: Session, *, size: tuple[int, int] = (1440, 900), scale: float = 1.0
     ) -> None:

@@ -5,6 +5,7 @@ import time
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pygame
@@ -14,6 +15,7 @@ from PIL import Image
 from editor import events
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
+from editor.hosts.display import NO_DISPLAY, seen
 from editor.hosts.gamepad import Gamepads
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
@@ -71,6 +73,9 @@ def _icon() -> pygame.Surface:
 class PygameHost(Host):
     """Opens a window, waits for input while idle, draws at the display's rate otherwise."""
 
+    needs_display: ClassVar[bool] = True
+    """Whether a window that nobody sees is an error."""
+
     def __init__(
         self,
         session: Session,
@@ -95,6 +100,9 @@ class PygameHost(Host):
     def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
         try:
             pygame.display.init()
+            if self.needs_display and not seen():
+                pygame.display.quit()
+                raise KinetixError(NO_DISPLAY)
             pygame.key.set_repeat(400, 40)
             for attribute, value in (
                 (pygame.GL_CONTEXT_MAJOR_VERSION, 3),

@@ -1,0 +1,30 @@
+"""Where windows can be seen: SDL draws into memory by itself where no display answers."""
+
+from typing import Final
+
+import pygame
+
+_UNSEEN: Final = frozenset({"offscreen", "dummy"})
+"""SDL's drivers that show nothing."""
+NO_DISPLAY: Final = (
+    "There is no display to open a window on. On a desktop, set DISPLAY or WAYLAND_DISPLAY; over "
+    "ssh, connect with `ssh -X`. Without a display, `kinetix render LEVEL OUT.gif` films a level, "
+    "`make run` films a tour of the editor, and `kinetix-editor --offscreen --replay EVENTS.jsonl` "
+    "runs a script in it (docs/replay.md)."
+)
+
+
+def seen() -> bool:
+    """Return whether the windows of the present driver are seen; `pygame.display` is up."""
+    return pygame.display.get_driver() not in _UNSEEN
+
+
+def has_display() -> bool:
+    """Return whether a window could open: DISPLAY may name a server that is gone."""
+    try:
+        pygame.display.init()
+        return seen()
+    except pygame.error:
+        return False
+    finally:
+        pygame.display.quit()
