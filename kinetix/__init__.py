@@ -20,10 +20,12 @@ if TYPE_CHECKING:
         make_reset_fn_list_of_levels,
         make_reset_fn_sample_kinetix_level,
     )
+    from kinetix.environment.runs import simulate
     from kinetix.environment.spaces import ActionType, ObservationType
     from kinetix.environment.state import EnvState
     from kinetix.environment.wrappers import LogWrapper
     from kinetix.errors import CheckpointError, KinetixError, LevelError
+    from kinetix.level.builder import LevelBuilder
     from kinetix.level.codec import load_level, save_level
     from kinetix.level.model import Level
     from kinetix.render.pixels import make_render_pixels
@@ -35,6 +37,7 @@ _HOME = {
     "EnvState": "kinetix.environment.state",
     "KinetixError": "kinetix.errors",
     "Level": "kinetix.level.model",
+    "LevelBuilder": "kinetix.level.builder",
     "LevelError": "kinetix.errors",
     "LogWrapper": "kinetix.environment.wrappers",
     "ObservationType": "kinetix.environment.spaces",
@@ -51,6 +54,7 @@ _HOME = {
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
     "save_level": "kinetix.level.codec",
+    "simulate": "kinetix.environment.runs",
     "static_env_params_from_size": "kinetix.environment.params",
 }
 
@@ -61,6 +65,7 @@ __all__ = [
     "EnvState",
     "KinetixError",
     "Level",
+    "LevelBuilder",
     "LevelError",
     "LogWrapper",
     "ObservationType",
@@ -77,6 +82,7 @@ __all__ = [
     "sample_kinetix_level",
     "save_agent",
     "save_level",
+    "simulate",
     "static_env_params_from_size",
 ]
 

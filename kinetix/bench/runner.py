@@ -1,34 +1,23 @@
 """Runs the trials of a scene in our engine: all at once, one program a scene."""
 
-import contextlib
 import dataclasses
 import functools
-from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from kinetix.bench.motion import Motion
 from kinetix.engine.pipeline import step
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import Capacity, SceneSpec
-from kinetix.engine.types import Control, Parameters, State, World, default_parameters
+from kinetix.engine.types import Control, Parameters, State, World
+from kinetix.environment.runs import converted, precision, unclipped
 from kinetix.level.compile import compile_level, features_of, features_union
 from kinetix.level.sizes import needed_capacity
 from kinetix.level.slots import body_slots
 from kinetix.scenes.model import Trial
-
-NO_CLIP: Final = 1e6
-"""The suite's scenes are not clipped: a bound far beyond anything that may happen."""
-
-
-@contextlib.contextmanager
-def precision(binary64: bool) -> Iterator[None]:
-    """Within it JAX computes in binary64, or as it is set."""
-    with jax.enable_x64(True) if binary64 else contextlib.nullcontext():
-        yield
 
 
 def run_trials(
@@ -78,7 +67,7 @@ def compiled_trials(
         for trial, scene in zip(trials, scenes, strict=True)
     ]
     controls = [_control(trial, spec.capacity) for trial in trials]
-    given = _stacked(worlds), _stacked(controls), _stacked([_parameters(t) for t in trials])
+    given = _stacked(worlds), _stacked(controls), _stacked([unclipped(t.dt) for t in trials])
     return spec, given, _stacked([scene.state for scene in scenes])
 
 
@@ -86,7 +75,7 @@ def _run(
     trials: Sequence[Trial], spec: SceneSpec, solver: AbstractSolver, binary64: bool, every: int
 ) -> list[Motion]:
     capacity = spec.capacity
-    convert = functools.partial(_converted, binary64=binary64)
+    convert = functools.partial(converted, binary64=binary64)
     _, given, state = compiled_trials(trials, solver, spec)
     given, state = convert(given), convert(state)
     steps = -(-max(trial.steps for trial in trials) // every)
@@ -162,23 +151,8 @@ def _control(trial: Trial, capacity: Capacity) -> Control:
     return Control(motor=motor, thruster=thruster)
 
 
-def _parameters(trial: Trial) -> Parameters:
-    return default_parameters(
-        dt=trial.dt, clip_position=NO_CLIP, clip_velocity=NO_CLIP, clip_angular_velocity=NO_CLIP
-    )
-
-
 def _stacked(trees: Sequence[Any]) -> Any:
     return jax.tree.map(lambda *leaves: np.stack([np.asarray(x) for x in leaves]), *trees)
-
-
-def _converted(tree: Any, *, binary64: bool) -> Any:
-    real = jnp.float64 if binary64 else jnp.float32
-
-    def convert(leaf: np.ndarray) -> jax.Array:
-        return jnp.asarray(leaf, real if np.issubdtype(leaf.dtype, np.floating) else leaf.dtype)
-
-    return jax.tree.map(convert, tree)
 
 
 def _switched_off(world: World) -> World:

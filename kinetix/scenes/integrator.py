@@ -43,7 +43,7 @@ def _hover() -> tuple[Trial, ...]:
     power, mass = 0.5, math.pi * 0.3**2
     stage = Stage("Hover")
     disc = stage.disc(0.3, 0.0, 2.0)
-    stage.thruster(disc, (0.0, 0.0), math.pi / 2, power)
+    stage.thruster(disc, (0.0, 2.0), math.pi / 2, power)
     action = mass * GRAVITY / (10 * power)
     return (Trial(level=stage.level(), duration=10.0, thruster=action),)
 

@@ -2,6 +2,7 @@
 
 import math
 
+from kinetix.level.builder import rectangle
 from kinetix.level.codec import load_level
 from kinetix.level.model import Circle, Level, Motor, Polygon
 from kinetix.paths import levels_dir
@@ -9,7 +10,7 @@ from kinetix.scenes.contacts import heavy_on_light, stack
 from kinetix.scenes.impacts import bouncing_disc
 from kinetix.scenes.joints import hanging_chain, pendulum
 from kinetix.scenes.model import STEP, SuiteScene, Trial
-from kinetix.scenes.stage import Stage, rectangle
+from kinetix.scenes.stage import Stage
 
 RATES = (30, 60, 120, 240)
 """Steps per second of the map over time steps."""
@@ -81,7 +82,7 @@ def _degenerate() -> tuple[Trial, ...]:
     odd = stages["action not a number"]
     disc = odd.disc(0.2, 0.0, 0.6)
     odd.join("revolute", odd.post(0.0, 0.6), disc, (0.0, 0.6), motor=Motor())
-    odd.thruster(odd.box(0.2, 0.2, 1.0, 0.5), (0.0, 0.0), 0.0, 1.0)
+    odd.thruster(odd.box(0.2, 0.2, 1.0, 0.5), (1.0, 0.5), 0.0, 1.0)
     return tuple(
         trial(
             name,

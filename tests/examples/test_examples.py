@@ -16,6 +16,7 @@ RUNS = {
     "handmade_level_replay": [],
     "auto_reset": ["--worlds", "4", "--steps", "20"],
     "inverse_render": ["--out", "seen.png"],
+    "domino": ["--dominoes", "12"],
     "batch_rollout": ["--worlds", "8", "--steps", "8"],
     "custom_level_to_training": [
         "--out",

@@ -1,0 +1,389 @@
+"""Builds a level from Python: bodies by their place in the world. No JAX."""
+
+import math
+import typing
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+from kinetix.errors import LevelError
+from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
+from kinetix.level.model import (
+    ARENA_NAMES,
+    COLLISIONS,
+    MAX_ENTITIES,
+    MOTOR_BINDINGS,
+    ROLES,
+    THRUSTER_BINDINGS,
+    Arena,
+    ArenaBody,
+    ArenaName,
+    Body,
+    BodyReference,
+    Circle,
+    Collision,
+    Joint,
+    JointKind,
+    Level,
+    Limits,
+    Motor,
+    Point,
+    Polygon,
+    Role,
+    Shape,
+    Thruster,
+)
+
+_GHOST = ArenaBody(collision="ghost")
+EMPTY_ARENA: Final = Arena(floor=_GHOST, left_wall=_GHOST, right_wall=_GHOST, ceiling=_GHOST)
+"""An arena that nothing touches."""
+
+
+class BodyFields(typing.TypedDict, total=False):
+    """What every shape can be told besides its place and size."""
+
+    angle: float
+    """Turn around the centre of mass [rad]."""
+    velocity: Point
+    """[m/s]."""
+    angular_velocity: float
+    """[rad/s]."""
+    density: float
+    """Mass per area [kg/m²]."""
+    friction: float
+    """A pair of bodies has the coefficient 0.4·√(f_a² + f_b²)."""
+    restitution: float
+    """0 … 1; a pair has the smaller of the two."""
+    fixed: bool
+    """Nothing moves it."""
+    role: Role
+    collision: Collision
+
+
+class LevelBuilder:
+    """Collects bodies, joints and thrusters; `build` returns the level.
+
+    Units are SI, angles in radians, counter-clockwise. Every call returns the new entity's id.
+    Positions may be anything; files keep to ±15 m.
+    """
+
+    def __init__(
+        self, name: str = "", gravity: Sequence[float] = (0.0, -9.81), arena: bool | Arena = True
+    ) -> None:
+        """Start with an empty space.
+
+        Args:
+            name: Title of the level; "Untitled" without one.
+            gravity: Acceleration of gravity (x, y) [m/s²].
+            arena: Whether there are a floor at y = 0.4, walls at x = 0 and 5 and a ceiling at
+                y = 5; or an arena of one's own.
+
+        Raises:
+            LevelError: The gravity is not two finite numbers.
+        """
+        self._name = name or "Untitled"
+        self._gravity = _pair("gravity", gravity)
+        self._arena = arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA
+        self._bodies: dict[int, Body] = {}
+        self._joints: list[Joint] = []
+        self._thrusters: list[Thruster] = []
+        self._used = 0
+
+    def __repr__(self) -> str:
+        """The name and how much there is."""
+        return (
+            f"LevelBuilder({self._name!r}: {len(self._bodies)} bodies, {len(self._joints)} joints, "
+            f"{len(self._thrusters)} thrusters)"
+        )
+
+    @property
+    def floor(self) -> ArenaName:
+        """What joints call the arena's floor."""
+        return "floor"
+
+    @property
+    def left_wall(self) -> ArenaName:
+        """What joints call the arena's left wall."""
+        return "left_wall"
+
+    @property
+    def right_wall(self) -> ArenaName:
+        """What joints call the arena's right wall."""
+        return "right_wall"
+
+    @property
+    def ceiling(self) -> ArenaName:
+        """What joints call the arena's ceiling."""
+        return "ceiling"
+
+    def rectangle(
+        self, x: float, y: float, width: float, height: float, **more: typing.Unpack[BodyFields]
+    ) -> int:
+        """Add a rectangle by its centre [m].
+
+        Args:
+            x: Of the centre.
+            y: Of the centre.
+            width: Along x before it is turned by `angle`.
+            height: Along y before it is turned by `angle`.
+            more: See `BodyFields`.
+
+        Raises:
+            LevelError: A value cannot be.
+        """
+        shape = Polygon(vertices=rectangle(_size("width", width), _size("height", height)))
+        return self.body(shape, x, y, **more)
+
+    def circle(self, x: float, y: float, radius: float, **more: typing.Unpack[BodyFields]) -> int:
+        """Add a disc by its centre and radius [m]; `more`: see `BodyFields`.
+
+        Raises:
+            LevelError: A value cannot be.
+        """
+        return self.body(Circle(radius=_size("radius", radius)), x, y, **more)
+
+    def polygon(self, points: Iterable[Sequence[float]], **more: typing.Unpack[BodyFields]) -> int:
+        """Add a convex polygon by its 3 or 4 corners in the world.
+
+        Args:
+            points: Counter-clockwise [m]; as they are before the body is turned by `angle`.
+            more: See `BodyFields`.
+
+        Raises:
+            LevelError: The corners are no such polygon, or a value cannot be.
+        """
+        corners = tuple(_pair("points", point) for point in points)
+        fault = polygon_fault(corners)
+        if fault is not None:
+            raise LevelError(f"polygon {_short(corners)}: {fault}")
+        x, y = area_centroid(corners)
+        local = tuple((px - x, py - y) for px, py in corners)
+        return self.body(Polygon(vertices=local), x, y, **more)
+
+    def body(self, shape: Shape, x: float, y: float, **more: typing.Unpack[BodyFields]) -> int:
+        """Add a body of any shape of the format by the origin of its frame [m].
+
+        Raises:
+            LevelError: A value cannot be.
+        """
+        fields: dict[str, Any] = dict(more)
+        _check_fields(fields)
+        body_id = self._next("bodies", len(self._bodies))
+        self._bodies[body_id] = Body(
+            id=body_id, shape=shape, position=(_real("x", x), _real("y", y)), **fields
+        )
+        return body_id
+
+    def hinge(
+        self,
+        a: BodyReference,
+        b: BodyReference,
+        at: Sequence[float],
+        *,
+        motor: Motor | None = None,
+        limits: Limits | Sequence[float] | None = None,
+        reference_angle: float | None = None,
+    ) -> int:
+        """Join two bodies at a point so that they can turn against each other.
+
+        Bodies that hang together by joints do not collide.
+
+        Args:
+            a: First body.
+            b: Second body; a motor at +1 turns it counter-clockwise against the first.
+            at: The point in the world [m].
+            motor: `kinetix.level.Motor`; none without one.
+            limits: Least and greatest angle of b against a, or `kinetix.level.Limits` [rad].
+            reference_angle: Angle of b minus angle of a that counts as zero; by default the present
+                one [rad].
+
+        Raises:
+            LevelError: A body is missing, or a value cannot be.
+        """
+        if limits is not None and not isinstance(limits, Limits):
+            low, high = _pair("limits", limits)
+            limits = Limits(min=low, max=high)
+        if limits is not None and limits.min > limits.max:
+            raise LevelError(f"limits ({limits.min:g}, {limits.max:g}): expected min ≤ max")
+        if motor is not None and not isinstance(motor, Motor):
+            raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
+        if motor is not None and motor.binding not in range(MOTOR_BINDINGS):
+            raise LevelError(f"motor: binding {motor.binding}: expected 0 … {MOTOR_BINDINGS - 1}")
+        return self._join(
+            "revolute", (a, b), at, motor=motor, limits=limits, reference_angle=reference_angle
+        )
+
+    def weld(self, a: BodyReference, b: BodyReference, at: Sequence[float]) -> int:
+        """Join two bodies rigidly at a point of the world [m].
+
+        Raises:
+            LevelError: A body is missing, or the point is not two finite numbers.
+        """
+        return self._join("fixed", (a, b), at)
+
+    def thruster(
+        self,
+        body: int,
+        at: Sequence[float],
+        *,
+        angle: float,
+        power: float,
+        binding: int = 0,
+    ) -> int:
+        """Add a thruster to a body.
+
+        Args:
+            body: What it pushes.
+            at: Where it sits, in the world [m].
+            angle: Direction of its push at the start; it turns with the body [rad].
+            power: Strength in units of 10 N.
+            binding: Action channel that drives it, 0 or 1.
+
+        Raises:
+            LevelError: The body is missing, or a value cannot be.
+        """
+        pushed = self._find(body)
+        if isinstance(body, str):
+            raise LevelError(f"thruster on {body}: expected a body that is not part of the arena")
+        if binding not in range(THRUSTER_BINDINGS):
+            raise LevelError(f"thruster: binding {binding!r}: expected 0 … {THRUSTER_BINDINGS - 1}")
+        thruster = Thruster(
+            id=self._next("thrusters", len(self._thrusters)),
+            body=body,
+            position=to_local(pushed, _pair("at", at)),
+            angle=_real("angle", angle) - pushed.angle,
+            power=_real("power", power, low=0.0),
+            binding=binding,
+        )
+        self._thrusters.append(thruster)
+        return thruster.id
+
+    def build(self) -> Level:
+        """Return the level as it is now; the builder can be used further."""
+        return Level(
+            name=self._name,
+            gravity=self._gravity,
+            arena=self._arena,
+            bodies=tuple(self._bodies.values()),
+            joints=tuple(self._joints),
+            thrusters=tuple(self._thrusters),
+        )
+
+    def _join(
+        self,
+        kind: JointKind,
+        ends: tuple[BodyReference, BodyReference],
+        at: Sequence[float],
+        *,
+        motor: Motor | None = None,
+        limits: Limits | None = None,
+        reference_angle: float | None = None,
+    ) -> int:
+        first, second = (self._find(end) for end in ends)
+        place = _pair("at", at)
+        if reference_angle is None:
+            reference_angle = second.angle - first.angle
+        joint = Joint(
+            id=self._next("joints", len(self._joints)),
+            kind=kind,
+            a=ends[0],
+            b=ends[1],
+            anchor_a=to_local(first, place),
+            anchor_b=to_local(second, place),
+            reference_angle=_real("reference_angle", reference_angle),
+            motor=motor,
+            limits=limits,
+        )
+        self._joints.append(joint)
+        return joint.id
+
+    def _next(self, kind: str, count: int) -> int:
+        if count >= MAX_ENTITIES:
+            raise LevelError(f"expected at most {MAX_ENTITIES} {kind} in a level")
+        self._used += 1
+        return self._used
+
+    def _find(self, reference: BodyReference) -> Body:
+        if isinstance(reference, str):
+            if reference not in ARENA_NAMES:
+                raise LevelError(
+                    f"there is no body {reference!r}: expected an id or {', '.join(ARENA_NAMES)}"
+                )
+            if self._arena is EMPTY_ARENA:
+                raise LevelError(
+                    f"there is no {reference}, as arena=False: add a body with fixed=True instead"
+                )
+            return arena_body(self._arena, reference)
+        if reference not in self._bodies:
+            raise LevelError(
+                f"there is no body {reference!r}: expected an id that rectangle, circle or polygon "
+                f"returned"
+            )
+        return self._bodies[reference]
+
+
+def rectangle(width: float, height: float) -> tuple[Point, ...]:
+    """Return the corners of a rectangle around its centre, counter-clockwise [m]."""
+    x, y = width / 2, height / 2
+    return ((x, y), (-x, y), (-x, -y), (x, -y))
+
+
+_CHOICES: Final[dict[str, tuple[str, ...]]] = {"role": ROLES, "collision": COLLISIONS}
+_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "angle": (-math.inf, math.inf),
+    "angular_velocity": (-math.inf, math.inf),
+    "friction": (0.0, math.inf),
+    "restitution": (0.0, 1.0),
+}
+
+
+def _check_fields(fields: dict[str, Any]) -> None:
+    """Refuse unknown names and values that no body can have; numbers become floats."""
+    unknown = [name for name in fields if name not in BodyFields.__annotations__]
+    if unknown:
+        raise TypeError(
+            f"unexpected argument {unknown[0]!r}: expected {', '.join(BodyFields.__annotations__)}"
+        )
+    for name, value in fields.items():
+        if name in _CHOICES and value not in _CHOICES[name]:
+            raise LevelError(f"{name} {value!r}: expected one of {', '.join(_CHOICES[name])}")
+        if name in _RANGES:
+            fields[name] = _real(name, value, *_RANGES[name])
+    if "velocity" in fields:
+        fields["velocity"] = _pair("velocity", fields["velocity"])
+    if "density" in fields:
+        fields["density"] = _size("density", fields["density"])
+    if "fixed" in fields:
+        fields["fixed"] = bool(fields["fixed"])
+
+
+def _real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+    """A finite number within bounds."""
+    try:
+        real = float(value)
+    except (TypeError, ValueError):
+        raise LevelError(f"{name} {value!r}: expected a number") from None
+    if not math.isfinite(real):
+        raise LevelError(f"{name} {value!r}: expected a finite number")
+    if not low <= real <= high:
+        bound = f"at least {low:g}" if math.isinf(high) else f"{low:g} … {high:g}"
+        raise LevelError(f"{name} {value!r}: expected {bound}")
+    return real
+
+
+def _size(name: str, value: Any) -> float:
+    real = _real(name, value)
+    if real <= 0:
+        raise LevelError(f"{name} {value!r}: expected more than 0")
+    return real
+
+
+def _pair(name: str, values: Any) -> Point:
+    try:
+        x, y = values
+    except (TypeError, ValueError):
+        raise LevelError(f"{name} {values!r}: expected two numbers, x and y") from None
+    return _real(name, x), _real(name, y)
+
+
+def _short(corners: Sequence[Point]) -> str:
+    return ", ".join(f"({x:g}, {y:g})" for x, y in corners[:5])

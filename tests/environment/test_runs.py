@@ -1,0 +1,136 @@
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import kinetix
+from kinetix.environment import runs
+from kinetix.errors import KinetixError
+from kinetix.level.model import Motor
+
+
+def falling(x=0.0, **fields):
+    b = kinetix.LevelBuilder("Falling", arena=False)
+    b.circle(x, 0, 0.2, **fields)
+    return b.build()
+
+
+def test_free_fall_far_away_and_fast_is_not_clipped():
+    run = kinetix.simulate(falling(500.0, velocity=(300.0, 0.0), angular_velocity=80.0), 1.0)
+    assert run.position.shape == (61, 1, 2)
+    assert run.time[-1] == pytest.approx(1.0)
+    assert run.position[-1, 0] == pytest.approx((800.0, -9.81 / 2), abs=1e-3)
+    assert run.velocity[-1, 0] == pytest.approx((300.0, -9.81), abs=1e-3)
+    assert run.rotation[-1, 0] == pytest.approx(80.0, abs=1e-3)
+    assert (run.dropped_contacts == np.zeros(60)).all()
+
+
+def test_a_level_with_walls_is_clipped_as_in_the_environment():
+    b = kinetix.LevelBuilder(gravity=(0, 0))
+    b.circle(2, 2, 0.2, angular_velocity=80.0)
+    run = kinetix.simulate(b.build(), 0.1)
+    assert run.angular_velocity[-1, 0] == 50.0
+
+
+def test_runs_of_any_length_and_number_share_a_compiled_step():
+    before = runs._advance._cache_size()
+    kinetix.simulate(falling(), 0.1)
+    kinetix.simulate(falling(3.0, density=2.0), 4.0)
+    kinetix.simulate(falling(3.0, velocity=(1.0, 2.0)), 1.0, dt=1 / 120)
+    assert runs._advance._cache_size() <= before + 1
+
+
+def test_a_long_run_goes_on_where_a_chunk_ended():
+    steps = runs.CHUNK + 7
+    run = kinetix.simulate(falling(), steps / 60)
+    assert len(run.time) == steps + 1
+    assert run.position[:, 0, 1] == pytest.approx(-9.81 / 2 * run.time**2, abs=1e-3)
+
+
+def test_bodies_come_in_the_level_s_order():
+    b = kinetix.LevelBuilder(arena=False)
+    ball, box = b.circle(0, 0, 0.2, velocity=(1, 0)), b.rectangle(9, 0, 1, 1, fixed=True)
+    run = kinetix.simulate(b.build(), 0.1)
+    assert run.ids.tolist() == [ball, box]
+    assert run.position[-1, run.index(box)] == pytest.approx((9, 0))
+    with pytest.raises(KinetixError, match="no body 7"):
+        run.index(7)
+
+
+def wheel(auto=False):
+    b = kinetix.LevelBuilder(gravity=(0, 0))
+    post, disc = b.rectangle(2, 2, 0.1, 0.1, fixed=True), b.circle(2, 2, 0.3)
+    b.hinge(post, disc, (2, 2), motor=Motor(binding=1, auto=auto))
+    b.thruster(disc, (2, 2), angle=0, power=1)
+    return b.build()
+
+
+def test_actions_drive_motors():
+    still = kinetix.simulate(wheel(), 1.0)
+    held = kinetix.simulate(wheel(), 1.0, actions=[0, 1, 0, 0, 0, 0])
+    rows = np.zeros((60, 6))
+    rows[30:, 1] = -1
+    later = kinetix.simulate(wheel(), 1.0, actions=rows)
+    assert still.rotation[-1, 1] == 0
+    assert held.angular_velocity[-1, 1] == pytest.approx(6.0, abs=0.01)
+    assert later.rotation[30, 1] == 0
+    assert later.angular_velocity[-1, 1] == pytest.approx(-6.0, abs=0.01)
+    assert kinetix.simulate(wheel(auto=True), 1.0).angular_velocity[-1, 1] == pytest.approx(
+        6, abs=0.01
+    )
+
+
+@pytest.mark.parametrize("specialised", [True, False])
+def test_a_recorded_solution_wins_as_in_the_environment(specialised):
+    level = kinetix.load_level("s/first_flight")
+    steps = sum(1 for _ in level.solution.unrolled()) * level.solution.frame_skip
+    run = kinetix.simulate(
+        level,
+        steps / 60,
+        physics=level.solution.physics,
+        actions=level.solution,
+        specialised=specialised,
+    )
+    green, blue = (
+        next(body for body in level.bodies if body.role == role) for role in ("green", "blue")
+    )
+    apart = run.position[-1, run.index(green.id)] - run.position[-1, run.index(blue.id)]
+    assert np.linalg.norm(apart) < np.linalg.norm(np.subtract(green.position, blue.position)) / 2
+
+
+def test_the_reference_computes_in_binary64():
+    run = kinetix.simulate(falling(0.1), 1 / 60, physics="reference")
+    assert run.position.dtype == np.float64
+    assert kinetix.simulate(falling(), 1 / 60).position.dtype == np.float32
+
+
+def test_a_run_is_frozen_short_and_can_be_kept():
+    run = kinetix.simulate(falling(), 0.5)
+    assert len(repr(run)) < 120
+    with pytest.raises(ValueError, match="read-only"):
+        run.position[0] = 1
+    with pytest.raises(AttributeError):
+        run.time = None
+    assert (pickle.loads(pickle.dumps(run)).position == run.position).all()
+
+
+WRONG = {
+    "level": (("s/first_flight", 1.0), {}, "expected a kinetix.Level"),
+    "seconds": ((falling(), -1.0), {}, "seconds -1.0: expected a finite number above 0"),
+    "endless": ((falling(), math.inf), {}, "seconds inf: expected a finite number"),
+    "long": ((falling(), 1e9), {}, "at most 10000000 steps"),
+    "dt": ((falling(), 1.0), {"dt": 0}, "dt 0: expected a finite number above 0"),
+    "physics": ((falling(), 1.0), {"physics": "slow"}, "unknown physics 'slow'"),
+    "actions": ((falling(), 1.0), {"actions": [1, 2]}, r"expected finite numbers of shape \(6,\)"),
+    "rows": ((falling(), 1.0), {"actions": np.zeros((59, 6))}, r"\(60, 6\), a row per step"),
+    "nan": ((falling(), 1.0), {"actions": [math.nan] * 6}, "expected finite numbers"),
+    "words": ((falling(), 1.0), {"actions": "random"}, "expected finite numbers"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_cannot_be_is_said_in_a_sentence(name):
+    arguments, options, text = WRONG[name]
+    with pytest.raises(KinetixError, match=text):
+        kinetix.simulate(*arguments, **options)

@@ -1,0 +1,31 @@
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+FILE = Path(__file__).resolve().parents[2] / "examples" / "domino.py"
+
+
+def example():
+    spec = importlib.util.spec_from_file_location("domino", FILE)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_formula_scales_as_the_law_of_similarity_says():
+    domino = example()
+    speed = domino.wave_speed(0.4, 0.05, 0.15)
+    # Speeds of similar rows go with the root of their size; a closer row is faster.
+    assert domino.wave_speed(1.6, 0.2, 0.6) == pytest.approx(2 * speed, rel=1e-6)
+    assert domino.wave_speed(0.4, 0.05, 0.1) > speed > domino.wave_speed(0.4, 0.05, 0.2)
+    # The wave has forgotten its start.
+    assert domino.wave_speed(0.4, 0.05, 0.15, 40) == pytest.approx(speed, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(reason="the engine leaves contacts out where many bodies lean on each other")
+def test_the_engine_s_wave_runs_as_the_formula_says():
+    domino = example()
+    wanted = domino.wave_speed(0.4, 0.05, 0.15)
+    assert domino.measured_speed(0.4, 0.05, 0.15, 40) == pytest.approx(wanted, rel=0.05)
