@@ -45,6 +45,8 @@ class Targets:
     """Slanted edges."""
     boxes: tuple[tuple[float, float, float, float], ...]
     """Bounding boxes of the bodies, for equal spacing."""
+    apart: Point | None = None
+    """A point whose lines the grid leaves alone too."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -73,6 +75,8 @@ class Rules:
     """[m]"""
 
 
+APART: Final = 0.015
+"""Coordinates nearer than this to what must keep its distance catch nothing [m]."""
 NO_SNAPPING: Final = Rules(smart=False, grid=None, catch=0.0, release=0.0)
 NO_TARGETS: Final = Targets(x=(), y=(), segments=(), boxes=())
 
@@ -121,8 +125,26 @@ def _slanted(bodies: Iterable[Body]) -> Iterable[tuple[Point, Point]]:
 def snap_point(
     point: Point, rules: Rules, available: Targets, previous: Snapped | None = None
 ) -> Snapped:
-    """Where a single dragged point goes."""
+    """Return where a single dragged point goes."""
     return _snap((point,), (point,), point, rules, available, previous)
+
+
+def apart_from(available: Targets, point: Point) -> Targets:
+    """Return the targets that do not lie on the lines through a point.
+
+    A corner that snapped to the line on which the opposite corner lies would leave a shape of no
+    width or height.
+
+    Args:
+        available: What to snap to.
+        point: What must keep its distance on both axes.
+    """
+    return dataclasses.replace(
+        available,
+        x=tuple(c for c in available.x if abs(c.value - point[0]) > APART),
+        y=tuple(c for c in available.y if abs(c.value - point[1]) > APART),
+        apart=point,
+    )
 
 
 def snap_shift(
@@ -201,7 +223,7 @@ def _snap(
     if rules.grid is not None:
         for axis in (0, 1):
             if catches[axis] is None:
-                catches[axis] = _gridded(grid_points, axis, rules)
+                catches[axis] = _gridded(grid_points, axis, rules, available.apart)
     dx, dy = (0.0 if catch is None else catch.shift for catch in catches)
     return Snapped(
         point=(anchor[0] + dx, anchor[1] + dy),
@@ -286,11 +308,15 @@ def _flush(
     return best[1] if best else None
 
 
-def _gridded(points: tuple[Point, ...], axis: int, rules: Rules) -> _Catch | None:
+def _gridded(
+    points: tuple[Point, ...], axis: int, rules: Rules, apart: Point | None
+) -> _Catch | None:
     assert rules.grid is not None
     point = points[0]
     value = round(point[axis] / rules.grid) * rules.grid
     if abs(value - point[axis]) > rules.catch:
+        return None
+    if apart is not None and abs(value - apart[axis]) <= APART:
         return None
     return _Catch(shift=value - point[axis], value=value, start=None, feature=point)
 

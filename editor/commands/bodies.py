@@ -2,11 +2,16 @@
 
 import dataclasses
 from collections.abc import Hashable
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
-from kinetix.level.model import Body, Circle, Level
+from kinetix.level.model import Body, Circle, Level, Polygon
+
+SIZE_DECIMALS: Final = 5
+"""Decimals of the sizes of what is drawn [m]: a hundredth of a millimetre."""
+PLACE_DECIMALS: Final = 6
+"""Decimals of its place: halves of sizes fit."""
 
 
 class Poses(Protocol):
@@ -56,6 +61,19 @@ def posed(level: Level, poses: Poses) -> Level:
     )
 
 
+def tidied(body: Body) -> Body:
+    """Return a body without the noise of the pointer: two shapes drawn alike are equal."""
+    shape = body.shape
+    if isinstance(shape, Circle):
+        shape = Circle(radius=round(shape.radius, SIZE_DECIMALS))
+    elif len(shape.vertices) == 4:
+        # The corners of a triangle are as they are: its frame stands in its centre of mass.
+        corners = ((round(x, SIZE_DECIMALS), round(y, SIZE_DECIMALS)) for x, y in shape.vertices)
+        shape = Polygon(vertices=tuple(corners))
+    x, y = body.position
+    return body.replace(shape=shape, position=(round(x, PLACE_DECIMALS), round(y, PLACE_DECIMALS)))
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AddBody:
     """Puts a new body on top of those of its kind; its id is given when it is added."""
@@ -72,5 +90,5 @@ class AddBody:
 
     def apply(self, level: Level) -> Level:
         """Append the body."""
-        body = self.body.replace(id=level.next_id)
+        body = tidied(self.body).replace(id=level.next_id)
         return level.replace(bodies=(*level.bodies, body), next_id=level.next_id + 1)

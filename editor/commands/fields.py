@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import math
 import typing
 from collections.abc import Hashable
 from typing import Any, Final
@@ -18,6 +19,8 @@ _ABSENT: Final[dict[str, Record]] = {"motor": Motor(on=False), "limits": Limits(
 _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
+_NOISE: Final = 2e-6
+"""Values that differ by less, in all or in proportion, are shown as one."""
 
 
 @functools.cache
@@ -121,7 +124,14 @@ def shared_value(level: Level, selection: Selection, path: str) -> tuple[Any, bo
             missing = error
     if not values:
         raise missing
-    return values[-1], all(value == values[-1] for value in values)
+    return values[-1], all(alike(value, values[-1]) for value in values)
+
+
+def alike(a: Any, b: Any) -> bool:
+    """Return whether two values of a field are equal up to the rounding of 32-bit numbers."""
+    if isinstance(a, float) and isinstance(b, float):
+        return math.isclose(a, b, rel_tol=_NOISE, abs_tol=_NOISE)
+    return a == b
 
 
 def selected_records(level: Level, selection: Selection) -> list[Record]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from editor.commands.bodies import AddBody
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Label, Line, Style
-from editor.snapping import snap_point
+from editor.snapping import apart_from, snap_point
 from editor.tools.base import Feedback, Gesture, Tool
 from kinetix.level.model import Body, Circle
 
@@ -33,6 +33,7 @@ class CircleTool(Tool):
         """Draw one circle."""
         available = session.targets()
         start = snap_point(event.world, session.rules(event.modifiers), available).point
+        available = apart_from(available, start)
         snapped, command = None, None
         feedback = Feedback(cursor=Cursor.CROSS)
         while True:

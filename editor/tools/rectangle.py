@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from editor.commands.bodies import AddBody
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Label
-from editor.snapping import snap_point
+from editor.snapping import apart_from, snap_point
 from editor.tools.base import Feedback, Gesture, Tool
 from kinetix.level.model import Body, Point, Polygon
 
@@ -55,6 +55,7 @@ class RectangleTool(Tool):
         """Draw one rectangle."""
         rules, available = session.rules(event.modifiers), session.targets()
         start = snap_point(event.world, rules, available).point
+        available = apart_from(available, start)
         snapped, command = None, None
         feedback = Feedback(cursor=Cursor.CROSS)
         while True:

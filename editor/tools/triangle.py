@@ -1,12 +1,13 @@
 """Draws triangles by three clicks; the turning sense does not matter."""
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from editor.commands.bodies import AddBody
 from editor.commands.group import polygon_body
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Dot, Label, Line, Mark, Outline, Style
-from editor.snapping import snap_point
+from editor.snapping import APART, NO_SNAPPING, snap_point
 from editor.tools.base import Feedback, Gesture, Tool
 from kinetix.errors import CommandError
 from kinetix.level.geometry import polygon_fault, signed_area
@@ -36,6 +37,9 @@ class TriangleTool(Tool):
         while len(corners) < 3:
             event = yield Feedback(marks=_marks(corners, snapped.point), cursor=Cursor.CROSS)
             snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+            if any(math.dist(snapped.point, corner) < APART for corner in corners):
+                # A corner that snapped onto another one would leave no triangle.
+                snapped = snap_point(event.world, NO_SNAPPING, available)
             far = max(abs(snapped.point[k] - corners[-1][k]) for k in (0, 1)) > reach
             if event.kind is Pointer.PRESS or (event.kind is Pointer.RELEASE and far):
                 corners.append(snapped.point)

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from editor.commands.bodies import PLACE_DECIMALS
 from editor.commands.group import Move
 from editor.commands.joints import MoveJoint
 from editor.commands.thrusters import PlaceThruster
@@ -35,7 +36,7 @@ def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -
         if event.modifiers.shift:
             shift = (shift[0], 0.0) if abs(shift[0]) >= abs(shift[1]) else (0.0, shift[1])
         snapped = snap_shift(bodies, shift, session.rules(event.modifiers), available, snapped)
-        dx, dy = snapped.point
+        dx, dy = (round(value, PLACE_DECIMALS) for value in snapped.point)
         if event.modifiers.shift:
             dx, dy = (dx, 0.0) if shift[1] == 0.0 else (0.0, dy)
         if event.typed:

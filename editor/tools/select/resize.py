@@ -8,10 +8,16 @@ from editor.commands.group import Scale, SetVertices, Stretch
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Handle, HandleKind, Label
 from editor.picking import selected_bodies
-from editor.snapping import snap_point
+from editor.snapping import apart_from, snap_point
 from editor.tools.base import Feedback, Gesture
 from kinetix.errors import CommandError
-from kinetix.level.geometry import bounds_of, polygon_fault, to_local, world_vertices
+from kinetix.level.geometry import (
+    bounds_of,
+    polygon_fault,
+    to_local,
+    to_world,
+    world_vertices,
+)
 from kinetix.level.model import Body, Circle, Point, Polygon
 
 if TYPE_CHECKING:
@@ -19,6 +25,7 @@ if TYPE_CHECKING:
 
 FACTOR_MIN: Final = 0.02
 """A drag through the held point does not turn a shape inside out: it stops here."""
+_SCALING: Final = (HandleKind.SCALE, HandleKind.SCALE_X, HandleKind.SCALE_Y)
 
 
 def resize(session: "Session", handle: Handle) -> Gesture:
@@ -26,6 +33,8 @@ def resize(session: "Session", handle: Handle) -> Gesture:
     bodies = list(selected_bodies(session.document.level, session.selection))
     ids = tuple(body.id for body in bodies)
     available, snapped = session.targets(ids), None
+    if len(bodies) == 1 and handle.kind in _SCALING:
+        available = apart_from(available, _opposite(bodies[0], handle))
     feedback = Feedback(cursor=Cursor.RESIZE)
     while True:
         event = yield feedback
@@ -82,8 +91,7 @@ def _resized_circle(
 def _stretched(
     body: Body, shape: Polygon, handle: Handle, pointer: Point, event: PointerEvent
 ) -> tuple[Command, str]:
-    xs, ys = [x for x, _ in shape.vertices], [y for _, y in shape.vertices]
-    low, high = (min(xs), min(ys)), (max(xs), max(ys))
+    low, high = _extent(shape)
     corner, axes = _grip(handle, low, high)
     centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
     opposite = (2 * centre[0] - corner[0], 2 * centre[1] - corner[1])
@@ -100,6 +108,20 @@ def _stretched(
         factors = [largest, largest]
     text = f"{size[0] * factors[0]:.2f} × {size[1] * factors[1]:.2f} m"
     return Stretch(body=body.id, factors=(factors[0], factors[1]), hold=hold), text
+
+
+def _extent(shape: Polygon) -> tuple[Point, Point]:
+    """Return the least and the greatest x and y of the corners, in the body's frame [m]."""
+    xs, ys = [x for x, _ in shape.vertices], [y for _, y in shape.vertices]
+    return (min(xs), min(ys)), (max(xs), max(ys))
+
+
+def _opposite(body: Body, handle: Handle) -> Point:
+    """Return the point of a polygon's box that lies opposite a handle, in the world [m]."""
+    assert isinstance(body.shape, Polygon)
+    low, high = _extent(body.shape)
+    (x, y), _ = _grip(handle, low, high)
+    return to_world(body, (low[0] + high[0] - x, low[1] + high[1] - y))
 
 
 def _grip(handle: Handle, low: Point, high: Point) -> tuple[Point, tuple[int, ...]]:

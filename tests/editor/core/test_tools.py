@@ -321,3 +321,66 @@ def test_hovering_and_drawing_never_touch_the_committed_level(session, hand):
         for k in range(20):
             hand.move((0.25 * k, 2.5))
     assert session.document.level is before
+
+
+FLOOR_TOP = 0.4
+
+
+@pytest.mark.parametrize("smart", [True, False], ids=["shapes", "grid"])
+@pytest.mark.parametrize("size", [0.06, 0.1])
+def test_a_small_rectangle_on_the_floor_keeps_its_height(size, smart):
+    level = Level(name="Empty")
+    session = a_session(level, snap_smart=smart, snap_grid=not smart, grid_step=0.25)
+    hand = Hand(session)
+    hand.key("r")
+    hand.drag((1.0, FLOOR_TOP), (1.0 + size, FLOOR_TOP + size))
+    corners = drawn(session).shape.vertices
+    # The grid may take the corner to a line near it, but not to that of the first corner.
+    assert max(y for _, y in corners) * 2 == pytest.approx(size, abs=0.02 if smart else 0.045)
+    assert max(x for x, _ in corners) * 2 == pytest.approx(size, abs=0.02 if smart else 0.045)
+
+
+def test_a_small_circle_on_the_floor_keeps_its_radius():
+    session = a_session(Level(name="Empty"), snap_smart=True)
+    hand = Hand(session)
+    hand.key("c")
+    hand.drag((2.5, FLOOR_TOP), (2.55, FLOOR_TOP + 0.05))
+    assert drawn(session).shape.radius == pytest.approx(math.hypot(0.05, 0.05), abs=1e-4)
+
+
+def test_a_small_triangle_keeps_its_corners_apart():
+    session = a_session(Level(name="Empty"), snap_smart=True)
+    hand = Hand(session)
+    hand.key("t")
+    for corner in ((2.5, FLOOR_TOP), (2.56, FLOOR_TOP + 0.01), (2.53, FLOOR_TOP + 0.06)):
+        hand.click(corner)
+    assert len(drawn(session).shape.vertices) == 3
+
+
+def test_a_shape_on_the_floor_is_made_low_without_collapsing():
+    session = a_session(Level(name="Empty"), snap_smart=True)
+    hand = Hand(session)
+    hand.key("r")
+    hand.drag((1.0, FLOOR_TOP), (1.5, FLOOR_TOP + 0.5))
+    hand.drag((1.25, FLOOR_TOP + 0.5), (1.25, FLOOR_TOP + 0.06))
+    corners = drawn(session).shape.vertices
+    assert max(y for _, y in corners) * 2 == pytest.approx(0.06, abs=0.01)
+
+
+def test_two_wheels_drawn_alike_are_equal():
+    from editor.commands.fields import shared_value
+
+    session = a_session(Level(name="Empty"))
+    hand = Hand(session)
+    for x, y in ((1.0, 1.0), (3.13, 2.7)):
+        hand.key("c")
+        hand.drag((x, y), (x + 0.2, y + 0.1))
+    first, second = session.document.level.bodies
+    assert first.shape == second.shape
+    level = session.document.level
+    nearly = second.shape.replace(radius=second.shape.radius + 1e-7)
+    level = level.replace(bodies=(first, second.replace(shape=nearly)))
+    assert shared_value(level, (first.id, second.id), "shape.radius")[1]
+    other = second.shape.replace(radius=second.shape.radius + 1e-3)
+    level = level.replace(bodies=(first, second.replace(shape=other)))
+    assert not shared_value(level, (first.id, second.id), "shape.radius")[1]
