@@ -83,7 +83,7 @@ class Icons:
     select = fa.ICON_FA_ARROW_POINTER
     rectangle = fa.ICON_FA_SQUARE
     circle = fa.ICON_FA_CIRCLE
-    triangle = fa.ICON_FA_PLAY
+    triangle = fa.ICON_FA_CARET_UP
     joint = fa.ICON_FA_CIRCLE_DOT
     weld = fa.ICON_FA_SQUARE_PLUS
     thruster = fa.ICON_FA_ROCKET

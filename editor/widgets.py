@@ -231,8 +231,34 @@ def icon_button(  # noqa: PLR0913 - one button has that many looks
         ),
     ):
         pressed = imgui.button(f"{words}###{name}", (width, height))
+        low = imgui.get_item_rect_min()
+        sign_at = (low.x + (width - size.x) / 2, low.y + (height - size.y) / 2)
+        ink = imgui.get_color_u32(imgui.Col_.text)
+        _enlarged(imgui.get_window_draw_list(), sign_at, ink, icon)
     probe(session, name, enabled=enabled)
     return pressed
+
+
+def sign(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, icon: str) -> None:
+    """Draw an icon.
+
+    Args:
+        draw: Where to.
+        at: Upper left corner of its line [px].
+        colour: As a draw list takes it.
+        icon: One of `Icons`.
+    """
+    draw.add_text(at, colour, icon)
+    _enlarged(draw, at, colour, icon)
+
+
+def _enlarged(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, icon: str) -> None:
+    """Draw the triangle as large as the other shapes: the font has only a small one."""
+    if icon != Icons.triangle:
+        return
+    size = imgui.calc_text_size(icon)
+    x, y, r = at[0] + size.x / 2, at[1] + size.y / 2, px(7)
+    draw.add_triangle_filled((x, y - r * 0.9), (x + r, y + r * 0.8), (x - r, y + r * 0.8), colour)
 
 
 def primary_button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
@@ -397,7 +423,12 @@ def spinner(radius: float, colour: Rgba = COLOURS.accent) -> None:
 
 
 def choice(
-    session: "Session", name: str, current: str | None, options: Sequence[tuple[str, str]]
+    session: "Session",
+    name: str,
+    current: str | None,
+    options: Sequence[tuple[str, str]],
+    *,
+    preview: str = "",
 ) -> str | None:
     """A drop-down list.
 
@@ -406,13 +437,14 @@ def choice(
         name: Its stable id.
         current: Value that is chosen; None shows `MIXED`.
         options: (value, label) in order.
+        preview: What the closed list says instead of the chosen label.
 
     Returns:
         The value that was picked in this frame, or None.
     """
     labels = dict(options)
     picked = None
-    opened = imgui.begin_combo(f"###{name}", labels.get(current or "", MIXED))
+    opened = imgui.begin_combo(f"###{name}", preview or labels.get(current or "", MIXED))
     probe(session, name)
     if opened:
         for value, label in options:

@@ -131,7 +131,7 @@ class Outliner(Panel):
         middle = start.y + (height - imgui.get_text_line_height()) / 2
         hidden = entity in session.document.hidden
         ink = COLOURS.faint if hidden else COLOURS.text
-        draw.add_text((start.x + px(4), middle), u32(tint), icon)
+        widgets.sign(draw, (start.x + px(4), middle), u32(tint), icon)
         draw.add_text((start.x + px(28), middle), u32(ink), name)
         x = start.x + px(28) + imgui.calc_text_size(name).x + px(8)
         with widgets.font(None, SMALL):

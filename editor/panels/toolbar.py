@@ -1,5 +1,6 @@
 """The bar at the top: files, undo, tools, play, snapping, physics."""
 
+import dataclasses
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -59,51 +60,101 @@ def action_button(
     widgets.tooltip(action.label, action.tooltip, chords(session, action_id))
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plan:
+    """The parts of the bar that are shown at one width of the window."""
+
+    labels: bool = True
+    """Words beside the signs of tools and Play."""
+    physics: bool = True
+    """The name of the physics, besides its sign."""
+    files: bool = True
+    """New, open, save: they are in the File menu too."""
+    history: bool = True
+    """Undo and redo."""
+    view: bool = True
+    """Snapping, grid and physics."""
+
+
+PLANS: Final = (
+    Plan(),
+    Plan(labels=False),
+    Plan(labels=False, physics=False),
+    Plan(labels=False, physics=False, files=False),
+    Plan(labels=False, physics=False, files=False, history=False),
+    Plan(labels=False, physics=False, files=False, history=False, view=False),
+)
+"""The widest first; the first one that fits is taken. What goes is in the menus."""
+
+_FILES: Final = (("file.new", Icons.new), ("file.open", Icons.open), ("file.save", Icons.save))
+_HISTORY: Final = (("edit.undo", Icons.undo), ("edit.redo", Icons.redo))
+_TRANSPORT: Final = (
+    ("run.stop", Icons.stop),
+    ("run.pause", Icons.pause),
+    ("run.step_back", Icons.step_back),
+    ("run.step", Icons.step),
+    ("run.reset", Icons.reset),
+    ("run.slower", Icons.slower),
+    ("run.faster", Icons.faster),
+)
+_GAP: Final = 2.0
+"""Between buttons [px at 100 %]."""
+_SEPARATOR: Final = 17.0
+"""Width of a line between groups with its room [px at 100 %]."""
+_PHYSICS_WIDTH: Final = 150.0
+
+
 class Toolbar:
-    """Not a dockable panel: one line under the menu."""
+    """One line under the menu, not a dockable panel."""
 
     def __init__(self) -> None:
-        self._wanted = 0.0
         self.physics: tuple[str, ...] = PHYSICS
         """Names of the presets and solvers; the engine's own once it is loaded."""
 
     def draw(self, session: "Session") -> None:
-        """Draw the bar into the current window; labels go when it is too narrow for them."""
+        """Draw the bar into the current window: as much of it as fits."""
         space = imgui.get_window_width()
-        roomy = self._wanted <= space or self._wanted == 0.0
-        start = imgui.get_cursor_pos_x()
-        self._files(session)
-        widgets.separator_gap()
-        self._tools(session, labels=roomy)
-        widgets.separator_gap()
-        self._transport(session, labels=roomy)
-        left = imgui.get_item_rect_max().x - imgui.get_window_pos().x - start
-        self._right(session, space)
-        if roomy:
-            self._wanted = left + self._right_width(session) + px(40)
+        room = space - 2 * imgui.get_style().window_padding.x
+        plan = next((p for p in PLANS if self._width(session, p) <= room), PLANS[-1])
+        if session.editing:
+            self._editing(session, plan)
+        else:
+            self._transport(session)
+        if plan.view:
+            self._right(session, plan, space)
 
-    def _files(self, session: "Session") -> None:
-        for index, (action, icon) in enumerate(
-            (
-                ("file.new", Icons.new),
-                ("file.open", Icons.open),
-                ("file.save", Icons.save),
-                ("edit.undo", Icons.undo),
-                ("edit.redo", Icons.redo),
-            )
-        ):
-            if action == "edit.undo":
+    def _editing(self, session: "Session", plan: Plan) -> None:
+        for buttons, shown in ((_FILES, plan.files), (_HISTORY, plan.history)):
+            if shown:
+                for action, icon in buttons:
+                    action_button(session, action, icon)
+                    imgui.same_line(0, px(_GAP))
                 widgets.separator_gap()
-            elif index:
-                imgui.same_line(0, px(2))
-            action_button(session, action, icon)
+        self._tools(session, labels=plan.labels)
+        widgets.separator_gap()
+        label = "Play" if plan.labels else ""
+        action_button(session, "run.play_human", Icons.play, label=label, tint=COLOURS.play)
+
+    def _width(self, session: "Session", plan: Plan) -> float:
+        """Return the width that a plan needs [px]."""
+        plain = px(_GAP) + max(imgui.get_frame_height(), px(17) + 2 * px(8))
+        if session.editing:
+            width = (len(TOOL_ICONS) + 1) * plain + px(_SEPARATOR)
+            width += len(_FILES) * plain + px(_SEPARATOR) if plan.files else 0.0
+            width += len(_HISTORY) * plain + px(_SEPARATOR) if plan.history else 0.0
+            if plan.labels:
+                words = [actions.BY_ID[f"tool.{tool}"].label for tool in TOOL_ICONS]
+                width += sum(imgui.calc_text_size(f"  {word}").x for word in (*words, "Play"))
+        else:
+            width = len(_TRANSPORT) * plain
+        return width + (px(24) + self._right_width(session, plan) if plan.view else 0.0)
 
     def _tools(self, session: "Session", *, labels: bool) -> None:
         for index, (tool, icon) in enumerate(TOOL_ICONS.items()):
             if index:
-                imgui.same_line(0, px(2))
+                imgui.same_line(0, px(_GAP))
             name = actions.BY_ID[f"tool.{tool}"].label
-            current = session.tool.id == tool and session.editing
+            current = session.tool.id == tool
             action_button(
                 session,
                 f"tool.{tool}",
@@ -113,54 +164,46 @@ class Toolbar:
                 tint=COLOURS.text if current or labels else None,
             )
 
-    def _transport(self, session: "Session", *, labels: bool) -> None:
-        if session.editing:
-            action_button(
-                session,
-                "run.play_human",
-                Icons.play,
-                label="Play" if labels else "",
-                tint=COLOURS.play,
-            )
-            return
-        paused = session.mode is not Mode.PLAYING
-        action_button(session, "run.stop", Icons.stop, tint=COLOURS.bad)
-        for action, icon in (
-            ("run.pause", Icons.play if paused else Icons.pause),
-            ("run.step_back", Icons.step_back),
-            ("run.step", Icons.step),
-            ("run.reset", Icons.reset),
-            ("run.slower", Icons.slower),
-            ("run.faster", Icons.faster),
-        ):
-            imgui.same_line(0, px(2))
-            action_button(
-                session, action, icon, tint=COLOURS.play if action == "run.pause" else COLOURS.text
-            )
+    def _transport(self, session: "Session") -> None:
+        tints = {"run.stop": COLOURS.bad, "run.pause": COLOURS.play}
+        for index, (action, icon) in enumerate(_TRANSPORT):
+            if index:
+                imgui.same_line(0, px(_GAP))
+            if action == "run.pause" and session.mode is not Mode.PLAYING:
+                icon = Icons.play
+            action_button(session, action, icon, tint=tints.get(action, COLOURS.text))
 
-    def _right_width(self, session: "Session") -> float:
-        second = px(150) + px(4) if physics.comparing(session) else 0.0
-        return 3 * imgui.get_frame_height() + px(150) + px(32) + second
+    def _combo_width(self, plan: Plan) -> float:
+        return px(_PHYSICS_WIDTH) if plan.physics else px(17 + 18) + imgui.get_frame_height()
 
-    def _right(self, session: "Session", space: float) -> None:
-        imgui.same_line(space - self._right_width(session) - imgui.get_style().window_padding.x)
+    def _right_width(self, session: "Session", plan: Plan) -> float:
+        second = self._combo_width(plan) + px(4) if physics.comparing(session) else 0.0
+        button = max(imgui.get_frame_height(), px(17) + 2 * px(8))
+        return 3 * button + self._combo_width(plan) + px(2 + 8 + 4) + second
+
+    def _right(self, session: "Session", plan: Plan, space: float) -> None:
+        padding = imgui.get_style().window_padding.x
+        imgui.same_line(space - self._right_width(session, plan) - padding)
         action_button(session, "snap.smart", Icons.magnet)
         imgui.same_line(0, px(2))
         action_button(session, "view.grid", Icons.grid)
         imgui.same_line(0, px(8))
-        imgui.set_next_item_width(px(150))
+        imgui.set_next_item_width(self._combo_width(plan))
         options = [(name, f"{Icons.chip}  {name}") for name in self.physics]
-        picked = widgets.choice(session, "physics", session.playback.physics, options)
+        short = "" if plan.physics else Icons.chip
+        current = session.playback.physics
+        picked = widgets.choice(session, "physics", current, options, preview=short)
         if picked is not None:
             session.queue(lambda: physics.choose(session, picked))
         widgets.tooltip(
-            "Physics", "Preset or solver of the next episode. It never changes the level."
+            f"Physics: {session.playback.physics}",
+            "Preset or solver of the next episode. It never changes the level.",
         )
         imgui.same_line(0, px(4))
         action_button(session, "run.compare_physics", Icons.beside)
         if physics.comparing(session):
             imgui.same_line(0, px(4))
-            imgui.set_next_item_width(px(150))
+            imgui.set_next_item_width(self._combo_width(plan))
             self._second(session, options)
 
     def _second(self, session: "Session", options: list[tuple[str, str]]) -> None:
