@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import msgspec
 
+from editor.arithmetic import Change
 from editor.commands.base import EntityId, Selection, count_label
 from editor.commands.rigid import freed, reanchored
 from kinetix.errors import CommandError
@@ -19,6 +20,7 @@ _ABSENT: Final[dict[str, Record]] = {"motor": Motor(on=False), "limits": Limits(
 _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
+_ANGLES: Final = ("angle", "angular_velocity", "reference_angle", "limits.min", "limits.max")
 _NOISE: Final = 2e-6
 """Values that differ by less, in all or in proportion, are shown as one."""
 
@@ -141,6 +143,19 @@ def selected_records(level: Level, selection: Selection) -> list[Record]:
     return [by_id[entity_id] for entity_id in selection if entity_id in by_id]
 
 
+def field_name(field: str) -> str:
+    """Return a dotted field in words: `Limits min`."""
+    return field.replace(".", " ").replace("_", " ").capitalize()
+
+
+def _worded(field: str, value: Any) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if not isinstance(value, float):
+        return str(value)
+    return f"{math.degrees(value):.4g}°" if field in _ANGLES else f"{value:.6g}"
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SetField:
     """Sets one field of every selected entity that has it; entities without it are passed over."""
@@ -149,15 +164,14 @@ class SetField:
     field: str
     """Dotted name in the native format: `density`, `shape.radius`, `motor.speed`, `limits.min`."""
     value: Any
+    shown: str = ""
+    """The value as the user sees it, with its unit; empty: angles in degrees."""
 
     @property
     def label(self) -> str:
         """Says field and value."""
-        if isinstance(self.value, bool):
-            shown = "on" if self.value else "off"
-        else:
-            shown = f"{self.value:g}" if isinstance(self.value, float) else str(self.value)
-        name = self.field.replace(".", " ").replace("_", " ").capitalize()
+        shown = self.shown or _worded(self.field, self.value)
+        name = field_name(self.field)
         return f"{name} → {shown}" if len(shown) <= 24 else f"Change {name.lower()}"
 
     @property
@@ -193,6 +207,53 @@ class SetField:
         if isinstance(changed, Joint) and changed.a == changed.b:
             raise CommandError("A joint needs two different bodies.")
         return changed
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AdjustField:
+    """Changes one numeric field of every selected entity, starting from its own value."""
+
+    ids: Selection
+    field: str
+    """Dotted name in the native format."""
+    change: Change
+    """In the unit that is stored."""
+    low: float = -math.inf
+    """Values stop at these limits."""
+    high: float = math.inf
+    shown: str = ""
+    """The change as the user typed it."""
+
+    @property
+    def label(self) -> str:
+        """Says field and change."""
+        return f"{field_name(self.field)} {self.shown or self.change}"
+
+    @property
+    def merge_key(self) -> Hashable:
+        """Every change is an entry of its own."""
+        return None
+
+    def apply(self, level: Level) -> Level:
+        """Change the field of each entity that has it.
+
+        Raises:
+            CommandError: No entity has the field, or the format does not allow the value.
+        """
+        found = False
+        for entity_id in self.ids:
+            for record in selected_records(level, (entity_id,)):
+                try:
+                    before = read_field(record, self.field)
+                except CommandError:
+                    continue
+                found = True
+                value = min(max(self.change.of(before), self.low), self.high)
+                value = round(value) if isinstance(before, int) else value
+                level = SetField(ids=(entity_id,), field=self.field, value=value).apply(level)
+        if not found:
+            raise CommandError(f"Nothing that is selected has a field {self.field!r}.")
+        return level
 
 
 def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> Level:

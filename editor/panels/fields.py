@@ -1,8 +1,8 @@
 """Fields that edit the selection: made from the model's metadata (unit, usual range, step).
 
-A drag previews and becomes one history entry when it ends; a typed value commits on Enter or when
-the field is left. Values beyond the usual range are shown as unusual, never clamped; only the
-format's own limits hold.
+A drag previews and becomes one history entry when it ends; a typed value commits on Enter, on Tab
+or when the field is left. Values beyond the usual range are shown as unusual, never clamped; at the
+format's own limits they stop, which is said.
 """
 
 import dataclasses
@@ -16,11 +16,16 @@ import msgspec
 from imgui_bundle import imgui
 
 from editor import widgets
+from editor.arithmetic import Change, parse
 from editor.commands.base import Command, Selection
 from editor.commands.fields import (
+    AdjustField,
     SetField,
     SetLevelField,
+    alike,
+    field_name,
     field_types,
+    read_field,
     selected_records,
     shared_value,
 )
@@ -123,115 +128,247 @@ def _decimals(step: float) -> int:
     return max(0, min(4, math.ceil(-math.log10(step)))) if step > 0 else 3
 
 
-def _text_of(value: float, info: FieldInfo, radians: bool) -> str:
-    """A format that shows the value without noise but loses nothing a person would type."""
+def _decimals_of(shown: float, info: FieldInfo, radians: bool) -> int:
+    """Return how many decimals show a value without noise and lose nothing that was typed."""
     if info.integer:
-        return "%.0f"
+        return 0
     decimals = 1 if info.shown_factor(radians) != 1.0 else max(_decimals(info.step), 2)
     for extra in range(4):
-        if abs(round(value, decimals + extra) - value) < 1e-5:
-            return f"%.{decimals + extra}f"
-    return f"%.{decimals + 3}f"
+        if abs(round(shown, decimals + extra) - shown) < 1e-5:
+            return decimals + extra
+    return decimals + 3
+
+
+def _digits(value: float, info: FieldInfo, radians: bool) -> str:
+    """Return a stored value as it is typed, without its unit."""
+    shown = value * info.shown_factor(radians)
+    return f"{shown:.{_decimals_of(shown, info, radians)}f}"
+
+
+def _form(value: float, info: FieldInfo, radians: bool) -> str:
+    """Return the format of a drag field, its unit included."""
+    shown, unit = value * info.shown_factor(radians), info.shown_unit(radians)
+    gap = " " if unit and unit[0] != "°" else ""
+    return f"%.{_decimals_of(shown, info, radians)}f{gap}{unit}"
+
+
+def shown_value(value: float, info: FieldInfo, radians: bool) -> str:
+    """Return a stored value as fields show it, with its unit."""
+    return _form(value, info, radians) % (value * info.shown_factor(radians))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class NumberField:
+    """A number that can be edited: its values, and what an edit of it does."""
+
+    name: str
+    """Stable id, for the probe."""
+    values: tuple[float, ...]
+    """Stored values, of all that is edited; the last one is shown when they agree."""
+    info: FieldInfo
+    command: Callable[[Change], Command]
+    """Makes the edit from a change of the stored value."""
+    radians: bool = False
+    """Whether angles are shown in radians."""
+
+    @property
+    def mixed(self) -> bool:
+        """Whether the values differ."""
+        return not all(alike(value, self.values[-1]) for value in self.values)
+
+    @property
+    def factor(self) -> float:
+        """Shown value over stored value."""
+        return self.info.shown_factor(self.radians)
+
+    @property
+    def unit(self) -> str:
+        """Unit beside the number."""
+        return self.info.shown_unit(self.radians)
+
+    def stored(self, change: Change) -> Change:
+        """Return a typed change in the stored unit."""
+        return change.scaled(1.0 / self.factor)
+
+
+@dataclasses.dataclass(kw_only=True)
+class _Typing:
+    """The field that is typed into. It edits what was selected when the typing began."""
+
+    field: NumberField
+    began: str
+    text: str
+    frame: int = 0
+    """The frame in which it was drawn last; 0: not yet."""
 
 
 class Editor:
     """Draws fields and turns what a person does to them into previews and commits."""
 
     def __init__(self) -> None:
-        self._open: str | None = None
-        """The field being dragged or typed into."""
+        self._dragged: str | None = None
+        """The field being dragged."""
+        self._start = self._last = 0.0
+        """Value of the dragged field before and now."""
+        self._typing: _Typing | None = None
+        self._order: list[str] = []
+        """Names of the fields of this frame so far, in the order of drawing."""
+        self._frame = -1
+        self._to_next = False
+        """Whether the next field that is drawn is to be typed into (Tab)."""
+        self._wanted: str | None = None
+        """The field that is to be typed into."""
         self.ids: Selection = ()
         """What the fields of the selection edit; a panel sets it before it draws them."""
 
-    def number(  # noqa: PLR0913 - one field has that many sides
-        self,
-        session: "Session",
-        name: str,
-        value: float,
-        info: FieldInfo,
-        command: Callable[[float], Command],
-        *,
-        mixed: bool = False,
-        width: float = -1.0,
-        prefix: str = "",
+    def begin(self, session: "Session") -> None:
+        """Begin a frame: what was typed into a field that is gone is committed."""
+        frame = imgui.get_frame_count()
+        self._frame, self._order = frame, []
+        if self._typing is not None and 0 < self._typing.frame < frame - 1:
+            self._finish(session, self._typing)
+
+    def number(
+        self, session: "Session", field: NumberField, *, width: float = -1.0, prefix: str = ""
     ) -> None:
-        """A number to drag or to type.
+        """A number to drag, or to type: a click, Enter or Tab makes it a text.
 
         Args:
             session: Gets previews and commits.
-            name: Stable id of the field, for the probe.
-            value: Stored value.
-            info: What the model says about it.
-            command: Makes the edit from a stored value.
-            mixed: Whether the selected things differ.
+            field: What is edited. Values that differ are dragged together, each by as much.
             width: Width of the field [px]; -1: all there is.
             prefix: A word before the number (`x`).
         """
-        radians = session.settings.radians
-        factor, unit = info.shown_factor(radians), info.shown_unit(radians)
-        shown = value * factor
-        unusual = not info.slider[0] - 1e-6 <= value <= info.slider[1] + 1e-6
-        form = "—" if mixed else prefix + _text_of(shown, info, radians)
-        if unit and not mixed:
-            form += (" " if unit[0] not in "°" else "") + unit
-        low, high = info.low * factor, info.high * factor
-        bounded = math.isfinite(low) and math.isfinite(high)
+        name, info = field.name, field.info
+        self._order.append(name)
+        if self._to_next:
+            self._to_next, self._wanted = False, name
         imgui.set_next_item_width(width)
-        colours = {"text": COLOURS.warn} if unusual and not mixed else {}
+        if self._typing is not None and self._typing.field.name == name:
+            self._draw_text(session, self._typing)
+            return
+        value = field.values[-1]
+        unusual = not info.slider[0] - 1e-6 <= value <= info.slider[1] + 1e-6
+        low, high = info.low * field.factor, info.high * field.factor
+        bounded = math.isfinite(low) and math.isfinite(high)
+        colours = {"text": COLOURS.warn} if unusual and not field.mixed else {}
+        form = widgets.MIXED if field.mixed else prefix + _form(value, info, field.radians)
         with widgets.coloured(**colours):
             changed, new = imgui.drag_float(
                 f"###{name}",
-                shown,
-                info.step * factor * (0.5 if not info.integer else 0.05),
+                value * field.factor,
+                info.step * field.factor * (0.5 if not info.integer else 0.05),
                 low if bounded else 0.0,
                 high if bounded else 0.0,
                 form,
-                imgui.SliderFlags_.clamp_on_input.value if bounded else 0,
+                imgui.SliderFlags_.no_input.value,
             )
         widgets.probe(session, name)
-        self._follow(session, name, changed, new / factor, command, info.integer)
-        note = info.description
-        if unusual:
-            note += f"\nUnusual: most levels stay within {_range(info, radians)}."
+        self._follow(session, field, changed, new / field.factor)
+        if self._becomes_text(name):
+            text = "" if field.mixed else _digits(value, info, field.radians)
+            self._typing = _Typing(field=field, began=text, text=text)
         if not imgui.is_item_active():
-            widgets.tooltip(note.split("\n")[0] or name, "\n".join(note.split("\n")[1:]))
+            note = f"Unusual: most levels stay within {_range(info, field.radians)}."
+            widgets.tooltip(info.description or name, note if unusual else "")
 
-    def _follow(
-        self,
-        session: "Session",
-        name: str,
-        changed: bool,
-        value: float,
-        command: Callable[[float], Command],
-        integer: bool,
-    ) -> None:
-        edit = command(round(value)) if integer else command(value)
+    def _becomes_text(self, name: str) -> bool:
+        """Return whether the last item is to be typed into: clicked, Ctrl+clicked, Enter, Tab."""
+        if self._wanted == name:
+            self._wanted = None
+            return True
+        by_key = not imgui.is_mouse_down(0)
+        if imgui.is_item_activated() and (imgui.get_io().key_ctrl or by_key):
+            imgui.internal.clear_active_id()
+            return True
+        still = not imgui.internal.is_mouse_drag_past_threshold(0)
+        return imgui.is_item_deactivated() and imgui.is_mouse_released(0) and still
+
+    def _draw_text(self, session: "Session", typing_: _Typing) -> None:
+        """Draw the field that is typed into; Enter, Tab or leaving it commits, Esc does not."""
+        name, frame = typing_.field.name, imgui.get_frame_count()
+        fresh, typing_.frame = typing_.frame == 0, frame
+        if fresh:
+            imgui.set_keyboard_focus_here()
+        flags = (
+            imgui.InputTextFlags_.auto_select_all.value
+            | imgui.InputTextFlags_.enter_returns_true.value
+        )
+        entered, typing_.text = imgui.input_text(f"###{name}.text", typing_.text, flags)
+        widgets.probe(session, name)
+        tabbed = imgui.is_key_pressed(imgui.Key.tab, False) and not fresh
+        if not (entered or tabbed or (imgui.is_item_deactivated() and not fresh)):
+            return
+        if tabbed:
+            imgui.internal.nav_move_request_cancel()
+            at = self._order.index(name)
+            back = imgui.get_io().key_shift
+            self._to_next = not back
+            self._wanted = self._order[at - 1] if back and at else None
+        self._finish(session, typing_)
+
+    def _finish(self, session: "Session", typing_: _Typing) -> None:
+        self._typing = None
+        if typing_.text.strip() != typing_.began.strip():
+            session.queue(functools.partial(_commit_typed, session, typing_.field, typing_.text))
+
+    def _follow(self, session: "Session", field: NumberField, changed: bool, value: float) -> None:
+        """Preview and commit a drag."""
         if changed:
-            self._open = name
-            session.queue(functools.partial(_preview, session, edit))
+            if self._dragged != field.name:
+                self._dragged, self._start = field.name, field.values[-1]
+            self._last = round(value) if field.info.integer else value
+            session.queue(functools.partial(_preview, session, self._edit(field)))
         if imgui.is_item_deactivated():
-            if imgui.is_item_deactivated_after_edit():
-                session.queue(edit)
-            elif self._open == name:
-                session.queue(session.document.discard_preview)
-            self._open = None
+            if self._dragged == field.name:
+                session.queue(self._edit(field))
+            self._dragged = None
+
+    def _edit(self, field: NumberField) -> Command:
+        """Make the edit of a drag; values that differ change by as much."""
+        if field.mixed:
+            return field.command(Change(amount=self._last - self._start, operator="+"))
+        return field.command(Change(amount=self._last))
 
     def field(
         self, session: "Session", path: str, *, width: float = -1.0, prefix: str = ""
     ) -> None:
         """A numeric field of the selection, by its dotted name."""
-        level, ids = session.document.shown, self.ids
-        value, agrees = shared_value(level, ids, path)
-        record = next(r for r in selected_records(level, ids) if _has(r, path))
-        self.number(
-            session,
-            f"inspector.{path}",
-            float(value),
-            field_info(type(record), path),
-            lambda new: SetField(ids=ids, field=path, value=new),
-            mixed=not agrees,
-            width=width,
-            prefix=prefix,
+        self.number(session, self.selected(session, path), width=width, prefix=prefix)
+
+    def selected(self, session: "Session", path: str) -> NumberField:
+        """Return a numeric field of the selection.
+
+        Raises:
+            CommandError: No selected entity has the field.
+        """
+        ids, radians = self.ids, session.settings.radians
+        values, info = [], None
+        for record in selected_records(session.document.shown, ids):
+            if _has(record, path):
+                info = field_info(type(record), path)
+                values.append(float(read_field(record, path)))
+        if info is None:
+            raise CommandError(f"Nothing that is selected has a field {path!r}.")
+        known = info
+
+        def command(change: Change) -> Command:
+            if change.relative:
+                shown = str(change.scaled(known.shown_factor(radians)))
+                low, high = known.low, known.high
+                return AdjustField(
+                    ids=ids, field=path, change=change, low=low, high=high, shown=shown
+                )
+            value = round(change.amount) if known.integer else change.amount
+            shown = shown_value(change.amount, known, radians)
+            return SetField(ids=ids, field=path, value=value, shown=shown)
+
+        return NumberField(
+            name=f"inspector.{path}",
+            values=tuple(values),
+            info=known,
+            command=command,
+            radians=radians,
         )
 
     def pair(self, session: "Session", path: str) -> None:
@@ -266,14 +403,14 @@ class Editor:
         value: Any = level
         for part in path.split("."):
             value = value[int(part)] if part.isdigit() else getattr(value, part)
-        self.number(
-            session,
-            f"level.{path}",
-            float(value),
-            field_info(Level, path),
-            lambda new: SetLevelField(field=path, value=new),
-            width=width,
-        )
+        stored, info = float(value), field_info(Level, path)
+
+        def command(change: Change) -> Command:
+            new = min(max(change.of(stored), info.low), info.high)
+            return SetLevelField(field=path, value=round(new) if info.integer else new)
+
+        field = NumberField(name=f"level.{path}", values=(stored,), info=info, command=command)
+        self.number(session, field, width=width)
 
     def reset(self, session: "Session", path: str, default: Any) -> None:
         """A small arrow that sets a field back; only there when it differs."""
@@ -299,6 +436,26 @@ def _plain(value: Any) -> str:
 def _range(info: FieldInfo, radians: bool) -> str:
     low, high = (bound * info.shown_factor(radians) for bound in info.slider)
     return f"{low:g} … {high:g} {info.shown_unit(radians)}".rstrip()
+
+
+def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
+    """Commit what was typed; a value beyond the format's limits stops there, which is said.
+
+    Raises:
+        CommandError: It is not a number.
+    """
+    change, info = field.stored(parse(text, field.unit)), field.info
+    wanted = [change.of(value) for value in field.values]
+    beyond = next((w for w in wanted if not info.low - 1e-9 <= w <= info.high + 1e-9), None)
+    if beyond is not None:
+        limit = info.low if beyond < info.low else info.high
+        title = field_name(field.name.split(".", 1)[1])
+        words = "at least" if beyond < info.low else "at most"
+        typed, stop = (shown_value(value, info, field.radians) for value in (beyond, limit))
+        session.complain(f"{title} is {words} {stop}: {typed} became {stop}.")
+        if not change.relative:
+            change = Change(amount=limit)
+    session.execute(field.command(change))
 
 
 def _preview(session: "Session", command: Command) -> None:

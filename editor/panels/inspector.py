@@ -47,6 +47,7 @@ class Inspector(Panel):
 
     def draw(self, session: "Session") -> None:
         """Draw the sections that fit the selection."""
+        self._editor.begin(session)
         records = selected_records(session.document.shown, session.selection)
         if not records:
             widgets.empty_state(

@@ -38,6 +38,7 @@ class LevelPanel(Panel):
 
     def draw(self, session: "Session") -> None:
         """Draw the sections."""
+        self._editor.begin(session)
         level = session.document.shown
         with widgets.disabled(not session.editing):
             with widgets.property_table("level", label=0.37) as opened:

@@ -169,9 +169,9 @@ class Toolbar:
         for index, (action, icon) in enumerate(_TRANSPORT):
             if index:
                 imgui.same_line(0, px(_GAP))
-            if action == "run.pause" and session.mode is not Mode.PLAYING:
-                icon = Icons.play
-            action_button(session, action, icon, tint=tints.get(action, COLOURS.text))
+            resting = action == "run.pause" and session.mode is not Mode.PLAYING
+            sign = Icons.play if resting else icon
+            action_button(session, action, sign, tint=tints.get(action, COLOURS.text))
 
     def _combo_width(self, plan: Plan) -> float:
         return px(_PHYSICS_WIDTH) if plan.physics else px(17 + 18) + imgui.get_frame_height()

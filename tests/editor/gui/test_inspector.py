@@ -66,3 +66,104 @@ def test_larger_text_makes_rows_higher_and_is_kept(make_gui, tmp_path):
     assert after.high[1] - after.low[1] > 1.1 * (before.high[1] - before.low[1])
     gui.session.settings.save(tmp_path / "settings.json")
     assert Settings.load(tmp_path / "settings.json").text_scale == 1.3
+
+
+def edit_text(gui, name, words):
+    """One click turns a field into a text, all of it selected."""
+    gui.click(name)
+    gui.text(words)
+    gui.key("return")
+    gui.frames(2)
+
+
+@pytest.mark.parametrize(("typed", "value"), [("2*3", 6.0), ("1,5", 1.5), ("+=0.5", 1.5)])
+def test_fields_take_sums(make_gui, typed, value):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.density", typed)
+    assert gui.level.body(1).density == pytest.approx(value)
+    type_into(gui, "inspector.friction", "1/4")
+    assert gui.level.body(1).friction == pytest.approx(0.25)
+    edit_text(gui, "level.gravity.1", "-2*3")
+    assert gui.level.gravity[1] == pytest.approx(-6.0)
+
+
+def test_what_is_not_a_number_says_so_and_changes_nothing(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.density", "heavy")
+    assert gui.level == a_level()
+    assert "“heavy” is not a number" in gui.session.toasts[-1].text
+
+
+def test_a_value_beyond_the_limits_stops_there_and_says_so(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.density", "0")
+    assert gui.level.body(1).density == pytest.approx(1e-3)
+    said = gui.session.toasts[-1].text
+    assert said == "Density is at least 0.001 kg/m²: 0.00 kg/m² became 0.001 kg/m²."
+
+
+def test_several_things_are_changed_each_from_its_own_value(make_gui):
+    level = a_level()
+    first, second, *rest = level.bodies
+    level = level.replace(bodies=(first, second.replace(density=3.0), *rest))
+    gui = make_gui(level=level)
+    gui.session.selection = (1, 2)
+    gui.frames(2)
+    edit_text(gui, "inspector.density", "*=2")
+    assert [gui.level.body(i).density for i in (1, 2)] == pytest.approx([2.0, 6.0])
+    x, y = gui.probe("inspector.density").centre
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    for k in range(1, 12):
+        gui.move(x + 6 * k, y)
+    gui.button(x + 66, y, pressed=False)
+    gui.frames(2)
+    added = gui.level.body(1).density - 2.0
+    assert added > 0.05
+    assert gui.level.body(2).density == pytest.approx(6.0 + added, abs=1e-5)
+    edit_text(gui, "inspector.density", "5")
+    assert [gui.level.body(i).density for i in (1, 2)] == pytest.approx([5.0, 5.0])
+
+
+def test_tab_goes_to_the_next_field_and_escape_keeps_the_value(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    gui.click("inspector.density")
+    gui.text("4")
+    gui.key("tab")
+    gui.frames(2)
+    assert gui.level.body(1).density == pytest.approx(4.0)
+    gui.text("0.3")
+    gui.key("return")
+    assert gui.level.body(1).friction == pytest.approx(0.3)
+    gui.click("inspector.density")
+    gui.text("9")
+    gui.key("escape")
+    gui.frames(2)
+    assert gui.level.body(1).density == pytest.approx(4.0)
+    assert gui.session.selection == (1,)
+
+
+def test_what_is_being_typed_goes_to_what_was_selected_then(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    gui.click("inspector.density")
+    gui.text("7")
+    gui.click_world(4.0, 3.0)
+    assert gui.session.selection == (3,)
+    assert gui.level.body(1).density == pytest.approx(7.0)
+    assert gui.level.body(3).density == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("radians", "label"), [(False, "Angle → 90.0°"), (True, "Angle → 1.57 rad")]
+)
+def test_the_history_speaks_of_angles_as_the_fields_do(make_gui, radians, label):
+    gui = make_gui(level=a_level())
+    gui.session.settings.radians = radians
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.angle", "1.57" if radians else "90")
+    assert gui.session.document.history.undo_label == label
