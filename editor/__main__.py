@@ -17,6 +17,7 @@ from editor.session import Session
 from editor.settings import Settings
 from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
+from kinetix.failures import guarded
 from kinetix.paths import levels_dir
 
 
@@ -146,12 +147,11 @@ def main() -> int:
     """
     # XLA warns on stderr about every compiled function that it finds in its cache.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    options = tyro.cli(Options, prog="kinetix-editor")
-    try:
-        return _run(options)
-    except KinetixError as error:
-        sys.stderr.write(f"{error}\n")
-        return 1
+    return guarded(
+        lambda: _run(tyro.cli(Options, prog="kinetix-editor")),
+        name="kinetix-editor",
+        words=sys.argv[1:],
+    )
 
 
 if __name__ == "__main__":

@@ -6,14 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from kinetix.errors import LevelError
+from kinetix.files.json_text import parse
+from kinetix.files.regular import FileError, read_text
 from kinetix.level.atomic import write_atomically
 
 
 def read_kept(path: Path) -> dict[str, Any]:
     """What a file says; nothing where it is absent, broken or something else than an object."""
     try:
-        tree: Any = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        tree = parse(read_text(path, "kept"), path)
+    except FileError:
         return {}
     return tree if isinstance(tree, dict) else {}
 

@@ -72,7 +72,7 @@ def _parse(path: Path) -> dict[str, dict[int, str]]:
         file: {
             int(number): name[:MAX_LENGTH]
             for number, name in names.items()
-            if number.isdecimal() and isinstance(name, str) and name
+            if number.isdecimal() and len(number) < 17 and isinstance(name, str) and name
         }
         for file, names in read_kept(path).items()
         if isinstance(names, dict)

@@ -1,10 +1,14 @@
 """What the app remembers about its user between runs: plain values in one JSON file."""
 
+import contextlib
 import dataclasses
 import json
 import os
 from pathlib import Path
-from typing import Final, Self
+from typing import Annotated, Final, Self, get_type_hints
+
+import msgspec
+from msgspec import Meta
 
 from editor.kept import read_kept
 from kinetix.paths import config_dir
@@ -14,6 +18,8 @@ GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
 """Choices of the grid [m]."""
 ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
 """Choices of what angles snap to [°]."""
+LARGEST_SCALE: Final = 4.0
+"""Of the interface: a stored scale beyond it is passed over."""
 TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)
 """Choices of the size of the text."""
 
@@ -29,10 +35,10 @@ class Settings:
     grid_visible: bool = True
     minimap: bool = False
     """Whether the canvas has a small map of the arena in its corner."""
-    grid_step: float = 0.1
+    grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1
     """[m]"""
-    angle_step_deg: float = 15.0
-    nudge_step: float = 0.05
+    angle_step_deg: Annotated[float, Meta(ge=0.1, le=180.0)] = 15.0
+    nudge_step: Annotated[float, Meta(ge=1e-4, le=10.0)] = 0.05
     """What an arrow key moves [m]."""
     move_jointed: bool = True
     """Whether jointed neighbours move with a dragged body."""
@@ -46,9 +52,9 @@ class Settings:
     glyphs: bool = True
     """Role marks on bodies."""
     patterns: bool = False
-    ui_scale: float = 0.0
+    ui_scale: Annotated[float, Meta(ge=0.0, le=LARGEST_SCALE)] = 0.0
     """0: as the display says."""
-    text_scale: float = 1.0
+    text_scale: Annotated[float, Meta(ge=0.5, le=2.0)] = 1.0
     """Size of the text besides the interface's: 0.85 to 1.3."""
     radians: bool = False
     """Whether fields show angles in radians instead of degrees."""
@@ -76,11 +82,10 @@ class Settings:
         path = path or settings_path()
         stored = read_kept(path)
         settings = cls()
-        for field in dataclasses.fields(cls):
-            default = getattr(settings, field.name)
-            value = stored.get(field.name)
-            if type(value) is type(default):
-                setattr(settings, field.name, value)
+        for name, kind in get_type_hints(cls, include_extras=True).items():
+            if name in stored:
+                with contextlib.suppress(msgspec.ValidationError):
+                    setattr(settings, name, msgspec.convert(stored[name], kind))
         return settings
 
     def save(self, path: Path | None = None) -> None:

@@ -1,8 +1,8 @@
 """Episodes as `.npz` files: what was played, with its level, to look at again or compute with."""
 
 import dataclasses
+import io
 import math
-import zipfile
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,10 +10,24 @@ import numpy as np
 
 from editor.recording import Mind, OutcomeName, Snapshot, Trace
 from kinetix.errors import KinetixError
+from kinetix.files.arrays import read_npz
+from kinetix.files.regular import FileError
+from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import dumps, loads
-from kinetix.level.model import Level
+from kinetix.level.model import MAX_STEPS, Level
 
 SUFFIX: Final = ".npz"
+_TEXTS: Final = ("outcome", "physics", "player")
+_SCALARS: Final = (*_TEXTS, "perturbed", "seed", "attempt", "deterministic", "frame_skip")
+_COLUMNS: Final = (
+    "reward",
+    "total_reward",
+    "distance",
+    "kinetic_energy",
+    "potential_energy",
+    "value",
+    "entropy",
+)
 _OUTCOMES: Final[tuple[OutcomeName, ...]] = ("won", "lost", "timeout")
 
 
@@ -32,10 +46,10 @@ def write_trace(trace: Trace, level: Level, path: Path) -> None:
         KinetixError: The file cannot be written.
     """
     arrays = trace.arrays() | {"level": np.array(dumps(level))}
-    try:
-        np.savez_compressed(path, **arrays)  # pyright: ignore[reportArgumentType]
-    except OSError as error:
-        raise KinetixError(f"{path}: cannot be saved: {error.strerror or error}") from error
+    packed = io.BytesIO()
+    np.savez_compressed(packed, **arrays)  # pyright: ignore[reportArgumentType]
+    target = path if path.suffix == SUFFIX else path.with_name(path.name + SUFFIX)
+    write_atomically(target, packed.getvalue())
 
 
 def read_trace(path: Path) -> Recorded:
@@ -45,15 +59,11 @@ def read_trace(path: Path) -> Recorded:
         KinetixError: The file is missing, or is no such episode; one sentence.
     """
     try:
-        # NumPy does not close a file that it opened itself and could not read.
-        with path.open("rb") as file, zipfile.ZipFile(file):
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as stored:
-                arrays = {name: stored[name] for name in stored.files}
-    except OSError as error:
-        raise KinetixError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise KinetixError(f"{path}: expected an episode of the editor (.npz): {error}") from error
+        arrays = read_npz(path, "trace")
+    except FileError as error:
+        if not path.is_file():
+            raise
+        raise KinetixError(f"{path}: expected an episode of the editor: {error.reason}") from error
     try:
         level = loads(str(arrays["level"]), f"{path}: level")
         return Recorded(level=level, trace=_trace(arrays, level))
@@ -61,14 +71,12 @@ def read_trace(path: Path) -> Recorded:
         raise KinetixError(f"{path}: expected an episode of the editor: {error} is missing") from (
             error
         )
-    except (ValueError, TypeError, IndexError) as error:
+    except (ValueError, TypeError, IndexError, OverflowError) as error:
         raise KinetixError(f"{path}: expected an episode of the editor: {error}") from error
 
 
 def _trace(arrays: dict[str, np.ndarray], level: Level) -> Trace:
-    count = len(arrays["step"])
-    if count == 0 or arrays["position"].shape != (count, len(level.bodies), 2):
-        raise ValueError("its states do not belong to its level")
+    count = _checked_count(arrays, level)
     return Trace(
         physics=str(arrays["physics"]),
         perturbed=bool(arrays["perturbed"]),
@@ -80,6 +88,41 @@ def _trace(arrays: dict[str, np.ndarray], level: Level) -> Trace:
         deterministic=bool(arrays["deterministic"]),
         from_file=True,
     )
+
+
+def _checked_count(arrays: dict[str, np.ndarray], level: Level) -> int:
+    """How many moments there are, after every array's type and shape were compared with that."""
+    steps = arrays["step"]
+    if steps.ndim != 1 or not 1 <= len(steps) <= MAX_STEPS + 1:
+        raise ValueError(f"expected 1 to {MAX_STEPS + 1} moments")
+    count, bodies = len(steps), len(level.bodies)
+    shapes: dict[str, tuple[int | None, ...]] = {
+        "position": (count, bodies, 2),
+        "velocity": (count, bodies, 2),
+        "angle": (count, bodies),
+        "angular_velocity": (count, bodies),
+        "motor": (count, len(level.joints)),
+        "thruster": (count, len(level.thrusters)),
+        "momentum": (count, 2),
+        "action": (count - 1, None),
+        **dict.fromkeys(("unified", "intention"), (count, None)),
+        **dict.fromkeys(_COLUMNS, (count,)),
+        **dict.fromkeys(_SCALARS, ()),
+    }
+    for name, shape in shapes.items():
+        array = arrays[name]
+        fits = array.ndim == len(shape) and all(
+            wanted is None or length == wanted
+            for length, wanted in zip(array.shape, shape, strict=True)
+        )
+        if not fits:
+            raise ValueError(f"its states do not belong to its level: {name} is {array.shape}")
+        if (array.dtype.kind == "U") != (name in _TEXTS):
+            raise ValueError(f"{name} has the type {array.dtype}")
+    for name in ("step", "position", "angle", "velocity", "angular_velocity", "motor", "thruster"):
+        if not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{name} is not finite")
+    return count
 
 
 def _snapshot(arrays: dict[str, np.ndarray], k: int, *, last: bool) -> Snapshot:

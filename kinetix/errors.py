@@ -1,10 +1,40 @@
 """The errors that users meet: one sentence each, saying what is wrong and what was expected."""
 
-from typing import Any
+import re
+from typing import Any, Final
+
+LONGEST: Final = 1000
+"""Characters of a sentence; what is longer loses its middle."""
+# Control characters move a terminal's cursor, change its title or its colours; marks of direction
+# make a name read as another.
+_UNSAFE: Final = re.compile(
+    r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def plain(text: str, longest: int = LONGEST) -> str:
+    """A text as one line that is safe to print: control characters escaped, bounded in length.
+
+    Args:
+        text: Any text, also out of files and names of files.
+        longest: Characters that it may have; the middle of a longer one is left out.
+    """
+    if len(text) > longest:
+        tail = longest // 4
+        text = f"{text[: longest - tail - 3]} … {text[-tail:]}"
+    return _UNSAFE.sub(_escaped, text)
+
+
+def _escaped(match: re.Match[str]) -> str:
+    return "\\n" if match[0] == "\n" else f"\\u{ord(match[0]):04x}"
 
 
 class KinetixError(Exception):
-    """Base of every error that this project raises on purpose."""
+    """Base of every error that this project raises on purpose; prints as one plain line."""
+
+    def __str__(self) -> str:
+        """The sentence, safe to print whatever the file that it is about says."""
+        return plain(super().__str__())
 
 
 class LevelError(KinetixError):

@@ -66,16 +66,25 @@ def read_card(path: Path) -> tuple[Card, Level | None]:
     try:
         loaded = load_document(path.resolve())
     except LevelError as error:
-        fault = Card(
-            path=str(path),
-            modified_ns=status.st_mtime_ns,
-            bytes=status.st_size,
-            name=path.stem,
-            fault=str(error),
-        )
-        return fault, None
+        return fault_card(path, str(error)), None
     return make_card(loaded.level, path, status.st_mtime_ns, status.st_size, loaded.format), (
         loaded.level
+    )
+
+
+def fault_card(path: Path, fault: str) -> Card:
+    """The card of a file that cannot be read.
+
+    Raises:
+        OSError: The file is gone.
+    """
+    status = path.stat()
+    return Card(
+        path=str(path),
+        modified_ns=status.st_mtime_ns,
+        bytes=status.st_size,
+        name=path.stem,
+        fault=fault,
     )
 
 

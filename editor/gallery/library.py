@@ -18,9 +18,11 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
-from editor.gallery.card import Card, read_card
+from editor.gallery.card import Card, fault_card, read_card
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from kinetix.errors import LevelError
+from kinetix.failures import crash_sentence
+from kinetix.files.regular import FileError, open_regular, read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import load_level
 from kinetix.level.sets import is_set_file
@@ -169,7 +171,7 @@ class Library:
         if picture is None:
             # A level that has gone or broken since keeps an empty picture until the next look.
             picture = np.full((SIDE, SIDE, 3), 255, np.uint8)
-            with contextlib.suppress(LevelError):
+            with contextlib.suppress(Exception):
                 picture = draw_thumbnail(load_level(card.file.resolve()))
                 self._store(card.sha256, picture)
         self._keep(card.sha256, picture)
@@ -247,13 +249,20 @@ class Library:
                 )
                 return _Known(kind="set", card=card)
             card, level = read_card(path)
+            if level is not None and not self._file(card.sha256).is_file():
+                self._store(card.sha256, draw_thumbnail(level))
         except OSError:
             return None
+        except Exception as error:  # a fault of ours in one file must not hide the others
+            return self._faulty(path, crash_sentence(error, "gallery", []))
         if level is None:
             return _Known(kind="level" if _claims_to_be_a_level(path) else "other", card=card)
-        if not self._file(card.sha256).is_file():
-            self._store(card.sha256, draw_thumbnail(level))
         return _Known(kind="level", card=card)
+
+    def _faulty(self, path: Path, fault: str) -> _Known | None:
+        with contextlib.suppress(OSError):
+            return _Known(kind="level", card=fault_card(path, fault))
+        return None
 
     def _publish(self, seen: dict[str, _Known], *, ended: int = 0) -> None:
         cards = tuple(one.card for one in seen.values() if one.kind == "level")
@@ -265,18 +274,24 @@ class Library:
     def _index(self) -> dict[str, _Known]:
         if self._known is None:
             self._known = {}
-            with contextlib.suppress(OSError, msgspec.DecodeError):
-                text = (self.folder / "index.json").read_bytes()
+            with contextlib.suppress(FileError, msgspec.DecodeError, RecursionError):
+                text = read_bytes(self.folder / "index.json", "kept")
                 index = msgspec.json.decode(text, type=_Index)
                 if index.version == INDEX_VERSION:
                     self._known = {one.card.path: one for one in index.files}
         return self._known
 
     def _save_index(self) -> None:
-        index = _Index(version=INDEX_VERSION, files=list((self._known or {}).values()))
+        files = [one for one in (self._known or {}).values() if _is_text(one.card.path)]
+        index = _Index(version=INDEX_VERSION, files=files)
         with contextlib.suppress(OSError, LevelError):
             self.folder.mkdir(parents=True, exist_ok=True)
             write_atomically(self.folder / "index.json", msgspec.json.encode(index))
+
+
+def _is_text(path: str) -> bool:
+    """Whether a path can be written down; names that are not UTF-8 cannot, and are read anew."""
+    return not any("\ud800" <= character <= "\udfff" for character in path)
 
 
 _OVER: Final = object()
@@ -305,7 +320,8 @@ def _files(folders: Sequence[Path]) -> Iterator[tuple[Path, int, int]]:
 def _claims_to_be_a_level(path: Path) -> bool:
     """Whether a broken file was meant to be a level: only such are worth showing."""
     try:
-        head = path.read_bytes()[:4096]
-    except OSError:
+        with open_regular(path, "set") as file:
+            head = file.read(4096)
+    except (FileError, OSError):
         return False
     return b'"kinetix-level"' in head or b'"env_state"' in head

@@ -27,6 +27,8 @@ from editor.tools import TOOLS
 from editor.viewer import SLOTS
 from editor.widgets import Probe
 from kinetix.errors import KinetixError
+from kinetix.files.json_text import parse_strictly
+from kinetix.files.regular import FileError, read_text
 
 Event = dict[str, Any]
 
@@ -85,9 +87,9 @@ class Replayer:
             ReplayError: The script cannot be read, or an event cannot be applied.
         """
         try:
-            lines = self._script.read_text(encoding="utf-8").splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ReplayError(f"{self._script}: cannot be read: {error}") from error
+            lines = read_text(self._script, "script").splitlines()
+        except FileError as error:
+            raise ReplayError(str(error)) from error
         self._frames(_SETTLE_FRAMES)
         for number, line in enumerate(lines, start=1):
             if not line.strip():
@@ -101,9 +103,9 @@ class Replayer:
 
     def _apply(self, line: str) -> None:
         try:
-            event = json.loads(line)
-        except json.JSONDecodeError as error:
-            raise KinetixError(f"not JSON: {error}") from error
+            event = parse_strictly(line, "event")
+        except FileError as error:
+            raise KinetixError(error.reason) from error
         if not isinstance(event, dict) or "do" not in event:
             raise KinetixError('expected an object with the key "do"')
         if event["do"] not in self._verbs:

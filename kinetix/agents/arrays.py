@@ -1,6 +1,7 @@
 """Trees of arrays on disk: orbax directories, which hold JSON and numbers, nothing that runs."""
 
 import hashlib
+import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import jax
 import numpy as np
 
 from kinetix.errors import CheckpointError
+from kinetix.files.limits import CHECKPOINT_FILES, LIMITS, MIB
 
 Tree = Mapping[str, Any]
 """Nested dictionaries whose leaves are arrays (or shapes and dtypes)."""
@@ -153,17 +155,36 @@ def _alone() -> Any:
 
 
 def check_inside(directory: Path) -> None:
-    """Refuse a directory that is missing or whose links lead out of it.
+    """Refuse a directory whose reading could leave it, wait for ever or fill the memory.
 
     Raises:
-        CheckpointError: It is so.
+        CheckpointError: It is missing, its links lead out of it, it holds something else than
+            regular files (opening a pipe waits for its writer), or more than the limits allow.
     """
     if not directory.is_dir():
         raise CheckpointError(f"{directory}: expected a directory of parameters, found none")
-    root = directory.resolve()
-    for path in directory.rglob("*"):
-        if path.is_symlink() and not path.resolve().is_relative_to(root):
-            raise CheckpointError(f"{path}: this link leads out of the checkpoint; it is not read")
+    try:
+        root = directory.resolve()
+        total = 0
+        for count, path in enumerate(directory.rglob("*")):
+            if count >= CHECKPOINT_FILES:
+                raise CheckpointError(f"{directory}: expected at most {CHECKPOINT_FILES} files")
+            if path.is_symlink() and not path.resolve().is_relative_to(root):
+                raise CheckpointError(
+                    f"{path}: this link leads out of the checkpoint; it is not read"
+                )
+            status = path.stat()
+            if stat.S_ISREG(status.st_mode):
+                total += status.st_size
+            elif not stat.S_ISDIR(status.st_mode):
+                raise CheckpointError(
+                    f"{path}: expected a regular file, got a device, pipe or socket"
+                )
+    except (OSError, RuntimeError) as error:  # RuntimeError: a link to itself
+        raise CheckpointError(f"{directory}: cannot be read: {error}") from None
+    largest = LIMITS["tensors"].largest
+    if total > largest:
+        raise CheckpointError(f"{directory}: expected at most {largest // MIB} MiB")
 
 
 def _damaged(directory: Path, error: Exception) -> CheckpointError:

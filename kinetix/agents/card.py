@@ -4,18 +4,28 @@ import dataclasses
 import difflib
 import json
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
+from msgspec import Meta
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
-from kinetix.engine.spec import Capacity
+from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.errors import CheckpointError
+from kinetix.files.json_text import read_object
+from kinetix.files.regular import FileError
+from kinetix.level.model import MAX_ENTITIES
 
 FORMAT = "kinetix-agent"
 VERSION = 1
-_LARGEST_FILE = 16 * 2**20
-"""Bytes; a description beyond this is no description."""
+MAX_FRAME_SKIP = 1000
+"""Physics steps of one environment step, as in the recorded solution of a level."""
+MAX_BINDINGS = 64
+"""Action channels of either kind."""
+
+_Count = Annotated[int, Meta(ge=0, le=MAX_ENTITIES)]
+_Channels = Annotated[int, Meta(ge=1, le=MAX_BINDINGS)]
+_Name = Annotated[str, Meta(max_length=1000)]
 
 
 class _Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -41,12 +51,12 @@ class ActionCard(_Part, frozen=True, kw_only=True):
 class CapacityCard(_Part, frozen=True, kw_only=True):
     """The sizes that the agent was trained with."""
 
-    polygons: int
-    circles: int
-    joints: int
-    thrusters: int
-    motor_bindings: int = 4
-    thruster_bindings: int = 2
+    polygons: Annotated[int, Meta(ge=ARENA_BODIES, le=MAX_ENTITIES)]
+    circles: _Count
+    joints: _Count
+    thrusters: _Count
+    motor_bindings: _Channels = 4
+    thruster_bindings: _Channels = 2
 
     @property
     def sizes(self) -> Capacity:
@@ -64,11 +74,11 @@ class EnvironmentCard(_Part, frozen=True, kw_only=True):
 
     physics: str = "balanced"
     """Physics preset or solver."""
-    frame_skip: int = 2
+    frame_skip: Annotated[int, Meta(ge=1, le=MAX_FRAME_SKIP)] = 2
     """Physics steps an action is held for."""
-    dt: float = 1 / 60
+    dt: Annotated[float, Meta(ge=1e-6, le=1.0)] = 1 / 60
     """Physics step [s]."""
-    dense_reward_scale: float = 0.2
+    dense_reward_scale: Annotated[float, Meta(ge=-1e6, le=1e6)] = 0.2
     """Weight of the distance reward."""
     parity: str | None = None
     """`kinetix-3` where everything was as in kinetix-env 3."""
@@ -85,7 +95,7 @@ class NormalisationCard(_Part, frozen=True, kw_only=True):
 class AgentCard(_Part, frozen=True, kw_only=True):
     """Everything about an agent but its parameters."""
 
-    name: str
+    name: _Name
     description: str = ""
     observation: ObservationCard = ObservationCard(type="symbolic_entity")
     action: ActionCard = ActionCard(type="multi_discrete")
@@ -195,17 +205,9 @@ def read_json_object(path: Path) -> dict[str, Any]:
         CheckpointError: It cannot be read, is too large, or is not such a file.
     """
     try:
-        size = path.stat().st_size
-        if size > _LARGEST_FILE:
-            raise CheckpointError(f"{path}: expected at most {_LARGEST_FILE} bytes, got {size}")
-        content = msgspec.json.decode(path.read_bytes())
-    except OSError as error:
-        raise CheckpointError(f"{path}: cannot be read: {error.strerror}") from None
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise CheckpointError(f"{path}: not valid JSON: {error}") from None
-    if not isinstance(content, dict):
-        raise CheckpointError(f"{path}: $: expected an object, got {type(content).__name__}")
-    return content
+        return read_object(path, "agent")
+    except FileError as error:
+        raise CheckpointError(str(error)) from None
 
 
 def check_names(path: Path, place: str, content: Any, allowed: frozenset[str]) -> None:

@@ -15,8 +15,9 @@ from kinetix.agents.arrays import (
     read_arrays,
     write_arrays,
 )
-from kinetix.agents.card import AgentCard, Inventory, read_card, write_card
-from kinetix.agents.shapes import parameter_shapes
+from kinetix.agents.card import AgentCard, EnvironmentCard, Inventory, read_card, write_card
+from kinetix.agents.shapes import normalised_widths, parameter_shapes
+from kinetix.engine.presets import solver_named
 from kinetix.errors import CheckpointError, KinetixError
 
 CARD = "agent.json"
@@ -104,9 +105,11 @@ def read_checkpoint(
     """
     check_inside(directory)
     card, inventory = read_card(directory / CARD)
+    check_environment(directory / CARD, card.environment)
     if accept is not None:
         accept(card)
     expected = expected_shapes(directory / CARD, card)
+    _check_normalisation(directory / CARD, card)
     leaves = {name: leaf.shape for name, leaf in flatten(expected)}
     compare_shapes(directory / CARD, leaves, inventory.shapes)
     params = read_arrays(directory / PARAMS, expected)
@@ -131,6 +134,43 @@ def expected_shapes(path: Path, card: AgentCard) -> Tree:
         return parameter_shapes(card)
     except (ValueError, TypeError, KeyError, KinetixError) as error:
         raise CheckpointError(f"{path}: no network can be made from this: {error}") from None
+
+
+def check_environment(path: Path, environment: EnvironmentCard) -> None:
+    """Refuse physics and parity that this program does not have.
+
+    Args:
+        path: The file, for the sentence.
+        environment: What it says.
+
+    Raises:
+        CheckpointError: One of them is unknown.
+    """
+    try:
+        solver_named(environment.physics)
+    except KinetixError as error:
+        raise CheckpointError(f"{path}: $.environment.physics: {error}") from None
+    if environment.parity not in (None, "kinetix-3"):
+        raise CheckpointError(
+            f'{path}: $.environment.parity: expected "kinetix-3" or null, '
+            f"got {environment.parity!r}"
+        )
+
+
+def _check_normalisation(path: Path, card: AgentCard) -> None:
+    """Compare the statistics with what the agent sees."""
+    stored = card.normalisation
+    if stored is None:
+        return
+    expected = normalised_widths(card)
+    for name, by_field in (("mean", stored.mean), ("variance", stored.variance)):
+        widths = {field: len(values) for field, values in by_field.items()}
+        if widths != expected:
+            raise CheckpointError(
+                f"{path}: $.normalisation.{name}: expected columns {expected}, got {widths}"
+            )
+    if any(value < 0 for values in stored.variance.values() for value in values):
+        raise CheckpointError(f"{path}: $.normalisation.variance: expected numbers from 0")
 
 
 def steps_of_run(run: Path) -> list[int]:

@@ -8,7 +8,6 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from kinetix.agents.arrays import check_inside, compare_shapes, flatten, unflatten
@@ -20,11 +19,13 @@ from kinetix.agents.card import (
     ObservationCard,
     read_json_object,
 )
-from kinetix.agents.checkpoint import expected_shapes
+from kinetix.agents.checkpoint import check_environment, expected_shapes
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import observations_of_card, static_env_params_of_card
 from kinetix.environment.params import EnvParams
 from kinetix.errors import CheckpointError
+from kinetix.files.arrays import read_tensors, tensor_shapes
+from kinetix.files.regular import FileError
 from kinetix.level.sizes import SIZES
 
 TENSORS = "params.safetensors"
@@ -64,7 +65,10 @@ def read_peer_checkpoint(
     """
     check_inside(directory)
     path = directory / TENSORS
-    shapes = _stored_shapes(path)
+    try:
+        shapes = tensor_shapes(path)
+    except FileError as error:
+        raise CheckpointError(str(error)) from None
     card = _card(directory / CONFIG, shapes)
     if accept is not None:
         accept(card)
@@ -74,13 +78,9 @@ def read_peer_checkpoint(
     }
     compare_shapes(path, expected, shapes)
     try:
-        with safe_open(path, framework="np") as file:
-            arrays = {name: file.get_tensor(name) for name in expected}
-    except (SafetensorError, OSError) as error:
-        raise CheckpointError(f"{path}: the arrays cannot be read: {error}") from None
-    for name, array in arrays.items():
-        if array.dtype != np.float32:
-            raise CheckpointError(f"{path}: tensor {name!r} is {array.dtype}, expected float32")
+        arrays = read_tensors(path, expected)
+    except FileError as error:
+        raise CheckpointError(str(error)) from None
     return card, unflatten((name.removeprefix(_ROOT), array) for name, array in arrays.items())
 
 
@@ -118,39 +118,34 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
         raise CheckpointError(f"{directory}: cannot be written: {error}") from error
 
 
-def _stored_shapes(path: Path) -> dict[str, tuple[int, ...]]:
-    """Names and shapes from the header of a safetensors file; no array is read."""
-    try:
-        with safe_open(path, framework="np") as file:
-            return {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (no mapping)
-    except (SafetensorError, OSError) as error:
-        raise CheckpointError(f"{path}: not a readable safetensors file: {error}") from None
-
-
 def _card(path: Path, shapes: Mapping[str, tuple[int, ...]]) -> AgentCard:
     config = read_json_object(path)
     model = config.get("model", {})
     if not isinstance(model, dict):
         raise CheckpointError(f"{path}: $.model: expected an object, got {model!r}")
     observation = config.get("observation_type", "symbolic_entity")
-    if observation not in _KIND_OF_OBSERVATION:
+    if not isinstance(observation, str) or observation not in _KIND_OF_OBSERVATION:
         raise CheckpointError(
             f"{path}: $.observation_type: expected one of {', '.join(_KIND_OF_OBSERVATION)}, "
             f"got {observation!r}"
         )
     action = config.get("action_type", "multi_discrete")
+    for name in ("name", "description"):
+        if not isinstance(config.get(name, ""), str):
+            raise CheckpointError(f"{path}: $.{name}: expected a string")
     network = _network(path, model, observation)
     try:
         environment = msgspec.convert(
             config.get("environment", {"physics": "jax2d", "parity": "kinetix-3"}), EnvironmentCard
         )
         capacity = msgspec.convert(config.get("capacity"), CapacityCard | None)
+        check_environment(path, environment)
     except msgspec.ValidationError as error:
         raise CheckpointError(f"{path}: {error}") from None
     rest = {key: value for key, value in config.items() if key not in _OUR_ONLY}
     return AgentCard(
-        name=str(config.get("name", path.parent.name)),
-        description=str(config.get("description", "")),
+        name=config.get("name", path.parent.name)[:1000],
+        description=config.get("description", ""),
         observation=ObservationCard(type=observation),
         action=ActionCard(type=str(action)),
         capacity=capacity or _capacity_from_tensors(path, observation, shapes),

@@ -108,6 +108,24 @@ def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
     return variables["params"]
 
 
+def normalised_widths(card: AgentCard) -> dict[str, int]:
+    """Columns of every part of the observation that normalisation applies to, by field.
+
+    Args:
+        card: The agent's description.
+    """
+    static_env_params = static_env_params_of_card(card)
+    space: Any = observations_of_card(card, EnvParams(), static_env_params).space
+    if not isinstance(space, Dict):
+        return {"": space.shape[-1]}
+    parts: dict[str, Any] = dict(space.spaces)
+    return {
+        name: part.shape[-1]
+        for name, part in parts.items()
+        if jnp.issubdtype(part.dtype, jnp.floating)
+    }
+
+
 def parameter_shapes(card: AgentCard) -> Tree:
     """Shape and dtype of every parameter, as nested dictionaries.
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import Final
 
-from kinetix.errors import KinetixError
+from kinetix.failures import guarded, plain_streams
 from kinetix.paths import cache_dir
 
 COMMANDS: Final[dict[str, str]] = {
@@ -29,7 +29,6 @@ COMMANDS: Final[dict[str, str]] = {
 }
 """Every sub-command and what it does."""
 
-_INTERRUPTED: Final = 130
 _MEASURES_COMPILING: Final = "bench"
 
 
@@ -43,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status: 0 done, 1 the input or the result is bad, 2 wrong usage.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    return guarded(lambda: _main(words), name="kinetix", words=words)
+
+
+def _main(words: Sequence[str]) -> int:
     if not words or words[0] in ("-h", "--help"):
         print(_overview(), file=sys.stdout if words else sys.stderr)
         return 0 if words else 2
@@ -63,17 +66,11 @@ def _run(name: str, words: Sequence[str]) -> int:
         os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     try:
         module = importlib.import_module(f"kinetix.cli.{name}")
-        return module.run(_parse(module, name, words))
+        command = _parse(module, name, words)
     except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
         return stop.code if isinstance(stop.code, int) else 2
-    except KinetixError as error:
-        print(error, file=sys.stderr)
-    except OSError as error:
-        print(_file_error(error), file=sys.stderr)
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return _INTERRUPTED
-    return 1
+    with plain_streams():
+        return module.run(command)
 
 
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> object:
@@ -112,8 +109,3 @@ def _version() -> str:
     import importlib.metadata
 
     return importlib.metadata.version("kinetix-editor")
-
-
-def _file_error(error: OSError) -> str:
-    reason = error.strerror or str(error)
-    return f"{error.filename}: {reason}" if error.filename is not None else reason

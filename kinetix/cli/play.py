@@ -27,7 +27,7 @@ def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.environments import environment_for
+    from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.environment.episode import play_episode
     from kinetix.environment.reset import level_state
@@ -39,6 +39,7 @@ def run(command: Play) -> int:
     capacity = capacity_of(document.level) if source is None else source.capacity
     name = command.agent
     player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    capacity = capacity_for(player.card, capacity, level=document.level.name)
     env = environment_for(player, capacity, physics=command.physics)
     episode = play_episode(
         env,

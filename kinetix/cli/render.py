@@ -103,7 +103,7 @@ def run(command: Render) -> int:
 def _moments(command: Render) -> Iterator[Moment]:
     """The episode as far as it is asked for, its start included."""
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.environments import environment_for
+    from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.environment.reset import level_state
     from kinetix.level.codec import load_document
@@ -122,6 +122,7 @@ def _moments(command: Render) -> Iterator[Moment]:
     else:
         player = load_agent(command.agent)
     capacity = capacity_of(document.level) if source is None else source.capacity
+    capacity = capacity_for(player.card, capacity, level=document.level.name)
     env = environment_for(player, capacity, physics=command.physics)
     steps = command.steps
     if steps is None:

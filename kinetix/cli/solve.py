@@ -116,7 +116,7 @@ def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
             save_level(level.replace(solution=None, tags=tags), each.path)
             print(f"dropped the solution in {each.path}: it does not win", flush=True)
         return False
-    steps = sum(repeat for repeat, _ in solution.actions)
+    steps = solution.steps
     print(f"{level.name}: won after {steps} steps under {solution.physics}", flush=True)
     if command.write and each.path:
         _record(level, solution, each.path)

@@ -10,7 +10,8 @@ from typing import Annotated, Any
 import tyro
 from tyro.conf import Positional
 
-from kinetix.errors import LevelError
+from kinetix.errors import LevelError, plain
+from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
 from kinetix.level.sets import is_set_file, load_set
 from kinetix.level.validate import Issue, has_errors, validate
@@ -50,11 +51,13 @@ def run(command: Validate) -> int:
     if not command.files:
         print("kinetix validate: expected at least one file", file=sys.stderr)
         return 2
-    ok = True
+    ok, found = True, 0
     for file in named_files(command.files):
         report = file_report(file)
-        ok = ok and report.ok
+        ok, found = ok and report.ok, found + 1
         print(_json_line(report) if command.json else _text(report), flush=True)
+    if not found:
+        raise LevelError(f"{', '.join(command.files)}: expected level files, found none")
     return 0 if ok else 1
 
 
@@ -74,9 +77,14 @@ def file_report(file: str) -> FileReport:
         if is_set_file(path):
             return FileReport(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
         loaded = load_document(path)
+        issues = validate(loaded.level)
     except LevelError as error:
         return FileReport(file=file, format=None, issues=tuple(_reading_issues(error)))
-    return FileReport(file=file, format=loaded.format, issues=validate(loaded.level))
+    except Exception as error:  # a fault of ours in one file must not hide the others
+        message = crash_sentence(error, "kinetix validate", [file])
+        issue = Issue(code="E001", severity="error", path="$", message=message)
+        return FileReport(file=file, format=None, issues=(issue,))
+    return FileReport(file=file, format=loaded.format, issues=issues)
 
 
 def _set_issues(path: Path) -> Iterator[Issue]:
@@ -116,8 +124,8 @@ def _json_line(report: FileReport) -> str:
 
 def _text(report: FileReport) -> str:
     if not report.issues:
-        return f"{report.file}: no problems"
+        return f"{plain(report.file)}: no problems"
     return "\n".join(
-        f"{report.file}: {issue.severity} {issue.code} {issue.path}: {issue.message}"
+        f"{plain(report.file)}: {issue.severity} {issue.code} {issue.path}: {plain(issue.message)}"
         for issue in report.issues
     )

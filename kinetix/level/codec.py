@@ -56,11 +56,15 @@ def resolve_path(name: str | Path) -> Path:
     candidates = [plain]
     if not plain.is_absolute() and not str(name).startswith("."):
         candidates.append(levels_dir() / plain)
-    for candidate in candidates:
-        with_suffix = candidate.with_name(f"{candidate.name}.json")
-        for path in (candidate, with_suffix):
-            if path.is_file():
-                return path
+    try:
+        for candidate in candidates:
+            with_suffix = candidate.with_name(f"{candidate.name}.json")
+            for path in (candidate, with_suffix):
+                if path.is_file():
+                    return path
+    except (OSError, ValueError) as error:  # too long a name, a folder that is closed to us
+        reason = getattr(error, "strerror", None) or error
+        raise LevelError(f"{name}: cannot be read: {reason}") from error
     if plain.is_dir():
         raise LevelError(f"{name}: expected a level file, got a folder")
     raise LevelError(f"{name}: there is no such file, nor a bundled level of this name")

@@ -10,16 +10,31 @@ from kinetix.level.geometry import (
     polygon_fault,
     recentred,
 )
-from kinetix.level.model import ARENA_NAMES, Body, Circle, Entity, InertiaModel, Level, Polygon
+from kinetix.level.model import (
+    ARENA_NAMES,
+    MAX_STEPS,
+    Body,
+    Circle,
+    Entity,
+    InertiaModel,
+    Level,
+    Polygon,
+)
 from kinetix.level.sizes import describe_capacity, hinted_capacity, needed_capacity
 
 
 def level_faults(level: Level) -> Iterator[Fault]:
-    """What makes a level that is well typed unfit to be read: equal tags, then E008–E013."""
+    """Yield what makes a well-typed level unfit to be read.
+
+    Equal tags and a solution that is too long come first, then E008–E013.
+    """
     for k, tag in enumerate(level.tags):
         if tag in level.tags[:k]:
             message = f'expected each tag once, got "{tag}" again'
             yield Fault(code="E007", path=f"$.tags[{k}]", message=message)
+    if level.solution is not None and level.solution.steps > MAX_STEPS:
+        message = f"expected at most {MAX_STEPS} steps in all, got {level.solution.steps}"
+        yield Fault(code="E007", path="$.solution.actions", message=message)
     yield from _id_faults(level)
     yield from _reference_faults(level)
     yield from _shape_faults(level)

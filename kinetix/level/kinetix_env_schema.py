@@ -337,17 +337,18 @@ def read_contacts(
 
 def read_parameters(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]:
     """The block `env_params`; Kinetix.js may say `{"type": "size" | "full", …}` instead."""
-    block = _unwrapped(value, path, faults)
-    if isinstance(block, str):
+    if _named_size(value, path, faults):
         return dict(ENV_PARAMS)
+    block = value["params"] if _is_wrapped(value) else value
     return read_keys(block, path, faults, _PARAMETER_READERS)
 
 
 def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]:
     """The block `static_env_params`; Kinetix.js may say `{"type": "size" | "full", …}` instead."""
-    block = _unwrapped(value, path, faults)
-    if isinstance(block, str):
-        return static_env_params(SIZES[block])
+    size = _named_size(value, path, faults)
+    if size is not None:
+        return static_env_params(SIZES[size])
+    block = value["params"] if _is_wrapped(value) else value
     static = read_keys(block, path, faults, _STATIC_READERS, frozenset({"downscale"}))
     if faults.faults:
         return static
@@ -362,14 +363,17 @@ def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]
     return static
 
 
-def _unwrapped(value: Any, path: str, faults: FaultCollector) -> Any:
-    """The block itself, or the name of the size that stands for it."""
-    if not (isinstance(value, dict) and "type" in value and "params" in value):
-        return value
-    if value["type"] == "full":
-        return value["params"]
+def _is_wrapped(value: Any) -> bool:
+    return isinstance(value, dict) and "type" in value and "params" in value
+
+
+def _named_size(value: Any, path: str, faults: FaultCollector) -> str | None:
+    """The size whose name stands for a block; None where the block itself is there."""
+    if not _is_wrapped(value) or value["type"] == "full":
+        return None
     size = value.get("size")
-    if isinstance(size, str) and size in SIZES:
-        return size
+    for name in SIZES:
+        if size == name:
+            return name
     faults.expect("E007", f"{path}.size", f"one of {', '.join(SIZES)}", size)
     return next(iter(SIZES))

@@ -40,6 +40,8 @@ THRUSTER_BINDINGS: Final = 2
 """How many action channels there are for thrusters."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
+MAX_STEPS: Final = 100_000
+"""Environment steps of an episode, and so of a recorded solution."""
 MAX_ENTITIES: Final = 1024
 """Most bodies, joints or thrusters in one level: a bound against hostile files, far above use."""
 
@@ -326,15 +328,20 @@ class Solution(Record, frozen=True, kw_only=True):
     frame_skip: Annotated[int, Meta(ge=1, le=1000)]
     """Engine steps per environment step."""
     actions: Annotated[
-        tuple[tuple[Annotated[int, Meta(ge=1, le=100_000)], _Channels], ...],
-        Meta(max_length=100_000),
+        tuple[tuple[Annotated[int, Meta(ge=1, le=MAX_STEPS)], _Channels], ...],
+        Meta(max_length=MAX_STEPS),
     ]
-    """Runs of (repeat, [m0, m1, m2, m3, t0, t1])."""
+    """Runs of (repeat, [m0, m1, m2, m3, t0, t1]); at most `MAX_STEPS` steps in all."""
 
     def __post_init__(self) -> None:
         """Make nested sequences tuples."""
         runs = tuple((repeat, tuple(channels)) for repeat, channels in self.actions)
         msgspec.structs.force_setattr(self, "actions", runs)
+
+    @property
+    def steps(self) -> int:
+        """Environment steps in all."""
+        return sum(repeat for repeat, _ in self.actions)
 
     def unrolled(self) -> Iterator[tuple[int, ...]]:
         """One action vector per environment step."""
@@ -369,7 +376,7 @@ class Level(Record, frozen=True, kw_only=True):
     ] = None
     gravity: tuple[_Gravity, _Gravity] = (0.0, -9.81)
     max_timesteps: Annotated[
-        int, Meta(ge=1, le=100_000, description="Episode length in environment steps")
+        int, Meta(ge=1, le=MAX_STEPS, description="Episode length in environment steps")
     ] = 256
     inertia_model: Annotated[
         InertiaModel, _note("How mass properties follow from shape and density")

@@ -17,6 +17,7 @@ from msgspec import Meta
 
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
+from kinetix.files.limits import LIMITS, MIB
 from kinetix.level.atomic import write_atomically
 from kinetix.level.canonical import level_tree, record_tree, tree_text
 from kinetix.level.codec import (
@@ -26,7 +27,7 @@ from kinetix.level.codec import (
     load_document,
     resolve_path,
 )
-from kinetix.level.faults import EnoughFaults, FaultCollector, fail
+from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
 from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
 from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
 from kinetix.level.schema import check_tree
@@ -36,8 +37,6 @@ from kinetix.level.validate import validate
 Split = Literal["train", "eval"]
 
 VERSION: Final = 1
-MAX_SET_BYTES: Final = 32 * 2**20
-"""Larger set files are refused; a set of a thousand inline levels has about 10 MB."""
 MAX_LEVELS: Final = 10_000
 """Most levels of a set: a bound against hostile files."""
 DEFAULT_SPLIT: Final = 0.8
@@ -130,7 +129,7 @@ def common_capacity(levels: Iterable[Level]) -> Capacity:
 def is_set_file(path: Path) -> bool:
     """Whether a JSON file is a level set; a file that cannot be read is none."""
     try:
-        text = read_text(path, limit=MAX_SET_BYTES)
+        text = read_text(path, "set")
         if f'"{LEVELSET_FORMAT}"' not in text:  # most files are levels: tell them without parsing
             return False
         tree = parse_json(text, str(path))
@@ -146,7 +145,7 @@ def load_set(path: str | Path) -> LoadedSet:
         LevelError: The set or one of its levels is bad, or a level is not the one that was listed.
     """
     file = resolve_path(path)
-    return loads_set(read_text(file, limit=MAX_SET_BYTES), str(file), folder=file.parent)
+    return loads_set(read_text(file, "set"), str(file), folder=file.parent)
 
 
 def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
@@ -171,6 +170,10 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
     for k, entry in enumerate(manifest.levels):
         if entry.path is None:
             level, where = inline[k], None
+        elif not within_reach(entry.path):
+            message = f"expected a path inside the folder above the set, got {found(entry.path)}"
+            faults.add("E007", f"$.levels[{k}].path", message)
+            continue
         else:
             where = folder / entry.path
             level = load_document(where if where.is_absolute() else Path.cwd() / where).level
@@ -288,8 +291,8 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
 
 def part_of(levels: Sequence[SetLevel], split: Split) -> list[SetLevel]:
     """The levels of one part; all of them where none is in it (folders are not split)."""
-    found = [each for each in levels if each.split == split]
-    return found or list(levels)
+    chosen = [each for each in levels if each.split == split]
+    return chosen or list(levels)
 
 
 def _from_file(path: Path, name: Path) -> SetLevel:
@@ -356,7 +359,7 @@ def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> Loa
     levels = tuple(dataclasses.replace(each, split=chosen[each.sha256]) for each in loaded.levels)
     entries = tuple(
         SetEntry(
-            path=None if each.path is None else relative_path(each.path, folder),
+            path=None if each.path is None else _path_in_set(each.path, folder),
             sha256=each.sha256,
             tags=each.tags,
             weight=each.weight,
@@ -385,6 +388,24 @@ def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, S
     return {one: "train" if k < count else "eval" for k, one in enumerate(ranked)}
 
 
+def within_reach(path: str) -> bool:
+    """Whether a set may name a file by this path: relative, and at most one folder up.
+
+    So `sets/all.json` may name `../s/lamp.json`, and a set that was sent to somebody cannot have
+    other files of theirs read.
+    """
+    plain_path = path.replace("\\", "/")
+    if plain_path.startswith("/") or ":" in plain_path.split("/")[0]:
+        return False
+    return not f"{os.path.normpath(plain_path)}/".startswith("../../")
+
+
+def _path_in_set(path: Path, folder: Path) -> str | None:
+    """How a set names a level; None where it is out of reach, so that it must stand in the set."""
+    name = relative_path(path, folder)
+    return name if within_reach(name) else None
+
+
 def relative_path(path: Path, folder: Path) -> str:
     """A path as a manifest in `folder` says it, with forward slashes."""
     return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
@@ -404,7 +425,7 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
     Args:
         loaded: The set.
         inline: Whether the levels themselves stand in it instead of paths; levels without a file
-            always do.
+            and those out of the set's reach always do.
     """
     tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)
     tree["levels"] = []
@@ -421,6 +442,13 @@ def save_set(loaded: LoadedSet, path: str | Path, *, inline: bool = False) -> No
     """Write a set atomically.
 
     Raises:
-        LevelError: The file cannot be written.
+        LevelError: The file cannot be written, or would be too large to be read.
     """
-    write_atomically(Path(path), dumps_set(loaded, inline=inline).encode())
+    data = dumps_set(loaded, inline=inline).encode()
+    largest = LIMITS["set"].largest
+    if len(data) > largest:
+        raise LevelError(
+            f"{path}: a set of more than {largest // MIB} MiB could not be read again; put it "
+            "beside its levels, without --inline"
+        )
+    write_atomically(Path(path), data)

@@ -2,7 +2,9 @@
 
 import dataclasses
 import json
+import os
 import shutil
+import time
 
 import jax
 import numpy as np
@@ -231,7 +233,7 @@ def _other_parameters(directory):
 @pytest.mark.parametrize(
     ("damage", "sentence"),
     [
-        (_truncate_card, "agent.json: not valid JSON"),
+        (_truncate_card, "agent.json: not JSON"),
         (_not_an_object, "expected an object, got list"),
         (_no_arrays, "params: expected a directory of parameters"),
         (_truncate_arrays, "params: the arrays cannot be read"),
@@ -246,6 +248,64 @@ def test_a_damaged_directory(copy, damage, sentence):
         load_agent(copy)
     assert "\n" not in str(caught.value)
     assert str(copy) in str(caught.value)
+
+
+def _said(*path, value):
+    def damage(directory):
+        content = json.loads((directory / "agent.json").read_text())
+        part = content
+        for key in path[:-1]:
+            part = part[key]
+        part[path[-1]] = value
+        (directory / "agent.json").write_text(json.dumps(content))
+
+    return damage
+
+
+def _pipe(directory):
+    (directory / "params" / "manifest.ocdbt").unlink(missing_ok=True)
+    os.mkfifo(directory / "params" / "manifest.ocdbt")
+
+
+def _loop(directory):
+    (directory / "params" / "loop").symlink_to("loop")
+
+
+_STATISTICS = {"count": 1.0, "mean": {"": [0.0]}, "variance": {"": [1.0]}}
+
+
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [
+        (_said("capacity", "polygons", value=10**9), "1024"),
+        (_said("capacity", "motor_bindings", value=10**9), "64"),
+        (_said("environment", "frame_skip", value=0), ">= 1"),
+        (_said("environment", "frame_skip", value=10**9), "<= 1000"),
+        (_said("environment", "dt", value=0.0), "dt"),
+        (_said("environment", "dt", value=-1), "dt"),
+        (_said("environment", "physics", value="magic"), "unknown physics 'magic'"),
+        (_said("environment", "parity", value="x"), "parity: expected"),
+        (_said("environment", value=[]), "Expected `object`"),
+        (_said("observation", "options", value={"layout": True}), "no network can be made"),
+        (_said("observation", "options", value={"x": True}), "no network can be made"),
+        (_said("observation", "type", value="x"), "observation"),
+        (_said("action", "type", value="x"), "action type"),
+        (_said("network", "num_heads", value=[]), "num_heads"),
+        (_said("network", value=3), "expected an object"),
+        (_said("normalisation", value=_STATISTICS), r"normalisation\.mean: expected columns"),
+        (_said("name", value={}), "name"),
+        (_said("parameters", value={"a": "b"}), "parameters"),
+        (_pipe, "got a device, pipe or socket"),
+        (_loop, "cannot be read"),
+    ],
+)
+def test_an_agent_that_asks_for_what_cannot_be(copy, damage, sentence):
+    damage(copy)
+    began = time.monotonic()
+    with pytest.raises(CheckpointError, match=sentence) as caught:
+        load_agent(copy)
+    assert "\n" not in str(caught.value)
+    assert time.monotonic() - began < 10
 
 
 def test_what_is_no_agent(tmp_path):

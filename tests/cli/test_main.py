@@ -1,11 +1,15 @@
+import json
+import os
 import resource
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from kinetix import cli
 from kinetix.errors import LevelError
+from kinetix.failures import KEPT_REPORTS
 
 
 @pytest.fixture
@@ -72,13 +76,81 @@ def test_an_interrupt_ends_quietly(command, capsys):
     assert capsys.readouterr().err == "interrupted\n"
 
 
-def test_a_bug_is_not_hidden(command):
+def test_a_bug_is_one_sentence_and_a_report_without_personal_paths(
+    command, capsys, tmp_path, monkeypatch
+):
+    home = tmp_path / "home" / "ada"
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+    def run(words):
+        raise ZeroDivisionError(f"{home}/private/level.json")
+
+    command(run)
+    assert cli.main(["validate", "/srv/ada/letters/x.json"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("kinetix: something went wrong that should not have (ZeroDivisionErr")
+    report = Path(line.rsplit(" ", 1)[1]).read_text()
+    assert "kinetix-editor" in report
+    assert "ZeroDivisionError" in report
+    assert 'File "' in report
+    assert "x.json" in report
+    assert not {word for word in ("ada", "private", "letters") if word in report}
+
+
+def test_only_the_newest_reports_are_kept(command, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
     def run(words):
         raise ZeroDivisionError
 
     command(run)
-    with pytest.raises(ZeroDivisionError):
+    for _ in range(KEPT_REPORTS + 3):
         cli.main(["validate"])
+    assert len(list((tmp_path / "kinetix-editor" / "crashes").iterdir())) == KEPT_REPORTS
+
+
+def test_nothing_that_a_file_says_steers_the_terminal(tmp_path, capsys):
+    level = {
+        "format": "kinetix-level",
+        "version": 1,
+        "name": "\x1b[2Jx\x9b3A\u202e\r",
+        "next_id": 1,
+    }
+    (tmp_path / "x.json").write_text(json.dumps(level | {"\x1b]0;x\x07": 1}))
+    cli.main(["validate", str(tmp_path / "x.json")])
+    cli.main(["validate", str(tmp_path / "\x1b[31mx.json")])
+    captured = capsys.readouterr()
+    for text in (captured.out, captured.err):
+        assert all(character.isprintable() or character == "\n" for character in text)
+
+
+def _shell(line, **variables):
+    environment = os.environ | variables
+    command = f'set -o pipefail; kinetix() {{ {sys.executable} -m kinetix "$@"; }}; {line}'
+    return subprocess.run(
+        ["bash", "-c", command], capture_output=True, env=environment, check=False, timeout=60
+    )
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    done = _shell("kinetix --help | head -1")
+    assert done.stdout.startswith(b"usage: kinetix")
+    assert done.stderr == b""
+    done = _shell("kinetix validate s m l s m l | head -c 1")
+    assert done.stderr == b""
+
+
+def test_an_ascii_terminal_gets_everything_too(tmp_path):
+    level = {"format": "kinetix-level", "version": 1, "name": "Lämpe 灯", "next_id": 1, "ä": 1}
+    (tmp_path / "灯.json").write_text(json.dumps(level))
+    ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    done = _shell(f"kinetix validate {tmp_path}/*.json", **ascii_only)
+    assert b"E005" in done.stdout
+    assert done.stderr == b""
+    done = _shell("kinetix validate --help", **ascii_only)
+    assert done.returncode == 0
+    assert b"Traceback" not in done.stderr
 
 
 def test_overview_is_fast_and_free_of_jax():

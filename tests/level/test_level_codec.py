@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from kinetix.errors import LevelError
+from kinetix.files.limits import LIMITS
 from kinetix.level.canonical import VERSION, real_text, tree_text
 from kinetix.level.codec import (
     dumps,
@@ -23,7 +24,6 @@ from kinetix.level.codec import (
     resolve_path,
     save_level,
 )
-from kinetix.level.json_text import MAX_FILE_BYTES
 from kinetix.level.migrations import MIGRATIONS
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from tests.level.strategies import levels
@@ -198,7 +198,7 @@ def test_a_large_file_is_refused_unread(tmp_path):
     path = tmp_path / "large.json"
     with path.open("wb") as file:
         file.truncate(100 * 2**20)
-    with pytest.raises(LevelError, match=f"at most {MAX_FILE_BYTES >> 20} MiB"):
+    with pytest.raises(LevelError, match=f"at most {LIMITS['level'].largest >> 20} MiB"):
         load_level(path)
 
 

@@ -272,3 +272,19 @@ def test_broken_settings_are_the_defaults(tmp_path, text):
     file = tmp_path / "settings.json"
     file.write_text(text)
     assert Settings.load(file) == Settings()
+
+
+@pytest.mark.parametrize("number", ["NaN", "1e999", "-1", "10000", "true", '"2"', "[2]"])
+def test_a_scale_that_no_window_can_have_is_passed_over(tmp_path, number):
+    file = tmp_path / "settings.json"
+    file.write_text(f'{{"ui_scale": {number}, "text_scale": {number}, "palette": "mine"}}')
+    loaded = Settings.load(file)
+    assert (loaded.ui_scale, loaded.text_scale, loaded.palette) == (0.0, 1.0, "mine")
+
+
+def test_settings_that_are_nested_too_deeply_or_of_other_types_do_not_stop_a_start(tmp_path):
+    file = tmp_path / "settings.json"
+    file.write_text("[" * 100_000)
+    assert Settings.load(file) == Settings()
+    file.write_text('{"recents": [1, {}], "keys": {"a": [{}]}, "layouts": [], "grid_step": 1}')
+    assert Settings.load(file) == Settings(grid_step=1.0)

@@ -90,6 +90,54 @@ def test_what_is_no_episode_is_said_in_a_sentence(session, tmp_path, content):
     assert session.editing
 
 
+def _with(played, path, **changes):
+    """An episode in whose file some arrays are others; None leaves one out."""
+    write_trace(played.playback.trace, played.playback.level, path)
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in stored.files} | changes
+    np.savez(path, **{name: array for name, array in arrays.items() if array is not None})
+    return path
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"angle": None},
+        {"angle": np.zeros((11, 1))},
+        {"velocity": np.zeros((11, 2, 3))},
+        {"position": np.full((11, 2, 2), np.nan)},
+        {"step": np.array(3)},
+        {"step": np.array(["a"] * 11)},
+        {"frame_skip": np.array("x")},
+        {"value": np.zeros((11, 2))},
+        {"action": np.zeros((3, 6), np.int32)},
+        {"seed": np.array(np.inf)},
+        {"level": np.array("{}")},
+        {"level": np.array(3)},
+        {"player": np.array(3)},
+        {"outcome": np.array(["won", "lost"])},
+    ],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_an_episode_whose_arrays_do_not_fit_is_one_sentence(played, tmp_path, changes):
+    path = _with(played, tmp_path / "episode.npz", **changes)
+    with pytest.raises(KinetixError, match=r"episode\.npz: "):
+        read_trace(path)
+
+
+def test_an_export_that_fails_leaves_the_file_before_it(played, tmp_path, monkeypatch):
+    path = tmp_path / "episode.npz"
+    path.write_bytes(b"before")
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(KinetixError, match="No space left"):
+        write_trace(played.playback.trace, played.playback.level, path)
+    assert path.read_bytes() == b"before"
+
+
 def test_states_of_another_level_are_refused(played, tmp_path):
     path = tmp_path / "episode.npz"
     level = played.playback.level

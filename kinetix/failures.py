@@ -1,0 +1,202 @@
+"""The last resort of every command: output that cannot fail, one sentence, a crash report."""
+
+import contextlib
+import datetime
+import os
+import platform
+import re
+import sys
+import traceback
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Final, TextIO
+
+from kinetix.errors import KinetixError, plain
+from kinetix.paths import state_dir
+
+INTERRUPTED: Final = 130
+"""Exit status after Ctrl+C."""
+TERMINATED: Final = 143
+"""Exit status after SIGTERM."""
+KEPT_REPORTS: Final = 20
+"""Of more crash reports the oldest are deleted."""
+_LONGEST_REPORT: Final = 200_000
+_UNSAFE: Final = {
+    code: f"\\u{code:04x}"
+    for code in (*range(0x20), *range(0x7F, 0xA0), *range(0x202A, 0x202F), *range(0x2066, 0x206A))
+    if chr(code) not in "\n\t"
+}
+"""What a file must not be able to say to a terminal; `plain` escapes the same in sentences."""
+_ABSOLUTE: Final = re.compile(r"(?<![\w<.])(?:~|[A-Za-z]:)?(?:[/\\][^/\\\s'\":,;()<>]+){2,}")
+
+
+class Terminated(BaseException):
+    """The system asked the process to end (SIGTERM)."""
+
+
+class PlainStream:
+    """A text stream whose text cannot steer the terminal."""
+
+    def __init__(self, stream: TextIO, *, overwrites: bool = False) -> None:
+        """Wrap a stream.
+
+        Args:
+            stream: The stream.
+            overwrites: Whether carriage returns pass, as a line of progress needs them.
+        """
+        self._stream = stream
+        self._table = {k: v for k, v in _UNSAFE.items() if not (overwrites and k == ord("\r"))}
+
+    def write(self, text: str) -> int:
+        """Write a text with control characters escaped."""
+        self._stream.write(text.translate(self._table))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+@contextlib.contextmanager
+def plain_streams() -> Iterator[None]:
+    """Let nothing that is printed inside steer the terminal or fail for want of a character."""
+    before = sys.stdout, sys.stderr
+    for stream in before:
+        encodable(stream)
+    sys.stdout, sys.stderr = PlainStream(before[0]), PlainStream(before[1], overwrites=True)  # pyright: ignore[reportAttributeAccessIssue]
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def encodable(stream: TextIO) -> None:
+    """Make a stream escape what its encoding lacks: ASCII terminals, names that are not UTF-8."""
+    reconfigure = getattr(stream, "reconfigure", None)
+    if reconfigure is not None and getattr(stream, "errors", "") in ("strict", "surrogateescape"):
+        reconfigure(errors="backslashreplace")
+
+
+def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> int:
+    """Run a command so that no exception leaves it as a traceback.
+
+    Args:
+        command: What to run.
+        name: What the sentence begins with, such as `kinetix`.
+        words: The command line, for the crash report.
+
+    Returns:
+        The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 143 after
+        SIGTERM.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        encodable(stream)
+    try:
+        status = command()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read has had enough (`| head -1`). Python would complain once more at its end.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except BaseException as error:
+        sentence, status = _told(error, name, words)
+        with contextlib.suppress(OSError):
+            print(sentence, file=sys.stderr)  # noqa: T201 (a command's own output)
+    return status
+
+
+def _told(error: BaseException, name: str, words: Sequence[str]) -> tuple[str, int]:
+    """One sentence for what ended a command, and the exit status."""
+    match error:
+        case SystemExit():
+            raise error
+        case KinetixError():
+            return str(error), 1
+        case KeyboardInterrupt():
+            return "interrupted", INTERRUPTED
+        case Terminated():
+            return "terminated", TERMINATED
+        case OSError():
+            return plain(_file_error(error)), 1
+        case MemoryError():
+            return f"{name}: not enough memory", 1
+    if "RESOURCE_EXHAUSTED" in str(error):  # JAX has a type of its own, and other words behind it
+        return f"{name}: not enough memory: {plain(str(error), 200)}", 1
+    return crash_sentence(error, name, words), 1
+
+
+def crash_sentence(error: BaseException, name: str, words: Sequence[str]) -> str:
+    """Write a crash report and say where it is.
+
+    Args:
+        error: What nobody expected.
+        name: What the sentence begins with.
+        words: The command line, or the last actions.
+    """
+    what = plain(f"{type(error).__name__}: {error}", 200)
+    sentence = f"{name}: something went wrong that should not have ({what})"
+    path = write_report(error, words)
+    where = "no report could be written" if path is None else f"a report is in {path}"
+    return f"{sentence}; {where}"
+
+
+def write_report(error: BaseException, words: Sequence[str]) -> Path | None:
+    """Write what is needed to find a fault: version, traceback, last words; no personal paths.
+
+    Args:
+        error: What nobody expected.
+        words: The command line, or the last actions.
+
+    Returns:
+        The file, or None where none could be written.
+    """
+    folder = state_dir() / "crashes"
+    now = datetime.datetime.now()
+    path = folder / f"{now:%Y-%m-%d_%H-%M-%S}_{uuid.uuid4().hex[:6]}.txt"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in sorted(folder.glob("*.txt"))[: -KEPT_REPORTS + 1]:
+            old.unlink(missing_ok=True)
+        text = report_text(error, words)
+        path.write_text(text, encoding="utf-8", errors="backslashreplace")
+    except OSError:
+        return None
+    return path
+
+
+def report_text(error: BaseException, words: Sequence[str]) -> str:
+    """The text of a crash report.
+
+    Args:
+        error: What nobody expected.
+        words: The command line, or the last actions.
+    """
+    import importlib.metadata
+
+    versions = [f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"]
+    for package in ("kinetix-editor", "jax", "numpy", "imgui-bundle", "pygame"):
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            versions.append(f"{package} {importlib.metadata.version(package)}")
+    trace = "".join(traceback.format_exception(error))
+    if len(trace) > _LONGEST_REPORT:
+        trace = f"{trace[: _LONGEST_REPORT // 2]}\n…\n{trace[-_LONGEST_REPORT // 2 :]}"
+    lines = [*versions, "", "last words:", *(f"  {plain(word)}" for word in words), "", trace]
+    return _without_paths("\n".join(lines))
+
+
+def _without_paths(text: str) -> str:
+    """A text in which paths say nothing about the machine and its user."""
+    package = Path(__file__).resolve().parent
+    known = {str(package.parent): "<kinetix>", sys.prefix: "<python>", sys.base_prefix: "<python>"}
+    with contextlib.suppress(RuntimeError):
+        known[str(Path.home())] = "~"
+    for place, tag in sorted(known.items(), key=lambda pair: -len(pair[0])):
+        if len(place) > 1:
+            text = text.replace(place, tag)
+    return _ABSOLUTE.sub(lambda match: "…/" + re.split(r"[/\\]", match[0])[-1], text)
+
+
+def _file_error(error: OSError) -> str:
+    reason = error.strerror or str(error) or type(error).__name__
+    return f"{error.filename}: {reason}" if error.filename is not None else reason

@@ -1,0 +1,48 @@
+"""Limits of everything that is read from a file: one table, shown in docs/security.md."""
+
+import dataclasses
+from typing import Final, Literal
+
+MIB: Final = 2**20
+DEPTH: Final = 64
+"""Arrays and objects within each other, in any JSON; a level has 8."""
+LARGEST_INTEGER: Final = 2**63 - 1
+"""Whole numbers beyond this are refused in any JSON but levels, whose ranges are narrower."""
+MEMBERS: Final = 64
+"""Arrays in one archive."""
+CHECKPOINT_FILES: Final = 10_000
+"""Files below the folder of an agent."""
+
+Kind = Literal["level", "set", "agent", "tensors", "run", "metrics", "trace", "script", "kept"]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Limit:
+    """Bounds of one kind of file."""
+
+    what: str
+    """The kind in words."""
+    largest: int
+    """Bytes; larger files are refused unread. Of an archive: of its arrays, unpacked."""
+    why: str
+    """How large usual files are."""
+
+
+LIMITS: Final[dict[Kind, Limit]] = {
+    "level": Limit(
+        what="level, autosave", largest=8 * MIB, why="the largest published level has 52 kB"
+    ),
+    "set": Limit(what="level set", largest=32 * MIB, why="a thousand inline levels have 10 MB"),
+    "agent": Limit(what="`agent.json`, `config.json`", largest=16 * MIB, why="about 20 kB"),
+    "tensors": Limit(
+        what="arrays of an agent or a training state", largest=16384 * MIB, why="2 MB to 2 GB"
+    ),
+    "run": Limit(what="`progress.json`, `config.toml`", largest=1 * MIB, why="about 3 kB"),
+    "metrics": Limit(what="`metrics.jsonl`", largest=1024 * MIB, why="1 kB an update"),
+    "trace": Limit(what="recorded episode (`.npz`)", largest=256 * MIB, why="about 1 MB"),
+    "script": Limit(what="replay script (`.jsonl`)", largest=64 * MIB, why="about 10 kB"),
+    "kept": Limit(
+        what="settings, results, names, gallery index", largest=64 * MIB, why="up to 10 MB"
+    ),
+}
+"""By kind of file."""
