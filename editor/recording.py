@@ -46,7 +46,9 @@ class Mind:
     value: float
     """What it expects of the future."""
     entropy: float
-    """Of its policy [nat]."""
+    """Of its policy over the controls that the level has [nat]."""
+    chances: tuple[tuple[float, float, float], ...] = ()
+    """Each control's probabilities of −1, 0 and +1; empty where they are not known."""
     by_hand: bool = False
     """Whether a person drove instead."""
     scripted: bool = False

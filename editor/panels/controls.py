@@ -8,7 +8,7 @@ from editor import widgets
 from editor.look import COLOURS, Icons
 from editor.panels.base import Panel
 from editor.widgets import px
-from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
+from kinetix.level.controls import channels_in_use, driven_by
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -25,12 +25,9 @@ class ControlsPanel(Panel):
         """Draw the rows."""
         level = session.document.shown
         keys = session.control_keys
-        drawn = False
-        for channel in range(MOTOR_BINDINGS + THRUSTER_BINDINGS):
+        used = channels_in_use(level)
+        for channel in used:
             driven = driven_by(level, channel)
-            if not driven:
-                continue
-            drawn = True
             imgui.align_text_to_frame_padding()
             ordered = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
             for _, key in ordered:
@@ -42,7 +39,7 @@ class ControlsPanel(Panel):
             widgets.text(", ".join(names), COLOURS.muted)
             if imgui.is_item_hovered():
                 session.highlighted = driven
-        if not drawn:
+        if not used:
             widgets.empty_state(
                 Icons.controls,
                 "Nothing to control",
@@ -50,19 +47,3 @@ class ControlsPanel(Panel):
             )
         elif session.editing:
             widgets.small("Press Space to play, then hold these keys.")
-
-
-def driven_by(level: Level, channel: int) -> tuple[int, ...]:
-    """Ids of the joints or thrusters that a channel drives."""
-    if channel >= MOTOR_BINDINGS:
-        binding = channel - MOTOR_BINDINGS
-        return tuple(t.id for t in level.thrusters if t.binding == binding)
-    return tuple(
-        joint.id
-        for joint in level.joints
-        if joint.kind == "revolute"
-        and joint.motor is not None
-        and joint.motor.on
-        and not joint.motor.auto
-        and joint.motor.binding == channel
-    )

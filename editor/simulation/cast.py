@@ -211,8 +211,9 @@ class AgentDriver:
         return mind_of(
             thought.intention,
             thought.own_action,
-            float(thought.value),
-            float(thought.entropy),
+            value=float(thought.value),
+            entropy=float(thought.entropy),
+            chances=thought.chances,
             by_hand=by_hand,
             scripted=not self._player.params,
         )
@@ -221,9 +222,10 @@ class AgentDriver:
 def mind_of(
     intention: Any,
     own_action: Any,
-    value: float,
-    entropy: float,
     *,
+    value: float = 0.0,
+    entropy: float = 0.0,
+    chances: Any = None,
     by_hand: bool = False,
     scripted: bool = False,
 ) -> Mind:
@@ -233,6 +235,12 @@ def mind_of(
         own_action=tuple(np.asarray(own_action).tolist()),
         value=value if math.isfinite(value) else 0.0,
         entropy=entropy if math.isfinite(entropy) else 0.0,
+        chances=() if scripted or chances is None else _triples(chances),
         by_hand=by_hand,
         scripted=scripted,
     )
+
+
+def _triples(chances: Any) -> tuple[tuple[float, float, float], ...]:
+    rows: Any = np.asarray(chances).tolist()
+    return tuple((a, b, c) for a, b, c in rows)

@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from editor.recording import Mind, Snapshot, Trace, channels_of
@@ -31,7 +29,6 @@ from kinetix.agents.evaluate import (
     evaluate,
     record,
 )
-from kinetix.agents.intention import intention
 from kinetix.agents.player import Player
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.env import KinetixEnv
@@ -138,7 +135,6 @@ class _Recorder:
         self._scripted = player.card.name in SCRIPTED
         self._frame_skip = player.card.environment.frame_skip
         self._view: LevelView | None = None
-        self._intention = jax.jit(lambda logits: intention(env.actions, logits))
 
     def take(self, step: RecordedStep) -> None:
         """Add a moment."""
@@ -166,13 +162,15 @@ class _Recorder:
         )
 
     def _mind(self, step: RecordedStep) -> Mind:
-        if not step.info:
-            return mind_of(step.action, step.action, 0.0, 0.0, scripted=True)
+        said = step.reading
+        if said is None:
+            return mind_of(step.action, step.action, scripted=True)
         return mind_of(
-            self._intention(jnp.asarray(step.info["logits"])),
+            said.intention,
             step.action,
-            float(step.info["value"]),
-            float(step.info["entropy"]),
+            value=float(said.value),
+            entropy=float(said.entropy),
+            chances=said.chances,
         )
 
 

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import jax
 import jax.numpy as jnp
@@ -23,6 +23,9 @@ from kinetix.agents.normalisation import from_card, normalise
 from kinetix.agents.player import Decision, sample_each
 from kinetix.agents.shapes import network_of_card
 from kinetix.errors import CheckpointError
+
+_TOLD: Final = ("logits", "log_prob", "value", "entropy")
+"""What `Agent.act` tells about an action."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,6 +60,7 @@ class NetworkPolicy:
             "log_prob": policy.log_prob(action),
             "value": value[0],
             "entropy": policy.entropy(),
+            "policy": policy,
         }
         return action, carry, info
 
@@ -112,13 +116,15 @@ class Agent:
 
         Returns:
             Actions, the next carry, and a dictionary with `logits`, `log_prob`, `value`, `entropy`.
+            Log-probability and entropy are those of all controls, whatever the level has.
         """
         batch = carry[0].shape[0]
         keys = jax.random.split(key, batch)
         done = jnp.zeros(batch, bool) if done is None else jnp.asarray(done)
-        return _decide(
+        action, carry, info = _decide(
             self.policy, self.params, carry, obs, keys, done, deterministic=deterministic
         )
+        return action, carry, {name: info[name] for name in _TOLD}
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
         """The policy's own `decide`; see `player.Policy`."""

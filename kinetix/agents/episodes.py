@@ -34,8 +34,8 @@ class LastStep:
     reward: Float[Array, " n"]
     distance: Float[Array, " n"]
     """[m]"""
-    info: dict[str, Array]
-    """What the policy says besides: `logits`, `value`, `entropy`; empty for scripted ones."""
+    info: dict[str, Any]
+    """What the policy says besides; empty for scripted ones."""
 
 
 @pytree

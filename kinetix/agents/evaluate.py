@@ -16,6 +16,7 @@ import numpy as np
 
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.episodes import BATCH, Episodes, advance, episode_keys, start
+from kinetix.agents.live import Reading, read_policy
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult, LevelResult, OutcomeName
 from kinetix.engine.spec import Capacity
@@ -135,8 +136,8 @@ class RecordedStep:
     reward: float
     distance: float
     """[m]"""
-    info: dict[str, np.ndarray]
-    """What the policy said: `logits`, `value`, `entropy`; empty for scripted players."""
+    reading: Reading | None
+    """What the network said, as numpy arrays; None for scripted players and at the start."""
     result: EpisodeResult | None
     """How the episode ended, at its last moment."""
 
@@ -199,9 +200,19 @@ def _moment(env: KinetixEnv, episodes: Episodes, *, first: bool) -> RecordedStep
         action=None if first else np.asarray(env.actions.unified(last.action)),
         reward=float(last.reward),
         distance=float(last.distance),
-        info={} if first else dict(last.info),
+        reading=None if first or not last.info else _reading(env, episodes),
         result=episode_results(episodes)[0] if over else None,
     )
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _read(env: KinetixEnv, said: dict[str, Any], state: EnvState) -> Reading:
+    return read_policy(env, said, env.actions.live(state.world, state.labels))
+
+
+def _reading(env: KinetixEnv, episodes: Episodes) -> Reading:
+    state = jax.tree.map(lambda x: x[0], episodes.state)
+    return _numpy(_read(env, episodes.last.info, state))
 
 
 def episode_results(episodes: Episodes) -> list[EpisodeResult]:

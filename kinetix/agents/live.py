@@ -29,7 +29,9 @@ class Thought:
     value: Float[Array, ""]
     """What it expects of the future; 0 for scripted players."""
     entropy: Float[Array, ""]
-    """Of its policy [nat]; 0 for scripted players."""
+    """Of its policy over the controls that the level has [nat]; 0 for scripted players."""
+    chances: Float[Array, "u 3"]
+    """Each control's probabilities of −1, 0 and +1; 0 throughout for scripted players."""
     sane: Bool[Array, ""]
     """Whether all that the network said are numbers."""
 
@@ -77,14 +79,49 @@ def play_step(  # noqa: PLR0913 - everything that one step of a watched episode 
     unified = ContinuousActions(
         motor_bindings=env.actions.motor_bindings, thruster_bindings=env.actions.thruster_bindings
     )
+    live = env.actions.live(state.world, state.labels)
+    thought = _thought(env, said, own, played, live)
     _, state, reward, done, info = dataclasses.replace(env, actions=unified).step(
         key, state, played
     )
-    thought = _thought(env, said, own, played)
     return state, carry, thought, info | {"reward": reward, "done": done}
 
 
-def _thought(env: KinetixEnv, said: dict[str, Array], own: Array, played: Array) -> Thought:
+@pytree
+class Reading:
+    """What a network said about one environment, for overlays and records."""
+
+    value: Float[Array, ""]
+    """What it expects of the future."""
+    entropy: Float[Array, ""]
+    """Of its policy over the controls that the level has [nat]."""
+    chances: Float[Array, "u 3"]
+    """Each control's probabilities of −1, 0 and +1."""
+    intention: Float[Array, " u"]
+    """Expected unified action."""
+
+
+def read_policy(env: KinetixEnv, said: dict[str, Any], live: Bool[Array, " u"]) -> Reading:
+    """Return what a network said of the first environment of its batch.
+
+    Args:
+        env: Where it plays.
+        said: The information of `player.Policy.decide`, with a leading axis.
+        live: Controls that the level has, `env.actions.live`.
+    """
+    made = said["policy"]
+    policy = made.replace(logits=made.logits[0])
+    return Reading(
+        value=said["value"][0],
+        entropy=policy.restricted(live).entropy(),
+        chances=policy.chances(env.actions.motor_bindings),
+        intention=intention(env.actions, policy.logits),
+    )
+
+
+def _thought(
+    env: KinetixEnv, said: dict[str, Any], own: Array, played: Array, live: Array
+) -> Thought:
     if not said:
         nothing = jnp.zeros(())
         return Thought(
@@ -93,14 +130,16 @@ def _thought(env: KinetixEnv, said: dict[str, Array], own: Array, played: Array)
             intention=own,
             value=nothing,
             entropy=nothing,
+            chances=jnp.zeros((*own.shape, 3)),
             sane=jnp.ones((), bool),
         )
-    logits, value, entropy = said["logits"][0], said["value"][0], said["entropy"][0]
+    reading = read_policy(env, said, live)
     return Thought(
         action=played,
         own_action=own,
-        intention=intention(env.actions, logits),
-        value=value,
-        entropy=entropy,
-        sane=jnp.all(jnp.isfinite(logits)) & jnp.isfinite(value),
+        intention=reading.intention,
+        value=reading.value,
+        entropy=reading.entropy,
+        chances=reading.chances,
+        sane=jnp.all(jnp.isfinite(said["logits"])) & jnp.isfinite(reading.value),
     )

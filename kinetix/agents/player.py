@@ -8,7 +8,7 @@ from jaxtyping import Array
 from kinetix.agents.card import AgentCard
 from kinetix.agents.networks.distributions import Distribution
 
-Decision = tuple[Any, Any, dict[str, Array]]
+Decision = tuple[Any, Any, dict[str, Any]]
 """Action, the next carry, and what is known about the action."""
 
 
@@ -43,8 +43,8 @@ class Policy(Protocol):
             deterministic: Take the likeliest action instead of drawing one.
 
         Returns:
-            Actions, the next carry, and, where there is a network, `logits`, `log_prob`, `value`
-            and `entropy`.
+            Actions, the next carry, and, where there is a network, `logits`, `log_prob`, `value`,
+            `entropy` (both of all controls) and `policy`, the distribution.
         """
         ...
 

@@ -5,24 +5,13 @@ from typing import Any, Final
 import numpy as np
 from jaxtyping import Int
 
-from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
+from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
 
 Plans = Int[np.ndarray, "n k 6"]
 """One multi-discrete action per plan and environment step."""
 
 HOLD: Final = (2, 48)
 """Fewest and most environment steps for which a control is held (1/30 s each)."""
-
-
-def channels_in_use(level: Level) -> tuple[int, ...]:
-    """The entries of a multi-discrete action that drive anything in a level."""
-    motors = {
-        joint.motor.binding
-        for joint in level.joints
-        if joint.kind == "revolute" and joint.motor and joint.motor.on and not joint.motor.auto
-    }
-    thrusters = {MOTOR_BINDINGS + thruster.binding for thruster in level.thrusters}
-    return tuple(sorted(motors | thrusters))
 
 
 def random_plans(

@@ -20,12 +20,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
-from kinetix.environment.plans import HOLD, Plans, channels_in_use, random_plans, runs_of
+from kinetix.environment.plans import HOLD, Plans, random_plans, runs_of
 from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state, static_env_params_for_levels
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.environment.stretches import BATCH, Round, Task, stretches
+from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
 

@@ -207,6 +207,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         network=network_of_card(card),
         gamma=config.gamma,
         bootstrap_on_timeout=config.bootstrap_on_timeout and not config.dummy_env,
+        masks_controls=config.parity is None,
     )
     return Setup(
         config=config,

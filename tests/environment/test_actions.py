@@ -11,8 +11,12 @@ from kinetix.environment.actions import (
     DiscreteActions,
     MultiDiscreteActions,
 )
+from kinetix.environment.params import static_env_params_from_size
+from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType
 from kinetix.level.compile import Labels
+from kinetix.level.controls import channels_in_use
+from kinetix.level.model import Body, Joint, Level, Motor, Polygon, Thruster
 
 LABELS = Labels(
     role=jnp.zeros(0, jnp.int32),
@@ -73,3 +77,40 @@ def test_continuous_values_are_clipped() -> None:
     np.testing.assert_allclose(control.motor, [0.25, -1.0, 0.5, 1.0, 1.0])
     np.testing.assert_allclose(control.thruster, [1.0, 0.0, 1.0])
     assert not actions.action_space.contains(jnp.array([0, 0, 0, 0, -0.1, 0]))
+
+
+def _machine() -> Level:
+    """One joint per way in which a motor may not answer, one that does, and a thruster."""
+    plate = Polygon(vertices=((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)))
+    kinds = (
+        ("revolute", Motor(binding=0, auto=True)),
+        ("revolute", Motor(binding=1)),
+        ("fixed", Motor(binding=2)),
+        ("revolute", Motor(binding=3, on=False)),
+    )
+    return Level(
+        name="machine",
+        next_id=20,
+        bodies=tuple(Body(id=k, shape=plate, position=(k * 0.5, 2.5)) for k in range(1, 6)),
+        joints=tuple(
+            Joint(
+                id=10 + k,
+                kind=kind,
+                a=1 + k,
+                b=2 + k,
+                anchor_a=(0.25, 0.0),
+                anchor_b=(-0.25, 0.0),
+                motor=motor,
+            )
+            for k, (kind, motor) in enumerate(kinds)
+        ),
+        thrusters=(Thruster(id=19, body=1, position=(0.0, 0.0), binding=1),),
+    )
+
+
+@pytest.mark.parametrize("name", list(ACTIONS))
+def test_live_controls_are_running_hinges_and_thrusters(name: str) -> None:
+    state = level_state(_machine(), static_env_params_from_size("l"))
+    live = ACTIONS[name]().live(state.world, state.labels)
+    assert live.tolist() == [False, True, False, False, False, True]
+    assert channels_in_use(_machine()) == (1, 5)

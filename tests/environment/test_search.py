@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from kinetix.environment.plans import HOLD, channels_in_use, random_plans, runs_of
+from kinetix.environment.plans import HOLD, random_plans, runs_of
 from kinetix.environment.replay import replay_solution
 from kinetix.environment.reset import level_state
 from kinetix.environment.search import solve_level, solving_env
 from kinetix.environment.stretches import BATCH, STRETCH, Task, stretches
 from kinetix.level.codec import load_level
+from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Body, Circle, Level, Solution, Thruster
 
 

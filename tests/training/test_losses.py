@@ -1,11 +1,19 @@
 """Advantages, losses and schedules against numbers worked out by hand."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
+import optax
 import pytest
 
+from kinetix.agents.networks.build import build_network
+from kinetix.agents.networks.config import NetworkConfig
+from kinetix.agents.networks.distributions import action_head
+from kinetix.agents.networks.recurrent import initial_carry
 from kinetix.training.config import PpoConfig
 from kinetix.training.ppo.losses import generalised_advantages, policy_loss, value_loss
+from kinetix.training.ppo.rollout import Rollout, Trajectory
+from kinetix.training.ppo.update import Learner, learn
 from kinetix.training.schedule import learning_rate
 
 
@@ -83,3 +91,47 @@ def test_the_learning_rate_rises_and_falls():
     assert float(rate(100)) == pytest.approx(3e-4)
     assert float(rate(550)) == pytest.approx(1.5e-4, rel=1e-3)
     assert float(rate(1000)) == pytest.approx(0.0, abs=1e-9)
+
+
+def _learnt(live):
+    """One gradient step on made-up play of four environments: the logits' biases, the report."""
+    config = PpoConfig(num_train_envs=4, num_steps=3, num_minibatches=1, update_epochs=1)
+    network = build_network(
+        NetworkConfig(kind="flat_mlp", actor_depth=1, critic_depth=1, actor_width=8),
+        action_head("multi_discrete"),
+    )
+    shape, keys = (3, 4), jax.random.split(jax.random.key(0), 5)
+    observation, begins = jax.random.normal(keys[0], (*shape, 5)), jnp.zeros(shape, bool)
+    carry = initial_carry(4)
+    params = network.init(keys[1], carry, (observation, begins))
+    _, policy, value = network.apply(params, carry, (observation, begins))
+    action, live = policy.sample(keys[2]), jnp.broadcast_to(jnp.asarray(live), (*shape, 6))
+    trajectory = Trajectory(
+        observation=observation,
+        action=action,
+        live=live,
+        log_prob=policy.restricted(live).log_prob(action),
+        value=value,
+        reward=jax.random.normal(keys[3], shape),
+        begins=begins,
+        done=begins,
+        solved=begins,
+        bad=begins,
+        episode_return=jnp.zeros(shape),
+        episode_length=jnp.zeros(shape, jnp.int32),
+    )
+    played = Rollout(trajectory=trajectory, last_value=jnp.zeros(4), carry=carry)
+    optimiser = optax.sgd(1.0)
+    learner = Learner(params=params, optimiser=optimiser.init(params))
+    learner, report = learn(config, network, optimiser, learner, played, keys[4])
+    return learner.params["params"]["GeneralActorCriticRNN_0"]["Dense_0"]["bias"], report
+
+
+def test_controls_that_a_level_lacks_are_neither_learnt_nor_counted():
+    bias, report = _learnt([False, True, False, False, True, False])
+    assert set(np.flatnonzero(bias)) == {3, 4, 5, 12, 13}
+    assert float(report["loss/entropy"]) == pytest.approx(np.log(3) + np.log(2), abs=0.05)
+    assert float(report["loss/approx_kl"]) == pytest.approx(0.0, abs=1e-6)
+    bias, report = _learnt([True] * 6)
+    assert np.all(bias)
+    assert float(report["loss/entropy"]) == pytest.approx(4 * np.log(3) + 2 * np.log(2), abs=0.05)

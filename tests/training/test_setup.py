@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import pytest
 
 from kinetix.engine.spec import Features
@@ -43,3 +44,12 @@ def test_a_list_of_levels_is_trained_on_in_a_step_made_for_them() -> None:
 )
 def test_where_other_levels_may_come_the_step_can_do_everything(config: PpoConfig) -> None:
     assert features_of_training(config) == Features()
+
+
+@pytest.mark.parametrize("parity", [None, "kinetix-3"])
+def test_controls_are_masked_but_with_parity(parity: Any) -> None:
+    game = make_setup(PpoConfig(**listed("s/wheelie"), parity=parity), gradient_steps=1).game
+    state = jax.tree.map(lambda x: x[None], game.env.reset_fn(jax.random.key(0)))
+    live = game.live_controls(state)
+    assert bool(live.all()) is (parity is not None)
+    assert bool(live.any())

@@ -1,6 +1,7 @@
 """What an actor says: distributions over the three kinds of action, and the heads that make them.
 
-Log-probabilities and entropies of compound actions are sums over their parts.
+Log-probabilities and entropies of compound actions are sums over their parts. `restricted` leaves
+out the controls that a level does not have: what is said about those changes nothing.
 """
 
 import dataclasses
@@ -9,7 +10,7 @@ from typing import Protocol
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from kinetix.pytree import pytree, static
 
@@ -38,6 +39,22 @@ class Distribution(Protocol):
         """Entropy [nat], summed over the parts of an action."""
         ...
 
+    def restricted(self, live: Bool[Array, "*n u"]) -> "Distribution":
+        """Return the distribution over what some controls do.
+
+        Args:
+            live: Motor bindings, then thruster bindings: those that drive anything.
+        """
+        ...
+
+    def chances(self, motor_bindings: int) -> Float[Array, "*n u 3"]:
+        """Return each control's probabilities of −1 (backward), 0 (at rest) and +1.
+
+        Args:
+            motor_bindings: How many of the controls are motors; the others are thrusters.
+        """
+        ...
+
 
 @pytree
 class MultiCategorical:
@@ -47,6 +64,8 @@ class MultiCategorical:
     """Unnormalised log-probabilities of all parts."""
     sizes: tuple[int, ...] = static()
     """Number of choices of each part; their sum is `k`."""
+    live: Bool[Array, "*n parts"] | None = None
+    """Parts that count in log-probabilities and entropies; None: all."""
 
     def sample(self, key: PRNGKeyArray, temperature: float | Array = 1.0) -> Int[Array, "*n parts"]:
         """Draw every part independently."""
@@ -65,15 +84,30 @@ class MultiCategorical:
         for index, part in enumerate(parts):
             # A one-hot product instead of a gather: its gradient is no scatter.
             chosen = jax.nn.one_hot(action[..., index], part.shape[-1], dtype=part.dtype)
-            total = total + jnp.sum(part * chosen, axis=-1)
+            total = total + self._counted(index, jnp.sum(part * chosen, axis=-1))
         return total
 
     def entropy(self) -> Float[Array, "*n"]:
         """Sum of the parts' entropies [nat]."""
         return -sum(
-            (jnp.sum(jnp.exp(part) * part, axis=-1) for part in self.log_probs()),
+            (
+                self._counted(index, jnp.sum(jnp.exp(part) * part, axis=-1))
+                for index, part in enumerate(self.log_probs())
+            ),
             start=jnp.zeros(self.logits.shape[:-1], self.logits.dtype),
         )
+
+    def restricted(self, live: Bool[Array, "*n parts"]) -> "MultiCategorical":
+        """Return the distribution of the parts that are live; a part is a control."""
+        return MultiCategorical(logits=self.logits, sizes=self.sizes, live=live)
+
+    def chances(self, motor_bindings: int) -> Float[Array, "*n parts 3"]:
+        """See `Distribution`; choices are off, forward, backward (motors), off, on (thrusters)."""
+        rows = []
+        for index, part in enumerate(map(jnp.exp, self.log_probs())):
+            backward = part[..., 2] if index < motor_bindings else jnp.zeros_like(part[..., 0])
+            rows.append(jnp.stack([backward, part[..., 0], part[..., 1]], axis=-1))
+        return jnp.stack(rows, axis=-2)
 
     def log_probs(self) -> list[Float[Array, "*n choices"]]:
         """Normalised log-probabilities, one array a part."""
@@ -82,6 +116,10 @@ class MultiCategorical:
     def _split(self, values: Array) -> list[Array]:
         bounds = itertools.accumulate(self.sizes, initial=0)
         return [values[..., a:b] for a, b in itertools.pairwise(bounds)]
+
+    def _counted(self, index: int, values: Array) -> Array:
+        """A part's numbers, 0 where it is not live."""
+        return values if self.live is None else jnp.where(self.live[..., index], values, 0.0)
 
     def _argmax(self, scores: Array) -> Array:
         return jnp.stack([jnp.argmax(part, axis=-1) for part in self._split(scores)], axis=-1)
@@ -93,6 +131,8 @@ class Categorical:
 
     logits: Float[Array, "*n k"]
     """Unnormalised log-probabilities."""
+    idle: Bool[Array, "*n k"] | None = None
+    """Choices that all do nothing, and count as one; None: every choice differs."""
 
     def sample(self, key: PRNGKeyArray, temperature: float | Array = 1.0) -> Int[Array, "*n"]:
         """Draw one choice."""
@@ -103,14 +143,45 @@ class Categorical:
         return jnp.argmax(self.logits, axis=-1)
 
     def log_prob(self, action: Int[Array, "*n"]) -> Float[Array, "*n"]:
-        """Log-probability of a choice."""
+        """Log-probability of a choice, or of any of those that do the same."""
         chosen = jax.nn.one_hot(action, self.logits.shape[-1], dtype=self.logits.dtype)
-        return jnp.sum(jax.nn.log_softmax(self.logits) * chosen, axis=-1)
+        return jnp.sum(self._told_apart() * chosen, axis=-1)
 
     def entropy(self) -> Float[Array, "*n"]:
         """Entropy [nat]."""
+        # Choices that do the same share one logarithm: their sum is −p ln p of all together.
+        return -jnp.sum(jnp.exp(jax.nn.log_softmax(self.logits)) * self._told_apart(), axis=-1)
+
+    def restricted(self, live: Bool[Array, "*n u"]) -> "Categorical":
+        """Return the distribution in which controls that drive nothing are the no-op."""
+        controls, choices = live.shape[-1], self.logits.shape[-1]
+        motors = choices - 1 - controls
+        acts = jnp.concatenate(
+            [
+                jnp.repeat(live[..., :motors], 2, axis=-1),
+                jnp.zeros_like(live[..., :1]),
+                live[..., motors:],
+            ],
+            axis=-1,
+        )
+        return Categorical(logits=self.logits, idle=~acts)
+
+    def chances(self, motor_bindings: int) -> Float[Array, "*n u 3"]:
+        """See `Distribution`; the marginal probabilities of each control."""
+        chance = jax.nn.softmax(self.logits)
+        motors = chance[..., : 2 * motor_bindings].reshape(*chance.shape[:-1], motor_bindings, 2)
+        burns = chance[..., 2 * motor_bindings + 1 :]
+        backward = jnp.concatenate([motors[..., 0], jnp.zeros_like(burns)], axis=-1)
+        forward = jnp.concatenate([motors[..., 1], burns], axis=-1)
+        return jnp.stack([backward, 1.0 - backward - forward, forward], axis=-1)
+
+    def _told_apart(self) -> Float[Array, "*n k"]:
+        """Log-probability of what each choice does."""
         log_probs = jax.nn.log_softmax(self.logits)
-        return -jnp.sum(jnp.exp(log_probs) * log_probs, axis=-1)
+        if self.idle is None:
+            return log_probs
+        nothing = jax.nn.logsumexp(log_probs, axis=-1, keepdims=True, where=self.idle)
+        return jnp.where(self.idle, nothing, log_probs)
 
 
 @pytree
@@ -121,6 +192,8 @@ class DiagonalNormal:
     """Means, which is what the network says."""
     log_std: Float[Array, " d"]
     """Logarithms of the standard deviations; the same in every state."""
+    live: Bool[Array, "*n d"] | None = None
+    """Entries that count in log-densities and entropies; None: all."""
 
     def sample(self, key: PRNGKeyArray, temperature: float | Array = 1.0) -> Float[Array, "*n d"]:
         """Draw one vector; the temperature multiplies the deviations."""
@@ -135,12 +208,31 @@ class DiagonalNormal:
         """Log-density of a vector."""
         distance = (action - self.logits) * jnp.exp(-self.log_std)
         constant = jnp.log(2 * jnp.pi)
-        return -0.5 * jnp.sum(distance**2 + 2 * self.log_std + constant, axis=-1)
+        return -0.5 * self._sum(distance**2 + 2 * self.log_std + constant)
 
     def entropy(self) -> Float[Array, "*n"]:
         """Differential entropy [nat]."""
         each = self.log_std + 0.5 * (1 + jnp.log(2 * jnp.pi))
-        return jnp.broadcast_to(jnp.sum(each), self.logits.shape[:-1])
+        return self._sum(jnp.broadcast_to(each, self.logits.shape))
+
+    def restricted(self, live: Bool[Array, "*n d"]) -> "DiagonalNormal":
+        """Return the distribution of the entries that are live; an entry is a control."""
+        return DiagonalNormal(logits=self.logits, log_std=self.log_std, live=live)
+
+    def chances(self, motor_bindings: int) -> Float[Array, "*n d 3"]:
+        """See `Distribution`: of the signs, as an action is as good as never exactly 0."""
+        positive = jax.scipy.stats.norm.cdf(self.logits * jnp.exp(-self.log_std))
+        is_motor = jnp.arange(self.logits.shape[-1]) < motor_bindings
+        rest = 1.0 - positive
+        nothing = jnp.zeros_like(rest)
+        return jnp.stack(
+            [jnp.where(is_motor, rest, nothing), jnp.where(is_motor, nothing, rest), positive],
+            axis=-1,
+        )
+
+    def _sum(self, values: Float[Array, "*n d"]) -> Float[Array, "*n"]:
+        counted = values if self.live is None else jnp.where(self.live, values, 0.0)
+        return jnp.sum(counted, axis=-1)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -5,9 +5,9 @@ import dataclasses
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.types import Control
+from kinetix.engine.types import Control, World
 from kinetix.environment.spaces import Space
 from kinetix.level.compile import Labels
 
@@ -59,6 +59,28 @@ class AbstractAction(abc.ABC):
             motor=jnp.where(labels.motor_auto, 1.0, motor),
             thruster=_pick(jnp.clip(thrusters, 0, 1), labels.thruster_binding),
         )
+
+    def live(self, world: World, labels: Labels) -> Bool[Array, " u"]:
+        """Return which bindings drive anything: a motor that is on and not automatic, a thruster.
+
+        Args:
+            world: The level's joints and thrusters.
+            labels: Their bindings.
+
+        Returns:
+            One truth per motor binding, then one per thruster binding.
+        """
+        joints, thrusters = world.joints, world.thrusters
+        driven = joints.active & ~joints.fixed & joints.motor_on & ~labels.motor_auto
+        motors = [
+            jnp.any(driven & (labels.motor_binding == index))
+            for index in range(self.motor_bindings)
+        ]
+        burns = [
+            jnp.any(thrusters.active & (labels.thruster_binding == index))
+            for index in range(self.thruster_bindings)
+        ]
+        return jnp.stack([*motors, *burns])
 
 
 def _pick(values: Float[Array, " u"], binding: Int[Array, " e"]) -> Float[Array, " e"]:

@@ -41,6 +41,8 @@ class Trajectory:
     observation: Any
     """Before the step, as the environment gave it."""
     action: Array
+    live: Bool[Array, "k n u"]
+    """Controls that count in log-probabilities and entropies."""
     log_prob: Float[Array, "k n"]
     value: Float[Array, "k n"]
     reward: Float[Array, "k n"]
@@ -78,6 +80,14 @@ class Game:
     network: nn.Module
     gamma: float
     bootstrap_on_timeout: bool
+    masks_controls: bool = True
+    """Whether controls that a level does not have are left out of the policy's log-probabilities
+    and entropies; kinetix-env counts them."""
+
+    def live_controls(self, state: EnvState) -> Bool[Array, "n u"]:
+        """Return the controls that count, for a batch of states."""
+        live = jax.vmap(self.env.actions.live)(state.world, state.labels)
+        return live if self.masks_controls else jnp.ones_like(live)
 
 
 def begin(game: Game, key: Array, count: int, levels: EnvState | None = None) -> Playing:
@@ -131,6 +141,7 @@ def rollout(
         action_key, step_key = jax.random.split(key)
         observation = normalise(statistics, playing.observation)
         carry, policy, value = _apply(game, params, playing.carry, observation, playing.begins)
+        live = game.live_controls(playing.env_state)
         action = policy.sample(action_key)
         keys = jax.random.split(step_key, playing.begins.shape[0])
         stepped = jax.vmap(game.env.step, in_axes=(0, 0, 0, None, 0))
@@ -147,7 +158,8 @@ def rollout(
         trajectory = Trajectory(
             observation=playing.observation,
             action=action,
-            log_prob=policy.log_prob(action),
+            live=live,
+            log_prob=policy.restricted(live).log_prob(action),
             value=value,
             reward=learnt,
             begins=playing.begins,

@@ -97,6 +97,7 @@ def _loss(
         params, carry, (old.observation, old.begins), train=True, rngs={"dropout": key}
     )
     _, policy, value = output
+    policy = policy.restricted(old.live)
     log_prob = policy.log_prob(old.action)
     actor = policy_loss(log_prob, old.log_prob, batch.advantage, clip_eps=config.clip_eps)
     critic = value_loss(value, old.value, batch.target, clip_eps=config.clip_eps)
