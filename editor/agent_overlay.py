@@ -1,17 +1,21 @@
 """What lies over the level while an agent plays: its actions, its mind, a second player."""
 
+import dataclasses
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from imgui_bundle import imgui
 
 from editor.commands.bodies import posed
+from editor.controls import Drive, key_caps
 from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.marks import arrow
-from editor.recording import Mind, Snapshot
+from editor.recording import Snapshot
 from editor.vectors import Painter, Placement, poses_of
 from editor.widgets import broken, font, px
+from kinetix.level.controls import channels_in_use
 from kinetix.level.model import MOTOR_BINDINGS, Circle, Level
 
 if TYPE_CHECKING:
@@ -28,8 +32,7 @@ _FORWARD: Final[Rgba] = (0.84, 0.19, 0.15, 1.0)
 _BACKWARD: Final[Rgba] = (0.13, 0.40, 0.75, 1.0)
 """Leans to −1."""
 _NEUTRAL: Final[Rgba] = (0.95, 0.95, 0.95, 1.0)
-_MOST_ENTROPY: Final = 5.78
-"""Of four motors and two thrusters that are drawn evenly [nat]: 4 ln 3 + 2 ln 2."""
+_AT_REST: Final[Rgba] = (0.45, 0.48, 0.54, 1.0)
 _WIDTH: Final = 214.0
 
 
@@ -162,18 +165,45 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top:
         lines.append((words, COLOURS.info))
     elif rival.waiting:
         lines.append((f"{rival.player}    preparing …", COLOURS.info))
-    _plate(draw, lines, snapshot.mind, right, top)
+    level = playback.level
+    controls = channels_in_use(level) if level is not None else ()
+    peak = max((abs(m.mind.value) for m in playback.moments if m.mind is not None), default=0.0)
+    facts = _Facts(controls=controls, keys=session.control_keys, most_value=value_range(peak))
+    _plate(draw, lines, snapshot, facts, (right, top))
+
+
+def value_range(peak: float) -> float:
+    """Return the end of the value bar: at least 1, and beyond the largest value of the episode."""
+    return max(1.0, math.ceil(2 * peak) / 2)
+
+
+def most_entropy(controls: Sequence[int]) -> float:
+    """Return the entropy of a policy that draws all of some controls evenly [nat]."""
+    return sum(math.log(3 if k < MOTOR_BINDINGS else 2) for k in controls)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Facts:
+    """What the bars of the plate are measured by."""
+
+    controls: tuple[int, ...]
+    keys: Mapping[str, Drive]
+    most_value: float
 
 
 def _plate(
     draw: imgui.ImDrawList,
     lines: list[tuple[str, Rgba]],
-    mind: Mind | None,
-    right: float,
-    top: float,
+    snapshot: Snapshot,
+    facts: _Facts,
+    corner: Point,
 ) -> None:
-    bars = 0 if mind is None or mind.scripted else 2
+    mind = snapshot.mind
+    thinks = mind is not None and not mind.scripted
+    controls = facts.controls if thinks and mind is not None and mind.chances else ()
+    bars = 1 + bool(facts.controls) + len(controls) if thinks else 0
     by_hand = mind is not None and mind.by_hand
+    right, top = corner
     with font(FONTS.regular, SMALL):
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
@@ -188,10 +218,45 @@ def _plate(
         for words, colour in lines:
             draw.add_text((x, y), u32(colour), words)
             y += step
-        if bars and mind is not None:
-            span = (low[0] + px(10), high[0] - px(10))
-            _bar(draw, span, y, "value", mind.value, (-1.0, 1.0))
-            _bar(draw, span, y + step, "entropy", mind.entropy, (0.0, _MOST_ENTROPY))
+        if not thinks or mind is None:
+            return
+        span = (low[0] + px(10), high[0] - px(10))
+        _bar(draw, span, y, "value", mind.value, (-facts.most_value, facts.most_value))
+        if facts.controls:
+            y += step
+            _bar(draw, span, y, "entropy", mind.entropy, (0.0, most_entropy(facts.controls)))
+        for channel in controls:
+            y += step
+            caps = " ".join(key_caps(channel, facts.keys))
+            _chances(draw, span, y, caps, mind.chances[channel], mind.own_action[channel])
+
+
+def _chances(
+    draw: imgui.ImDrawList,
+    span: tuple[float, float],
+    y: float,
+    label: str,
+    chances: tuple[float, float, float],
+    chosen: float,
+) -> None:
+    """A control's probabilities side by side: backward, at rest, forward; the chosen one marked."""
+    left, right = span[0] + px(56), span[1] - px(46)
+    height = imgui.get_text_line_height()
+    middle, at = y + height / 2, left
+    draw.add_text((span[0], y), u32(COLOURS.muted), label)
+    sign = (chosen > 0) - (chosen < 0)
+    for way, chance, colour in zip((-1, 0, 1), chances, _WAYS, strict=True):
+        end = at + (right - left) * chance
+        draw.add_rect_filled((at, middle - px(4)), (end, middle + px(4)), u32(colour))
+        if way == sign:
+            draw.add_rect_filled((at, middle + px(5)), (end, middle + px(7)), u32(COLOURS.text))
+            words = f"{chance:.2f}"
+            size = imgui.calc_text_size(words)
+            draw.add_text((span[1] - size.x, y), u32(COLOURS.text), words)
+        at = end
+
+
+_WAYS: Final = (_BACKWARD, _AT_REST, _FORWARD)
 
 
 def _bar(

@@ -7,6 +7,11 @@ from typing import Final
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
 
 CHANNELS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
+CHANNEL_NAMES: Final = (
+    *(f"motor {k}" for k in range(MOTOR_BINDINGS)),
+    *(f"thruster {k}" for k in range(THRUSTER_BINDINGS)),
+)
+"""What the channels are called on the screen."""
 NOOP: Final[tuple[int, ...]] = (0,) * CHANNELS
 
 

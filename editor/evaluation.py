@@ -183,7 +183,13 @@ class Evaluation:
 
 
 def best(results: Sequence[LevelResult | None]) -> int | None:
-    """Which of several results is the best, or None when there is no single one."""
-    rates = [result.solve_rate if result else -1.0 for result in results]
-    top = max(rates, default=-1.0)
-    return rates.index(top) if top >= 0 and rates.count(top) == 1 else None
+    """Return the result whose interval lies above those of all others, or None.
+
+    Where intervals overlap, or a result is missing, nothing can be said.
+    """
+    known = [result.bounds for result in results if result is not None]
+    if len(known) != len(results) or not known:
+        return None
+    low, top = max((bounds[0], k) for k, bounds in enumerate(known))
+    others = [bounds[1] for k, bounds in enumerate(known) if k != top]
+    return top if all(high < low for high in others) else None

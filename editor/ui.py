@@ -187,6 +187,9 @@ class Ui:
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps
         session.probe.clear()
+        with session.guard():
+            # Before the panels are drawn: they and the canvas show the same moment.
+            actions.advance(session, dt)
         session.viewer.eye_open = session.viewer.timeline_open = False
         session.highlighted = ()
         with session.guard():
@@ -211,7 +214,7 @@ class Ui:
             self._help.draw(session)
             self._keys_window.draw(session)
         with session.guard():
-            actions.update(session, dt)
+            actions.work(session)
         if not gallery:
             self._paint_canvas()
         self._toasts.draw(session, _middle() if gallery else self.canvas.area)

@@ -10,7 +10,7 @@ from editor.playback import Simulator
 from editor.requests import AgentSummary, AgentView, Casting
 from editor.run_watch import RunWatch
 from kinetix.level.model import Level
-from kinetix.level.sizes import capacity_of
+from kinetix.level.sizes import capacity_of, needed_capacity
 
 SlotName: TypeAlias = Literal["a", "b"]
 SLOTS: Final[tuple[SlotName, ...]] = ("a", "b")
@@ -94,8 +94,8 @@ class Viewer:
 
 def mismatch(summary: AgentSummary, level: Level) -> str:
     """Why an agent cannot play a level, or a word of warning; empty when all is well."""
-    needs = capacity_of(level)
-    sizes = (needs.polygons, needs.circles, needs.joints, needs.thrusters)
+    needs = needed_capacity(level) if summary.any_size else capacity_of(level)
+    sizes = dataclasses.astuple(needs)
     trained = summary.capacity
     if trained is None:
         return ""
@@ -106,7 +106,8 @@ def mismatch(summary: AgentSummary, level: Level) -> str:
     ]
     if not larger:
         return ""
-    needed = f"this level has {' and '.join(larger)}"
+    has = "has" if dataclasses.astuple(needed_capacity(level)) == sizes else "is of a size with"
+    needed = f"this level {has} {' and '.join(larger)}"
     if summary.any_size:
         return f"It can play, but {needed}."
     return f"It cannot play this level: it sees one size only, and {needed}."

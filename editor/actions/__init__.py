@@ -1,11 +1,21 @@
-"""User actions and the two calls of every frame: `handle` for events, `update` for time.
+"""User actions and the calls of every frame: `handle` for events, `advance` for time, `work`.
 
 The window does, in this order: `handle(session, event)` for every event that the toolkit does not
-keep for itself, draw, `update(session, seconds)`.
+keep for itself, `advance(session, seconds)`, draw the panels, `work(session)` for what these asked
+for, paint the canvas. `update` is `work`, then `advance`, for whoever has no panels.
 """
 
 from editor.actions.base import Action, Context
-from editor.actions.dispatch import available, chords, find, handle, run, update
+from editor.actions.dispatch import (
+    advance,
+    available,
+    chords,
+    find,
+    handle,
+    run,
+    update,
+    work,
+)
 from editor.actions.table import ACTIONS, BY_ID
 
 __all__ = [
@@ -13,10 +23,12 @@ __all__ = [
     "BY_ID",
     "Action",
     "Context",
+    "advance",
     "available",
     "chords",
     "find",
     "handle",
     "run",
     "update",
+    "work",
 ]

@@ -7,6 +7,7 @@ from typing import Final
 
 from editor import files
 from editor.jobs import Job, JobState
+from editor.playback import Mode
 from editor.prompts import Choice, FileQuestion, MenuQuestion
 from editor.recording import Action
 from editor.requests import (
@@ -244,6 +245,10 @@ def agent_playing(session: Session) -> bool:
 def take_over(session: Session) -> None:
     """Drive instead of the agent; again: hand back."""
     viewer = session.viewer
+    if session.mode in (Mode.ENDED, Mode.REPLAY):
+        raise CommandError(
+            "The episode is over: Backspace starts it again, Enter goes on from the moment on show."
+        )
     viewer.by_hand = not viewer.by_hand
     name = session.playback.player or "the agent"
     session.toast("You drive. T hands back." if viewer.by_hand else f"Handed back to {name}.")

@@ -166,15 +166,18 @@ def _repeats(action: Action) -> bool:
 
 
 def update(session: Session, seconds: float) -> None:
-    """Let a frame pass: do what is queued, take finished jobs, play on, save copies.
+    """Let a frame pass: do what is queued, then let time pass.
 
     Args:
         session: The app.
         seconds: Time since the last frame [s].
     """
-    before = session.time
-    session.time += seconds
-    session.toasts = [toast for toast in session.toasts if toast.until > session.time]
+    work(session)
+    advance(session, seconds)
+
+
+def work(session: Session) -> None:
+    """Do what is queued."""
     for item in session.take_queue():
         if isinstance(item, str):
             with session.guard():
@@ -184,6 +187,18 @@ def update(session: Session, seconds: float) -> None:
                 item()
         else:
             session.execute(item)
+
+
+def advance(session: Session, seconds: float) -> None:
+    """Let time pass: take finished jobs, play on, save copies.
+
+    Args:
+        session: The app.
+        seconds: Time since the last call [s].
+    """
+    before = session.time
+    session.time += seconds
+    session.toasts = [toast for toast in session.toasts if toast.until > session.time]
     with session.guard():
         session.worker.poll()
         session.library.poll()

@@ -8,10 +8,12 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from editor import widgets
+from editor.controls import CHANNEL_NAMES
 from editor.look import COLOURS, Icons, Rgba
 from editor.panels.base import Panel
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.widgets import px
+from kinetix.level.controls import channels_in_use
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -63,13 +65,14 @@ def _channel(index: int) -> _Value:
 
 
 _CHANNELS: Final = (
-    ("motor 0", COLOURS.info),
-    ("motor 1", COLOURS.warn),
-    ("motor 2", COLOURS.good),
-    ("motor 3", COLOURS.accent),
-    ("thruster 0", COLOURS.bad),
-    ("thruster 1", COLOURS.text),
+    COLOURS.info,
+    COLOURS.warn,
+    COLOURS.good,
+    COLOURS.accent,
+    COLOURS.bad,
+    COLOURS.text,
 )
+"""Colours of the entries of an action."""
 
 PLOTS: Final[tuple[Plot, ...]] = (
     Plot(
@@ -88,7 +91,8 @@ PLOTS: Final[tuple[Plot, ...]] = (
     Plot(
         title="Actions",
         series=tuple(
-            _series(label, colour, _channel(k)) for k, (label, colour) in enumerate(_CHANNELS)
+            _series(label, colour, _channel(k))
+            for k, (label, colour) in enumerate(zip(CHANNEL_NAMES, _CHANNELS, strict=True))
         ),
         steps=True,
     ),
@@ -184,7 +188,11 @@ class PlotsPanel(Panel):
     ) -> None:
         flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
         flags |= implot.Flags_.no_inputs.value
-        if len(plot.series) == 1 or plot.steps:
+        level = session.playback.level
+        shown = plot.series
+        if plot.steps and level is not None:
+            shown = tuple(shown[k] for k in channels_in_use(level))
+        if len(shown) < 2:
             flags |= implot.Flags_.no_legend.value
         if not implot.begin_plot(plot.title, size, flags):
             return
@@ -195,7 +203,7 @@ class PlotsPanel(Panel):
             if len(moments) < 2:
                 continue
             time = _times(moments)
-            for series in plot.series:
+            for series in shown:
                 key = (owner, plot.title, series.label)
                 values = self._curves.setdefault(key, _Curve()).values(series.value, moments)
                 spec = implot.Spec()

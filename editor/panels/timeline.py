@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, widgets
+from editor.controls import CHANNEL_NAMES
 from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.panels.base import Panel
 from editor.playback import Mode
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.widgets import px
+from kinetix.level.controls import channels_in_use
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -40,8 +42,13 @@ MARKS: Final[dict[str, tuple[str, Rgba]]] = {
 _ENDS: Final = {"won": COLOURS.good, "lost": COLOURS.bad, "timeout": COLOURS.warn}
 
 
-def marks_of(moments: Sequence[Snapshot]) -> list[Mark]:
-    """What happened in an episode: new contacts, changes of the action, the end."""
+def marks_of(moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]:
+    """Return what happened in an episode: new contacts, changes of the action, the end.
+
+    Args:
+        moments: The episode.
+        controls: Entries of the action that drive anything; changes of others are none.
+    """
     found: list[Mark] = []
     for index in range(1, len(moments)):
         before, now = moments[index - 1], moments[index]
@@ -50,8 +57,11 @@ def marks_of(moments: Sequence[Snapshot]) -> list[Mark]:
             count = len(new)
             words = "a contact begins" if count == 1 else f"{count} contacts begin"
             found.append(Mark(index=index, kind="contact", words=words))
-        if before.action and now.action != before.action:
-            found.append(Mark(index=index, kind="flip", words="the action changes"))
+        was, played = before.action, now.action
+        changed = [k for k in controls if was and played[k : k + 1] != was[k : k + 1]]
+        if changed:
+            names = ", ".join(CHANNEL_NAMES[k] for k in changed)
+            found.append(Mark(index=index, kind="flip", words=f"the action changes: {names}"))
         if now.outcome is not None:
             found.append(Mark(index=index, kind="end", words=now.outcome))
     return found
@@ -113,7 +123,8 @@ class Timeline(Panel):
             widgets.text(f"step {snapshot.step} of {moments[-1].step}   {seconds:.2f} s")
 
     def _track(self, session: "Session", moments: Sequence[Snapshot]) -> None:
-        marks = self._marks_of(moments)
+        level = session.playback.level
+        marks = self._marks_of(moments, channels_in_use(level) if level is not None else ())
         at, space = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail()
         width, height = max(space.x - px(8), px(60)), min(max(space.y, px(_TRACK)), px(96))
         imgui.invisible_button("track", (width, height))
@@ -179,12 +190,12 @@ class Timeline(Panel):
                     widgets.muted(f"step {moments[mark.index].step}: {mark.words}")
         imgui.end_tooltip()
 
-    def _marks_of(self, moments: Sequence[Snapshot]) -> list[Mark]:
+    def _marks_of(self, moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]:
         """The marks, worked out again only when there is a new moment."""
         known = (moments[0], moments[-1], len(moments))
         if len(known) != len(self._known) or any(
             a is not b for a, b in zip(known[:2], self._known[:2], strict=True)
         ):
             self._known = known
-            self._marks = (len(moments), marks_of(moments))
+            self._marks = (len(moments), marks_of(moments, controls))
         return self._marks[1]

@@ -19,6 +19,7 @@ from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderSt
 from editor.simulation.stepping import start_state, without_memory
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
 from kinetix.render.camera import Camera, fit_arena
 from kinetix.render.captions import caption, write_caption
@@ -145,16 +146,17 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
 def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
     chosen = request.trace.snapshots[:: request.stride]
     camera, palette = fit_arena(request.pixels, request.pixels), palette_named(request.palette)
+    controls = channels_in_use(request.level)
     for k, snapshot in enumerate(chosen):
         progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
         # An episode from a file has poses alone.
         level = request.level if snapshot.state is not None else posed(request.level, snapshot)
         state = _state(level, snapshot.state)
         frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
-        yield _captioned(frame, snapshot) if request.overlay else frame
+        yield _captioned(frame, snapshot, controls) if request.overlay else frame
 
 
-def _captioned(frame: np.ndarray, snapshot: Snapshot) -> np.ndarray:
+def _captioned(frame: np.ndarray, snapshot: Snapshot, controls: tuple[int, ...]) -> np.ndarray:
     mind = snapshot.mind
     thinks = mind is not None and not mind.scripted
     words = caption(
@@ -163,6 +165,7 @@ def _captioned(frame: np.ndarray, snapshot: Snapshot) -> np.ndarray:
         snapshot.outcome or "",
         value=mind.value if mind is not None and thinks else None,
         entropy=mind.entropy if mind is not None and thinks else None,
+        controls=controls,
     )
     picture = Picture.fromarray(frame)
     write_caption(picture, words)

@@ -65,7 +65,9 @@ class Moment:
     value: float | None = None
     """What the player expected of the future before this step, where it has a network."""
     entropy: float | None = None
-    """Of its policy then [nat]."""
+    """Of its policy over the level's controls then [nat]."""
+    controls: tuple[int, ...] = ()
+    """Entries of the action that drive anything."""
 
 
 def run(command: Render) -> int:
@@ -138,11 +140,16 @@ def _episode(
     """Play until the episode ends; recorded actions go before the player's own."""
     import jax
     import jax.numpy as jnp
+    import numpy as np
+
+    from kinetix.agents.live import read_policy
 
     key = jax.random.key(seed)
     observation, state = env.reset(key, None, start)
     carry = player.policy.init_carry(1)
-    decide = jax.jit(player.policy.decide)
+    decide, read = jax.jit(player.policy.decide), jax.jit(read_policy, static_argnums=0)
+    live = env.actions.live(state.world, state.labels)
+    controls = tuple(np.flatnonzero(live).tolist())
     begins = jnp.ones(1, bool)
     yield Moment(state=state, step=0, action=(), outcome="")
     for step in itertools.count(1):
@@ -157,14 +164,15 @@ def _episode(
         outcome = ""
         if done:
             outcome = "won" if info["GoalR"] else "lost" if info["terminated"] else "timeout"
-        value, entropy = (float(said[n][0]) if n in said else None for n in ("value", "entropy"))
+        reading = read(env, said, live) if said else None
         yield Moment(
             state=state,
             step=step,
             action=unified,
             outcome=outcome,
-            value=value,
-            entropy=entropy,
+            value=None if reading is None else float(reading.value),
+            entropy=None if reading is None else float(reading.entropy),
+            controls=controls,
         )
         if done:
             return
@@ -182,6 +190,7 @@ def _picture(moment: Moment, command: Render) -> "Image.Image":
             moment.outcome,
             value=moment.value,
             entropy=moment.entropy,
+            controls=moment.controls,
         )
         write_caption(picture, words)
     return picture

@@ -1,6 +1,6 @@
 """A line of words on a picture of an episode: step, controls, what the agent expects."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ def caption(
     *,
     value: float | None = None,
     entropy: float | None = None,
+    controls: Collection[int] | None = None,
 ) -> str:
     """What to write on a picture.
 
@@ -28,11 +29,12 @@ def caption(
         outcome: How the episode ended, or nothing.
         value: What the agent expects of the future, where it has a network.
         entropy: Of its policy [nat].
+        controls: Entries of the action that drive anything in the level; None: all.
     """
     held = [
         keys[driven < 0]
-        for keys, driven in zip(KEYS, action, strict=False)
-        if abs(driven) > _DRIVEN
+        for index, (keys, driven) in enumerate(zip(KEYS, action, strict=False))
+        if abs(driven) > _DRIVEN and (controls is None or index in controls)
     ]
     said = [] if value is None else [f"value {value:+.2f}"]
     said += [] if entropy is None else [f"entropy {entropy:.2f}"]

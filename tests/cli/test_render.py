@@ -4,6 +4,7 @@ import pytest
 from PIL import Image
 
 from kinetix.cli import main
+from kinetix.render.captions import caption
 
 
 def test_a_still_shows_the_start_without_playing(tmp_path, capsys):
@@ -59,3 +60,9 @@ def test_what_cannot_be_drawn_is_said_in_one_sentence(arguments, sentence, capsy
     assert captured.out == ""
     assert re.search(re.escape(sentence), captured.err)
     assert captured.err.count("\n") == 1
+
+
+def test_a_caption_names_only_controls_that_the_level_has():
+    action = (1.0, -1.0, 0.0, 0.0, 1.0, 1.0)
+    assert caption(3, action) == "step 3  left  down  1  2"
+    assert caption(3, action, controls=(0, 5)) == "step 3  left  2"

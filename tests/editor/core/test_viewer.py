@@ -7,6 +7,7 @@ import json
 import time
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -446,10 +447,16 @@ def test_an_evaluation_is_cancelled_at_once_and_keeps_what_is_done(with_agent, s
 
 
 def test_the_best_of_several_results():
-    good, bad = a_result("x", "won", "won"), a_result("x", "won", "lost")
+    good, bad = a_result("x", *["won"] * 20), a_result("x", *["lost"] * 20)
     assert best((good, bad)) == 0
+    assert best((bad, good)) == 1
     assert best((bad, bad)) is None
-    assert best((None, bad)) == 1
+    assert best((None, bad)) is None
+
+
+def test_results_whose_intervals_overlap_are_not_told_apart():
+    good, bad = a_result("x", "won", "won"), a_result("x", "won", "lost")
+    assert best((good, bad)) is None
 
 
 def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
@@ -511,6 +518,11 @@ def test_a_mismatch_is_explained():
     assert "circles (it knows 1)" in sentence
     assert mismatch(dataclasses.replace(flat, any_size=True), level).startswith("It can play, but")
     assert mismatch(a_summary(), level) == ""
+
+
+def test_an_agent_of_any_size_is_measured_by_what_the_level_has():
+    level = msgspec.structs.replace(a_level(), size="l")  # has room for more than it has
+    assert mismatch(a_summary(any_size=True, capacity=(5, 3, 1, 1)), level) == ""
 
 
 def test_what_the_agent_sees_is_asked_for_while_it_is_on_the_screen(with_agent):

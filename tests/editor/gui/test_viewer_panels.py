@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from editor.actions import agents, watch
+from editor.agent_overlay import most_entropy, value_range
 from editor.evaluation import Plan
 from editor.follower import Follower
 from editor.jobs import Worker
+from editor.panels import timeline
 from editor.panels.timeline import marks_of
 from editor.playback import Mode
 from editor.recording import Mind
@@ -136,9 +138,35 @@ def test_marks_tell_contacts_changes_and_the_end():
     snapshots[2] = dataclasses.replace(snapshots[2], touching=((1, "floor"),))
     snapshots[3] = dataclasses.replace(snapshots[3], action=(1.0, 0, 0, 0, 0, 0))
     snapshots[5] = dataclasses.replace(snapshots[5], outcome="won")
-    marks = {(mark.index, mark.kind) for mark in marks_of(snapshots)}
+    marks = {(mark.index, mark.kind) for mark in marks_of(snapshots, (0,))}
     assert {(2, "contact"), (3, "flip"), (4, "flip"), (5, "end")} <= marks
     assert (5, "contact") not in marks
+
+
+def test_changes_of_controls_that_the_level_lacks_are_no_marks():
+    snapshots = list(a_trace(3).snapshots)
+    snapshots[2] = dataclasses.replace(snapshots[2], action=(1.0, 0, 0, 0, 0, 0))
+    snapshots[3] = dataclasses.replace(snapshots[3], action=(0.0, 0, 0, 0, 0, 1))
+    (mark,) = [m for m in marks_of(snapshots, (5,)) if m.kind == "flip"]
+    assert (mark.index, mark.words) == (3, "the action changes: thruster 1")
+
+
+def test_the_timeline_and_the_canvas_show_the_same_step(with_agent, monkeypatch):
+    words = []
+    show = timeline.widgets.text
+    monkeypatch.setattr(timeline.widgets, "text", lambda w, *a: (words.append(w), show(w, *a)))
+    with_agent.key("f6")
+    front(with_agent, "timeline")
+    for _ in range(6):
+        words.clear()
+        with_agent.frames(1)
+        step = with_agent.session.playback.step_count
+        assert any(word.startswith(f"step {step} of ") for word in words)
+
+
+def test_the_bars_of_the_plate_are_as_long_as_their_numbers_need():
+    assert (value_range(0.3), value_range(1.2), value_range(2.01)) == (1.0, 1.5, 2.5)
+    assert most_entropy((0, 5)) == pytest.approx(np.log(3) + np.log(2))
 
 
 def test_what_the_agent_thinks_and_the_ghost_are_drawn_without_error(with_agent):
