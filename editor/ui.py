@@ -118,6 +118,8 @@ class Ui:
         """The frame in which the panels were put up last: at first, anew, or after being hidden."""
         self._had_bars = False
         self._panel_focused = False
+        self._popup = False
+        """Whether a pop-up was open in the last frame."""
         self._to_canvas = True
         self._switches: dict[str, bool] = {}
         self._fps = 60.0
@@ -276,8 +278,13 @@ class Ui:
         session, io = self.session, imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+        # Dear ImGui has closed a pop-up by this frame's Esc already; the key was still the pop-up's.
+        closed, self._popup = self._popup and not popup, popup
         taken = (io.want_text_input or popup) and session.capture is None
         navigating = self._navigation(popup)
+        if self._menu.opened and imgui.is_key_pressed(imgui.Key.escape, False):
+            # Dear ImGui closes the submenu alone, and the pointer that rests there opens it again.
+            imgui.internal.close_popup_to_level(0, True)
         for name, key in keys.IMGUI.items():
             if imgui.is_key_released(key):
                 actions.handle(
@@ -286,7 +293,7 @@ class Ui:
             elif imgui.is_key_pressed(key, True):
                 repeat = not imgui.is_key_pressed(key, False)
                 event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
-                if name == "escape" and self._closes_overlay():
+                if name == "escape" and (closed or self._closes_overlay()):
                     continue
                 moves = name in navigating and not modifiers.ctrl and session.capture is None
                 if not taken and not moves:

@@ -38,8 +38,13 @@ _SCALES: Final = (0.0, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 class MenuBar:
     """One menu a name in `MENUS`; what cannot be used for want of a level is not shown."""
 
+    def __init__(self) -> None:
+        self.opened = False
+        """Whether a menu was open in the last frame."""
+
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the window."""
+        self.opened = False
         imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(px(9), px(6)))
         if imgui.begin_main_menu_bar():
             with widgets.font(FONTS.bold, 0.0):
@@ -53,6 +58,7 @@ class MenuBar:
                 opened = imgui.begin_menu(menu)
                 widgets.probe(session, f"menu.{menu.lower()}")
                 if opened:
+                    self.opened = True
                     self._menu(session, menu)
                     imgui.end_menu()
             imgui.end_main_menu_bar()
