@@ -15,7 +15,7 @@ from editor.camera import ARENA, Camera, Point
 from editor.commands.bodies import posed
 from editor.debug_draw import paint_debug
 from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
-from editor.marks import Marker
+from editor.marks import CapPlace, Marker
 from editor.minimap import Minimap
 from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
@@ -72,6 +72,8 @@ class Canvas:
         self.area = ((0.0, 0.0), (1.0, 1.0))
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
+        self.caps: tuple[CapPlace, ...] = ()
+        """Where the key caps of the last frame stand."""
 
     def interact(self, session: "Session") -> None:
         """Lay out the canvas in the current window and take the mouse."""
@@ -208,8 +210,8 @@ class Canvas:
         else:
             self._players(session, painter, where, split=split)
             self._play_marks(session, marker)
-        if "key_caps" not in settings.debug_draw:
-            marker.key_caps(session.control_keys, session.held if not session.editing else ())
+        if settings.key_caps:
+            self._key_caps(session, marker)
         if session.editing and not scene.bodies and not session.driver.active:
             self._teach(draw)
         self._minimap.paint(session, draw, where, high)
@@ -224,6 +226,16 @@ class Canvas:
         if picture is not None:
             texture = self._textures.texture("play", picture.pixels, picture.stamp)
             painter.draw.add_image(texture, low, high)
+
+    def _key_caps(self, session: "Session", marker: Marker) -> None:
+        editing = session.editing
+        pointed = () if session.hovered is None else (session.hovered,)
+        self.caps = marker.key_caps(
+            session.control_keys,
+            () if editing else session.held,
+            hidden=session.document.hidden if editing else (),
+            pointed=(*pointed, *session.selection, *session.highlighted) if editing else (),
+        )
 
     def _edit_marks(self, session: "Session", marker: Marker) -> None:
         hovered = tuple(session.highlighted)

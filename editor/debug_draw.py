@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from editor import strokes
 from editor.impulses import received_impulses
 from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
-from editor.marks import arrow, dashed
+from editor.marks import Room, arrow, dashed
 from editor.recording import Snapshot
 from editor.vectors import Painter, Placement, pack
 from editor.widgets import font, px
@@ -97,6 +97,8 @@ class _Pen:
     where: Placement
     snapshot: Snapshot | None
     names: Mapping[int, str]
+    room: Room = dataclasses.field(default_factory=Room)
+    """Labels that would cover another one are left out: zooming in shows them."""
 
     @property
     def draw(self) -> imgui.ImDrawList:
@@ -113,6 +115,8 @@ class _Pen:
                 size = imgui.calc_text_size(words)
                 low = (x - size.x / 2 - px(3), y + px(6))
                 high = (x + size.x / 2 + px(3), y + size.y + px(8))
+                if not self.room.take(low, high):
+                    continue
                 self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.85)), px(3))
                 self.draw.add_text((low[0] + px(3), low[1]), u32(COLOURS.text), words)
 
@@ -175,6 +179,10 @@ class _Pen:
                 if contact.separation < -1e-4:
                     x, y = self._at(contact.at)
                     words = f"{-contact.separation * 1000:.1f} mm"
+                    size = imgui.calc_text_size(words)
+                    low = (x + px(6), y - px(16))
+                    if not self.room.take(low, (low[0] + size.x, low[1] + size.y)):
+                        continue
                     self.draw.add_text((x + px(6), y - px(16)), u32(COLOURS.bad), words)
 
     def impulses(self, states: tuple[Snapshot, ...]) -> None:
@@ -199,6 +207,8 @@ class _Pen:
                 words = f"{size:.2g} Ns"
                 low, room = (end[0] + px(5), end[1] - px(8)), imgui.calc_text_size(words)
                 high = (low[0] + room.x + px(6), low[1] + room.y + px(2))
+                if not self.room.take(low, high):
+                    continue
                 self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.85)), px(3))
                 self.draw.add_text((low[0] + px(3), low[1] + px(1)), u32(COLOURS.text), words)
 

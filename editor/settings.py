@@ -23,6 +23,9 @@ LARGEST_SCALE: Final = 4.0
 TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)
 """Choices of the size of the text."""
 
+DEBUG_FIRST: Final = ("centres", "velocities", "contacts", "anchors", "limits")
+"""Debug drawings that are switched on with the first debug drawing ever."""
+
 
 @dataclasses.dataclass(kw_only=True)
 class Settings:
@@ -33,6 +36,8 @@ class Settings:
     snap_smart: bool = True
     snap_grid: bool = True
     grid_visible: bool = True
+    key_caps: bool = True
+    """Whether the canvas shows the keys of joints and thrusters."""
     minimap: bool = False
     """Whether the canvas has a small map of the arena in its corner."""
     grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1

@@ -9,8 +9,13 @@ Point = tuple[float, float]
 
 
 def fill(draw: imgui.ImDrawList, points: Sequence[Point], colour: int) -> None:
-    """Fill a convex polygon [px]."""
-    corners: Any = list(points)
+    """Fill a convex polygon [px] of either turning sense, with smooth edges."""
+    twice = sum(
+        points[k - 1][0] * points[k][1] - points[k - 1][1] * points[k][0]
+        for k in range(len(points))
+    )
+    # Dear ImGui blends the edges outwards of what turns clockwise on the screen, y downwards.
+    corners: Any = list(points) if twice > 0 else list(reversed(points))
     draw.add_convex_poly_filled(corners, colour)
 
 

@@ -278,7 +278,7 @@ class Ui:
         session, io = self.session, imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
-        # Dear ImGui has closed a pop-up by this frame's Esc already; the key was still the pop-up's.
+        # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
         closed, self._popup = self._popup and not popup, popup
         taken = (io.want_text_input or popup) and session.capture is None
         navigating = self._navigation(popup)

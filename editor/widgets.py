@@ -158,8 +158,9 @@ def draw_key_plate(
 ) -> None:
     """The plate of a key cap."""
     face = COLOURS.accent if lit else COLOURS.field_hover
-    rounding = px(4)
-    shadow = (low[0], low[1] + px(1.5)), (high[0], high[1] + px(1.5))
+    height = high[1] - low[1]
+    rounding, drop = min(px(4), 0.25 * height), min(px(1.5), 0.09 * height)
+    shadow = (low[0], low[1] + drop), (high[0], high[1] + drop)
     draw.add_rect_filled(*shadow, u32(alpha(COLOURS.backdrop, 0.9 * opacity)), rounding)
     draw.add_rect_filled(low, high, u32(alpha(face, opacity)), rounding)
     draw.add_rect(low, high, u32(alpha(COLOURS.text, 0.18 * opacity)), rounding)

@@ -203,7 +203,8 @@ def advance(session: Session, seconds: float) -> None:
         session.worker.poll()
         session.library.poll()
         session.evaluator.poll()
-    watched = bool(session.settings.debug_draw) or session.view.plots
+    debugging = session.view.debug_draw and bool(session.settings.debug_draw)
+    watched = debugging or session.view.plots
     watched = watched or session.viewer.timeline_open
     session.playback.simulator.keep_contacts = watched
     session.playback.restart_automatically = session.settings.restart_automatically

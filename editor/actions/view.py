@@ -8,6 +8,7 @@ from editor.camera import ARENA
 from editor.picking import selection_box
 from editor.prompts import TextQuestion
 from editor.session import Session
+from editor.settings import DEBUG_FIRST
 from kinetix.errors import CommandError
 
 BUILT_IN_LAYOUTS: Final = ("edit", "play", "evaluate")
@@ -57,6 +58,22 @@ def switch(name: str) -> Callable[[Session], None]:
         setattr(session.view, name, not getattr(session.view, name))
 
     return run
+
+
+def toggle_debug(session: Session) -> None:
+    """Turn the debug drawing on or off; the first time with some drawings switched on."""
+    session.view.debug_draw = not session.view.debug_draw
+    if session.view.debug_draw and not session.settings.debug_draw:
+        session.settings.debug_draw = list(DEBUG_FIRST)
+
+
+def toggle_drawing(session: Session, name: str) -> None:
+    """Turn one debug drawing on or off; one that goes on turns the debug drawing on."""
+    view, settings = session.view, session.settings
+    on = not (view.debug_draw and name in settings.debug_draw)
+    kept = [other for other in settings.debug_draw if other != name]
+    settings.debug_draw = [*kept, name] if on else kept
+    view.debug_draw = view.debug_draw or on
 
 
 def lay_out(name: str) -> Callable[[Session], None]:

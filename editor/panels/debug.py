@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui
 
 from editor import widgets
+from editor.actions import view
 from editor.debug_draw import LAYERS, SIMULATED
 from editor.look import Icons
 from editor.panels.base import Panel
@@ -24,20 +25,17 @@ class DebugPanel(Panel):
         changed, on = widgets.checkbox(
             session, "debug.all", "Debug drawing", session.view.debug_draw
         )
-        if changed:
-            session.view.debug_draw = on
+        if changed and on != session.view.debug_draw:
+            session.queue("view.debug_draw")
         imgui.separator()
         columns = max(1, int(imgui.get_content_region_avail().x / widgets.px(168)))
         if imgui.begin_table("layers", columns):
             for name, label in LAYERS.items():
                 imgui.table_next_column()
-                changed, on = widgets.checkbox(
-                    session, f"debug.{name}", label, name in settings.debug_draw
-                )
+                on = session.view.debug_draw and name in settings.debug_draw
+                changed, _ = widgets.checkbox(session, f"debug.{name}", label, on)
                 if name in SIMULATED:
                     widgets.tooltip(label, "Shows while the level is played.")
                 if changed:
-                    kept = [other for other in settings.debug_draw if other != name]
-                    settings.debug_draw = [*kept, name] if on else kept
-                    session.view.debug_draw = session.view.debug_draw or on
+                    view.toggle_drawing(session, name)
             imgui.end_table()

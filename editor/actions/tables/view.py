@@ -38,6 +38,15 @@ VIEW: Final = (
         run=view.switch_setting("grid_visible"),
     ),
     Action(
+        id="view.key_caps",
+        label="Show Keys",
+        menu="View",
+        context=Context.LEVEL,
+        tooltip="The keys that drive joints and thrusters, beside them.",
+        checked=view.is_set("key_caps"),
+        run=view.switch_setting("key_caps"),
+    ),
+    Action(
         id="view.minimap",
         label="Show Map",
         menu="View",
@@ -94,7 +103,7 @@ VIEW: Final = (
         context=Context.LEVEL,
         keys=("f3",),
         checked=view.is_on("debug_draw"),
-        run=view.switch("debug_draw"),
+        run=view.toggle_debug,
     ),
     Action(
         id="view.plots",

@@ -77,6 +77,31 @@ def test_an_event_is_seen_in_the_frame_that_takes_it(home, monkeypatch):
         host.close()
 
 
+def test_slanted_edges_are_smooth(home, monkeypatch):
+    for name, value in home.items():
+        monkeypatch.setenv(name, value)
+    from editor.hosts.offscreen import OffscreenHost
+    from editor.session import Session
+    from kinetix.level.model import Body, Level, Polygon
+
+    corners = ((0.0, 0.6), (-0.6, -0.3), (0.6, -0.3))
+    body = Body(id=1, shape=Polygon(vertices=corners), position=(2.5, 2.5), angle=0.3, fixed=True)
+    session = Session(level=Level(name="Triangle", bodies=(body,)))
+    session.settings.grid_visible = False
+    host = OffscreenHost(session, size=(960, 640))
+    try:
+        for _ in range(12):
+            host.step((), 1 / 60)
+        x, y = map(round, session.camera.to_screen((2.5, 2.5)))
+        grey = host.screenshot()[y - 40 : y + 40, x - 40 : x + 40].mean(axis=2)
+        # White paper, black outline, dark fill: what lies between them are blended pixels.
+        blended = ((grey > 100) & (grey < 235)).sum()
+        assert blended > 60
+    finally:
+        session.worker.stop()
+        host.close()
+
+
 def test_a_bad_event_is_exit_1_with_its_line(run_editor, tmp_path):
     events = tmp_path / "events.jsonl"
     events.write_text('{"do":"wait","frames":1}\n{"do":"dance"}\n')

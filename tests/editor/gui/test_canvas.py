@@ -1,0 +1,95 @@
+"""What lies on the level: key caps, labels, debug drawings."""
+
+import itertools
+
+import pytest
+
+from editor.marks import Room
+from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
+from tests.editor.core.helpers import a_level, a_session
+
+
+def caps(gui):
+    gui.frames(2)
+    return {place.entity: place for place in gui.host.ui.canvas.caps}
+
+
+def a_caterpillar():
+    """Many driven joints close together."""
+    bodies = tuple(
+        Body(id=k + 1, shape=Circle(radius=0.1), position=(1.0 + 0.12 * k, 1.0)) for k in range(9)
+    )
+    joints = tuple(
+        Joint(
+            id=20 + k,
+            kind="revolute",
+            a=k + 1,
+            b=k + 2,
+            anchor_a=(0.06, 0.0),
+            anchor_b=(-0.06, 0.0),
+            motor=Motor(),
+        )
+        for k in range(8)
+    )
+    return Level(name="Caterpillar", bodies=bodies, joints=joints)
+
+
+def test_hidden_things_have_no_key_caps(make_gui):
+    gui = make_gui(session=a_session())
+    assert set(caps(gui)) == {5, 6}
+    gui.session.document.hidden = frozenset({5})
+    assert set(caps(gui)) == {6}
+    gui.session.settings.key_caps = False
+    gui.frames(2)
+
+
+@pytest.mark.parametrize(("size", "scale"), [((1024, 640), 1.0), ((1440, 900), 2.0)])
+def test_key_caps_are_no_larger_than_the_machine_and_leave_each_other_room(make_gui, size, scale):
+    gui = make_gui(session=a_session(level=a_caterpillar()), size=size, scale=scale)
+    places = list(caps(gui).values())
+    assert places
+    for place in places:
+        metres = (place.high[1] - place.low[1]) / gui.session.camera.scale
+        assert metres < 0.2
+    for a, b in itertools.combinations(places, 2):
+        assert (
+            a.high[0] <= b.low[0]
+            or b.high[0] <= a.low[0]
+            or a.high[1] <= b.low[1]
+            or b.high[1] <= a.low[1]
+        )
+
+
+def test_the_caps_of_what_is_selected_are_always_there(make_gui):
+    gui = make_gui(session=a_session(level=a_caterpillar()))
+    few = caps(gui)
+    left_out = next(joint.id for joint in gui.level.joints if joint.id not in few)
+    gui.session.selection = (left_out,)
+    assert left_out in caps(gui)
+
+
+def test_labels_do_not_cover_each_other():
+    room = Room()
+    assert room.take((0, 0), (10, 10))
+    assert not room.take((5, 5), (15, 15))
+    assert room.take((10, 0), (20, 10))
+
+
+def test_the_first_debug_drawing_shows_something(make_gui):
+    gui = make_gui(level=a_level())
+    gui.key("f3")
+    assert gui.session.view.debug_draw
+    assert gui.session.settings.debug_draw
+    gui.key("f3")
+    gui.session.settings.debug_draw = ["aabbs"]
+    gui.key("f3")
+    assert gui.session.settings.debug_draw == ["aabbs"]
+
+
+def test_thrusters_have_caps_too(make_gui):
+    level = a_level()
+    alone = level.replace(
+        joints=(), thrusters=(Thruster(id=6, body=1, position=(0.0, 0.0), binding=1),)
+    )
+    gui = make_gui(level=alone)
+    assert set(caps(gui)) == {6}
