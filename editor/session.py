@@ -96,6 +96,8 @@ class View:
     plots: bool = False
     front: str = ""
     """Id of a panel to bring to the front; the window clears it."""
+    field: str = ""
+    """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
     palette: bool = False
     """The command palette."""
     help: bool = False

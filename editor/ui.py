@@ -409,7 +409,8 @@ class Ui:
             # Of panels that share a place, the one docked last is in front unless told otherwise.
             imgui.set_next_window_focus()
             self._in_front.pop(0)
-            self._to_canvas = True
+            # The keyboard goes back to the canvas, unless a field was asked for.
+            self._to_canvas = not self.session.view.field
         opened = imgui.begin(panel.window_name)[0]
         self._give_height(panel, opened)
         if opened:

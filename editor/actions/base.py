@@ -72,6 +72,8 @@ class Action:
     variants: tuple[str, ...] = ()
     """Chords that do it in another measure (`shift+left`); `run` sees which through the session."""
     enabled: Callable[[Session], bool] = always
+    refusal: str = ""
+    """Why it cannot be done when it is not enabled; empty for `editing`, `playing`, `selecting`."""
     run: Callable[[Session], None]
     checked: Callable[[Session], bool] | None = None
     """Whether it is on, for those that switch something."""

@@ -5,7 +5,7 @@ from typing import Final
 
 from editor import files
 from editor.actions import agents, export, file, outside, play, watch
-from editor.actions.base import Action, Context, context_of, contexts
+from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
 from editor.controls import PAD, PAD_ACTIONS
@@ -32,6 +32,14 @@ MODIFIER_KEYS: Final = frozenset(
 OUTSIDE_SECONDS: Final = 2.0
 """How often the file in front is looked at for changes from outside."""
 
+_ELSEWHERE: Final = {
+    Context.EDIT: "Stop playing first: Esc.",
+    Context.PLAY: "Play the level first: Space.",
+    Context.LEVEL: "Close the gallery first: Esc.",
+    Context.GALLERY: "Open the gallery first: Ctrl+G.",
+}
+"""Why an action of another context cannot be done."""
+
 
 def chords(session: Session, action: Action) -> tuple[str, ...]:
     """The chords of an action, rebound ones included."""
@@ -50,6 +58,19 @@ def find(session: Session, chord: str) -> Action | None:
 def available(session: Session, action: Action) -> bool:
     """Whether an action can be done now."""
     return action.context in contexts(session) and action.enabled(session)
+
+
+def refusal(session: Session, action: Action) -> str:
+    """Return why an action cannot be done now; empty when it can."""
+    if available(session, action):
+        return ""
+    if action.context not in contexts(session):
+        return _ELSEWHERE.get(action.context, "Not possible here.")
+    if action.refusal:
+        return action.refusal
+    if action.enabled is selecting and not session.selection:
+        return "Select something first."
+    return _ELSEWHERE[Context.PLAY if session.editing else Context.EDIT]
 
 
 def run(session: Session, action_id: str) -> bool:

@@ -243,6 +243,8 @@ class Editor:
         self._order.append(name)
         if self._to_next:
             self._to_next, self._wanted = False, name
+        if session.view.field == name:
+            session.view.field, self._wanted = "", name
         imgui.set_next_item_width(width)
         if self._typing is not None and self._typing.field.name == name:
             self._draw_text(session, self._typing)

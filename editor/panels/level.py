@@ -60,6 +60,9 @@ class LevelPanel(Panel):
     def _text(self, session: "Session", field: str, value: str) -> None:
         """A text that commits on Enter or when the field is left."""
         shown = self._texts.get(field, value)
+        if session.view.field == f"level.{field}":
+            session.view.field = ""
+            imgui.set_keyboard_focus_here()
         changed, new = imgui.input_text(f"###level.{field}", shown)
         widgets.probe(session, f"level.{field}")
         if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:

@@ -1,7 +1,5 @@
-"""The command palette: every action, recent file, level, scene and agent by a few letters."""
+"""The command palette: every action, setting, field, file, scene and agent by a few letters."""
 
-import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -11,6 +9,7 @@ from editor import actions, widgets
 from editor.actions import agents, examples, file
 from editor.keys import label as chord_label
 from editor.look import COLOURS, SMALL, Icons, u32
+from editor.panels.found import Entry, field_entries, score, settings_entries
 from editor.widgets import px
 from kinetix.paths import levels_dir
 
@@ -18,29 +17,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _ROWS: Final = 12
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Entry:
-    """Something that can be chosen."""
-
-    label: str
-    group: str
-    keys: str = ""
-    run: Callable[[], None]
-
-
-def score(words: str, typed: str) -> float | None:
-    """How well letters match in order; None when they do not. Less is better."""
-    at, total, lower = -1, 0.0, words.lower()
-    for letter in typed.lower().replace(" ", ""):
-        following = lower.find(letter, at + 1)
-        if following < 0:
-            return None
-        starts = following == 0 or lower[following - 1] in " -_/"
-        total += (following - at - 1) * (0.3 if starts else 1.0)
-        at = following
-    return total + 0.01 * len(words)
+_REFUSED: Final = 3.0
+"""What cannot be done now stands below what matches nearly as well."""
 
 
 class CommandPalette:
@@ -89,7 +67,9 @@ class CommandPalette:
     def _contents(self, session: "Session") -> None:
         imgui.set_next_item_width(-1)
         changed, self._typed = imgui.input_text_with_hint(
-            "###palette.text", f"{Icons.search}  Command, level, scene or agent", self._typed
+            "###palette.text",
+            f"{Icons.search}  Command, setting, field, level, scene or agent",
+            self._typed,
         )
         widgets.probe(session, "palette.text")
         if changed:
@@ -103,12 +83,12 @@ class CommandPalette:
             imgui.Key.keypad_enter
         )
         if not found:
-            widgets.muted("Nothing of that name.")
+            widgets.muted("No results")
         first = max(0, self._index - _ROWS + 1)
         for index, entry in enumerate(found[first : first + _ROWS], start=first):
             if self._row(session, entry, index) or (entered and index == self._index):
                 session.view.palette = False
-                session.queue(entry.run)
+                _choose(session, entry)
 
     def _row(self, session: "Session", entry: Entry, index: int) -> bool:
         start = imgui.get_cursor_screen_pos()
@@ -118,11 +98,12 @@ class CommandPalette:
         widgets.probe(session, f"palette.{index}")
         draw = imgui.get_window_draw_list()
         top = start.y + px(4)
-        draw.add_text((start.x + px(8), top), u32(COLOURS.text), entry.label)
+        ink = COLOURS.faint if entry.refusal else COLOURS.text
+        draw.add_text((start.x + px(8), top), u32(ink), entry.label)
         with widgets.font(None, SMALL):
-            words = entry.keys or entry.group
+            words = entry.refusal or entry.keys or entry.group
             size = imgui.calc_text_size(words)
-            colour = COLOURS.muted if entry.keys else COLOURS.faint
+            colour = COLOURS.muted if entry.keys and not entry.refusal else COLOURS.faint
             draw.add_text((start.x + width - size.x - px(8), top + px(1)), u32(colour), words)
         return pressed
 
@@ -130,7 +111,7 @@ class CommandPalette:
         # Scenes are imported when they are looked for: opening the palette must not wait.
         offered = self._entries + (scene_entries(session) if self._typed else [])
         rated = [
-            (rating, number, entry)
+            (rating + (_REFUSED if entry.refusal else 0.0), number, entry)
             for number, entry in enumerate(offered)
             if (rating := score(entry.label, self._typed)) is not None
         ]
@@ -140,33 +121,9 @@ class CommandPalette:
 
 
 def entries(session: "Session") -> list[Entry]:
-    """Everything that can be chosen now."""
-    found = [
-        Entry(
-            label=action.label,
-            group=action.menu,
-            keys=chord_label(chosen[0]) if (chosen := actions.chords(session, action)) else "",
-            run=lambda action=action: session.queue(action.id),
-        )
-        for action in actions.ACTIONS
-        if action.menu and actions.available(session, action) and action.id != "app.palette"
-    ]
-    for path in session.settings.recents:
-        found.append(
-            Entry(
-                label=Path(path).name,
-                group="Recent",
-                run=lambda path=path: _open(session, path),
-            )
-        )
-    for folder in sorted(levels_dir().glob("[sml]/*.json")):
-        found.append(
-            Entry(
-                label=f"{folder.parent.name}/{folder.stem}",
-                group="Level",
-                run=lambda path=folder: _open(session, path),
-            )
-        )
+    """Return everything that can be looked for: what can be done now first."""
+    found = [*_actions(session), *settings_entries(session), *field_entries(session)]
+    found += _files(session)
     for path, name in agents.known_agents(session):
         found.append(
             Entry(
@@ -175,7 +132,39 @@ def entries(session: "Session") -> list[Entry]:
                 run=lambda path=path: agents.load_agent(session, path),
             )
         )
+    found.sort(key=lambda entry: bool(entry.refusal))
     return found
+
+
+def _actions(session: "Session") -> list[Entry]:
+    """Return the rows of the action table; those that cannot be done say why."""
+    return [
+        Entry(
+            label=f"Gallery: {action.label}" if _in_gallery(action) else action.label,
+            group=action.menu,
+            keys=chord_label(chosen[0]) if (chosen := actions.chords(session, action)) else "",
+            refusal=actions.refusal(session, action),
+            run=lambda action=action: session.queue(action.id),
+        )
+        for action in actions.ACTIONS
+        if action.menu and action.id != "app.palette"
+    ]
+
+
+def _in_gallery(action: actions.Action) -> bool:
+    """Return whether an action has a namesake in Edit: both delete, rename, copy."""
+    return action.context is actions.Context.GALLERY
+
+
+def _files(session: "Session") -> list[Entry]:
+    """Return the recent files and the levels that came with the app."""
+    recents = [(Path(path).name, "Recent", path) for path in session.settings.recents]
+    bundled = sorted(levels_dir().glob("[sml]/*.json"))
+    levels = [(f"{path.parent.name}/{path.stem}", "Level", str(path)) for path in bundled]
+    return [
+        Entry(label=label, group=group, run=lambda path=path: _open(session, path))
+        for label, group, path in (*recents, *levels)
+    ]
 
 
 def scene_entries(session: "Session") -> list[Entry]:
@@ -190,6 +179,13 @@ def scene_entries(session: "Session") -> list[Entry]:
         )
         for scene in SCENES.values()
     ]
+
+
+def _choose(session: "Session", entry: Entry) -> None:
+    if entry.refusal:
+        session.complain(f"{entry.label}: {entry.refusal}")
+    else:
+        session.queue(entry.run)
 
 
 def _open(session: "Session", path: str | Path) -> None:

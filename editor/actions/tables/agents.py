@@ -45,6 +45,7 @@ AGENTS: Final = (
         context=PLAY,
         tooltip="Drive instead of the agent; again: hand back. Any play key takes over while held.",
         enabled=agents.agent_playing,
+        refusal="Let an agent play first (F6).",
         checked=lambda session: session.viewer.by_hand,
         run=agents.take_over,
     ),
@@ -56,6 +57,7 @@ AGENTS: Final = (
         context=PLAY,
         tooltip="The same level with other draws.",
         enabled=agents.agent_playing,
+        refusal="Let an agent play first (F6).",
         run=agents.change_attempt(1),
     ),
     Action(
@@ -65,6 +67,7 @@ AGENTS: Final = (
         keys=("b",),
         context=PLAY,
         enabled=lambda session: agents.agent_playing(session) and session.viewer.attempt > 0,
+        refusal="This is an agent's first attempt, or no agent plays.",
         run=agents.change_attempt(-1),
     ),
     Action(
@@ -94,6 +97,7 @@ AGENTS: Final = (
         context=PLAY,
         tooltip="Play on from the moment that the timeline shows.",
         enabled=look_back.can_start_here,
+        refusal="Go to a moment of a replay first.",
         run=look_back.start_here,
     ),
     Action(
@@ -120,6 +124,7 @@ AGENTS: Final = (
         menu="Run",
         context=PLAY,
         enabled=lambda session: session.playback.loop is not None,
+        refusal="No part of the replay is looped.",
         run=look_back.clear_loop,
     ),
     Action(
@@ -129,6 +134,7 @@ AGENTS: Final = (
         context=PLAY,
         tooltip="The looped part of the episode, or all of it, as GIF or MP4.",
         enabled=export.has_clip,
+        refusal="Play the level first.",
         run=export.ask_clip,
     ),
     Action(
@@ -144,6 +150,7 @@ AGENTS: Final = (
         label="Cancel the Evaluation",
         menu="Agent",
         enabled=lambda session: session.viewer.evaluation.running,
+        refusal="No evaluation is running.",
         run=lambda session: session.viewer.evaluation.cancel(),
     ),
     Action(

@@ -26,6 +26,7 @@ EDITS: Final = (
         keys=("ctrl+z",),
         context=EDIT,
         enabled=_can_undo,
+        refusal="There is nothing to undo.",
         run=edit.undo,
     ),
     Action(
@@ -35,6 +36,7 @@ EDITS: Final = (
         keys=("ctrl+shift+z", "ctrl+y"),
         context=EDIT,
         enabled=_can_redo,
+        refusal="There is nothing to redo.",
         run=edit.redo,
     ),
     Action(
@@ -93,6 +95,7 @@ EDITS: Final = (
         context=EDIT,
         tooltip="A name for lists and messages; the level itself does not change.",
         enabled=edit.can_rename,
+        refusal="Select exactly one shape, joint or thruster.",
         run=edit.rename,
     ),
     Action(

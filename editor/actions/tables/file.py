@@ -23,6 +23,7 @@ FILE: Final = (
             menu="File",
             tooltip=tooltip,
             enabled=outside.is_changed,
+            refusal="The file has not been changed from outside.",
             run=run,
         )
         for name, label, tooltip, run in (

@@ -14,6 +14,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         tooltip="Or a double click.",
         enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
         run=gallery.open_chosen,
     ),
     Action(
@@ -23,6 +24,7 @@ GALLERY: Final = (
         keys=("f2",),
         context=Context.GALLERY,
         enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
         run=gallery.rename,
     ),
     Action(
@@ -33,6 +35,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         tooltip="Copies of the app's own levels go to your folder.",
         enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
         run=gallery.duplicate,
     ),
     Action(
@@ -43,6 +46,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         tooltip="To the trash.",
         enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
         run=gallery.delete,
     ),
     Action(
@@ -53,6 +57,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         tooltip="What was deleted last.",
         enabled=gallery.can_restore,
+        refusal="Nothing was moved to the trash.",
         run=gallery.restore,
     ),
     Action(
@@ -70,6 +75,7 @@ GALLERY: Final = (
         keys=("ctrl+shift+a",),
         context=Context.GALLERY,
         enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
         run=gallery.add_to_set,
     ),
     Action(

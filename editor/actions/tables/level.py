@@ -60,6 +60,7 @@ LEVEL: Final = (
         context=EDIT,
         tooltip="What happens without any action, and how often random actions win.",
         enabled=level.can_try_out,
+        refusal="The level is empty or has errors: see Problems.",
         run=level.try_out,
     ),
     Action(
@@ -69,6 +70,7 @@ LEVEL: Final = (
         context=Context.LEVEL,
         tooltip="What is recorded in the level, on the timeline; drive on from any moment.",
         enabled=solution.has_solution,
+        refusal="The level has no recorded solution.",
         run=solution.play,
     ),
     Action(
@@ -78,6 +80,7 @@ LEVEL: Final = (
         context=Context.LEVEL,
         tooltip="The episode that you have just won, recorded in the level.",
         enabled=solution.can_keep,
+        refusal="Win the level by hand first.",
         run=solution.keep,
     ),
     Action(
@@ -88,6 +91,7 @@ LEVEL: Final = (
         keys=("page up",),
         tooltip="Of the same folder.",
         enabled=_has_file,
+        refusal="Save the level to a file first.",
         run=level.neighbour(-1),
     ),
     Action(
@@ -98,6 +102,7 @@ LEVEL: Final = (
         keys=("page down",),
         tooltip="Of the same folder.",
         enabled=_has_file,
+        refusal="Save the level to a file first.",
         run=level.neighbour(1),
     ),
     Action(

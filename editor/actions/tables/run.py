@@ -55,6 +55,7 @@ RUN: Final = (
         keys=("-",),
         context=PLAY,
         enabled=lambda session: session.playback.speed > SPEEDS[0],
+        refusal="It plays as slowly as it can already.",
         run=play.slower,
     ),
     Action(
@@ -64,6 +65,7 @@ RUN: Final = (
         keys=("=",),
         context=PLAY,
         enabled=lambda session: session.playback.speed < SPEEDS[-1],
+        refusal="It plays as fast as it can already.",
         run=play.faster,
     ),
     Action(
@@ -101,6 +103,7 @@ RUN: Final = (
         context=PLAY,
         tooltip="A new level that starts with everything where it is now.",
         enabled=play.has_state,
+        refusal="Play the level first.",
         run=play.edit_from_here,
     ),
 )

@@ -143,6 +143,7 @@ VIEW: Final = (
         menu="View",
         keys=("ctrl+tab",),
         enabled=lambda session: len(session.tabs) > 1,
+        refusal="Only one level is open.",
         run=view.switch_tab(1),
     ),
     Action(
@@ -151,6 +152,7 @@ VIEW: Final = (
         menu="View",
         keys=("ctrl+shift+tab",),
         enabled=lambda session: len(session.tabs) > 1,
+        refusal="Only one level is open.",
         run=view.switch_tab(-1),
     ),
 )

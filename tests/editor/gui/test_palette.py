@@ -1,0 +1,79 @@
+"""The command palette: everything can be found, and what cannot be done says why."""
+
+import pytest
+
+from editor import actions
+from editor.actions import ACTIONS
+from editor.actions.base import always, editing, playing, selecting
+from editor.panels.palette import entries
+from tests.editor.core.helpers import a_level, a_session
+
+
+def find(gui, words):
+    gui.session.view.palette = True
+    gui.frames(4)
+    gui.text(words)
+    gui.frames(2)
+
+
+def test_every_action_is_there_and_what_is_not_possible_says_why():
+    session = a_session()
+    found = {entry.label: entry for entry in entries(session)}
+    for action in ACTIONS:
+        if action.menu and action.id != "app.palette":
+            assert {action.label, f"Gallery: {action.label}"} & set(found)
+    assert found["Delete"].refusal == "Select something first."
+    assert found["Pause"].refusal == "Play the level first: Space."
+    assert not found["Select All"].refusal
+    session.selection = (1,)
+    assert not {entry.label: entry for entry in entries(session)}["Delete"].refusal
+
+
+@pytest.mark.parametrize("action", ACTIONS, ids=lambda action: action.id)
+def test_whatever_can_be_refused_has_a_reason(action):
+    assert action.refusal or action.enabled in (always, editing, playing, selecting)
+    session = a_session()
+    assert bool(actions.refusal(session, action)) is not actions.available(session, action)
+
+
+def test_choosing_what_is_not_possible_tells_the_reason(make_gui):
+    gui = make_gui(session=a_session())
+    find(gui, "mirror left")
+    gui.key("return")
+    assert gui.session.toasts[-1].text == "Mirror Left–Right: Select something first."
+
+
+def test_gravity_is_typed_from_the_palette(make_gui):
+    gui = make_gui(level=a_level())
+    find(gui, "gravity y")
+    gui.key("return")
+    gui.frames(8)
+    gui.text("-1.6")
+    gui.key("return")
+    assert gui.level.gravity[1] == pytest.approx(-1.6)
+
+
+def test_a_field_of_the_selection_is_typed_from_the_palette(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.view.front = "agents"
+    gui.frames(6)
+    gui.session.selection = (1,)
+    find(gui, "density")
+    gui.key("return")
+    gui.frames(8)
+    gui.text("2.5")
+    gui.key("return")
+    assert gui.level.body(1).density == pytest.approx(2.5)
+
+
+def test_a_single_drawing_and_a_setting_are_switched_from_the_palette(make_gui):
+    gui = make_gui(level=a_level())
+    find(gui, "bounding boxes")
+    gui.key("return")
+    gui.frames(2)
+    assert gui.session.view.debug_draw
+    assert gui.session.settings.debug_draw == ["aabbs"]
+    find(gui, "radians")
+    gui.key("return")
+    gui.frames(2)
+    assert gui.session.settings.radians
