@@ -132,11 +132,13 @@ def _open_files(options: Options, session: Session) -> None:
         if options.replay is None:
             file.offer_recovery(session)
         return
-    for path in options.files:
-        mark = session.log.serial
-        opening = export.open_trace if path.suffix == SUFFIX else file.open_path
-        if not opening(session, path) and len(options.files) == 1:
-            raise KinetixError(" ".join(session.log.since(mark)))
+    mark = session.log.serial
+    opened = [
+        export.open_trace(session, path) if path.suffix == SUFFIX else file.open_path(session, path)
+        for path in options.files
+    ]
+    if not any(opened):
+        raise KinetixError("\n".join(session.log.since(mark)))
 
 
 def main() -> int:

@@ -50,6 +50,8 @@ class FileBrowser:
         self._filter = ""
         self._overwrite: Path | None = None
         self._error = ""
+        self._to_name = True
+        """Whether the keyboard goes to the name in the next frame."""
 
     @property
     def _saving(self) -> bool:
@@ -197,15 +199,8 @@ class FileBrowser:
     def _footer(self, session: "Session", chosen: bool) -> tuple[bool, Path | None]:
         if self._folders_only:
             return self._folder_footer(session)
-        accept, entered = "Save" if self._saving else "Open", False
-        imgui.set_next_item_width(-1)
-        if imgui.is_window_appearing() and self._saving:
-            imgui.set_keyboard_focus_here()
-        flags = imgui.InputTextFlags_.enter_returns_true.value
-        entered, self._name = imgui.input_text_with_hint(
-            "###browser.name", "File name", self._name, flags
-        )
-        widgets.probe(session, "browser.name")
+        accept = "Save" if self._saving else "Open"
+        entered = self._name_field(session, "File name, or a path")
         if self._error or self._overwrite is not None:
             warning = self._error or f"{self._name} is there already. Press {accept} to replace it."
             with widgets.font(None, SMALL):
@@ -224,9 +219,28 @@ class FileBrowser:
             return self._accept()
         return False, None
 
+    def _name_field(self, session: "Session", hint: str) -> bool:
+        """Draw the field that takes a typed name or path; whether Return was pressed in it."""
+        imgui.set_next_item_width(-1)
+        if self._to_name or imgui.is_window_appearing():
+            imgui.set_keyboard_focus_here()
+            self._to_name = False
+        flags = imgui.InputTextFlags_.enter_returns_true.value
+        before = self._name
+        entered, self._name = imgui.input_text_with_hint("###browser.name", hint, self._name, flags)
+        widgets.probe(session, "browser.name")
+        if self._name != before:
+            self._error, self._overwrite = "", None
+        self._to_name = entered
+        return entered
+
     def _folder_footer(self, session: "Session") -> tuple[bool, Path | None]:
         """The buttons when a folder is asked for: the one on show is meant."""
-        widgets.small("Go into the folder that you mean.")
+        entered = self._name_field(session, "Go into the folder that you mean, or type its path")
+        if self._error:
+            widgets.small(self._error, COLOURS.warn)
+        if entered and self._name:
+            self._type_folder()
         width = px(150)
         gap = imgui.get_style().item_spacing.x
         room = imgui.get_content_region_avail().x - 2 * width - gap
@@ -237,16 +251,31 @@ class FileBrowser:
             return True, self._folder
         return cancelled, None
 
+    def _typed(self) -> Path:
+        """Return the path that the name means, from the folder on show on."""
+        try:
+            return self._folder / Path(self._name).expanduser()
+        except RuntimeError:  # ~ of a user that does not exist
+            return self._folder / self._name
+
+    def _type_folder(self) -> None:
+        """Go to the folder whose name was typed."""
+        path = self._typed()
+        if path.is_dir():
+            self._go(path)
+            self._name = ""
+        else:
+            self._error = f"There is no folder {path}."
+
     def _accept(self) -> tuple[bool, Path | None]:
-        path = Path(self._name).expanduser()
-        path = path if path.is_absolute() else self._folder / path
+        path = self._typed()
         if path.is_dir():
             self._go(path)
             self._name = ""
             return False, None
         if self._saving:
-            suffix = self._question.suffixes[0]
-            path = path if path.suffix or not suffix else path.with_suffix(suffix)
+            if path.suffix.lower() not in self._question.suffixes and self._question.suffixes[0]:
+                path = path.with_name(f"{path.name}{self._question.suffixes[0]}")
             if path.exists() and self._overwrite != path:
                 self._overwrite = path
                 return False, None

@@ -116,6 +116,11 @@ class Document:
         return self._saved is None or not same_content(self._history.current.value, self._saved)
 
     @property
+    def untouched(self) -> bool:
+        """Whether nothing is lost with it: no file, no change, nothing to undo."""
+        return self.path is None and not self.dirty and len(self._history.entries) == 1
+
+    @property
     def title(self) -> str:
         """What the tab says."""
         return self.path.name if self.path else self.level.name

@@ -9,8 +9,8 @@ from typing import Any
 
 from editor.document import Document, Format, same_content
 from kinetix.errors import LevelError
-from kinetix.level.atomic import write_atomically
-from kinetix.level.codec import dumps, load_document, loads, resolve_path, save_level
+from kinetix.level.atomic import write_atomically, write_with_backup
+from kinetix.level.codec import dumps, load_document, loads, resolve_path
 from kinetix.level.kinetix_env import lost_fields
 from kinetix.level.model import Level
 from kinetix.paths import state_dir
@@ -63,17 +63,10 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     Raises:
         LevelError: The file cannot be written; the old one is as it was.
     """
-    try:
-        previous = path.read_bytes()
-    except FileNotFoundError:
-        previous = None
-    except OSError as error:
-        raise LevelError(f"{path}: cannot be read: {error.strerror or error}") from error
-    if previous is not None:
-        if not os.access(path, os.W_OK):
-            raise LevelError(f"{path}: cannot be saved: the file is read-only")
-        write_atomically(path.with_name(f"{path.name}.bak"), previous)
-    save_level(document.level, path, format=format, source=document.source)
+    if path.is_file() and not os.access(path, os.W_OK):
+        raise LevelError(f"{path}: cannot be saved: the file is read-only")
+    text = dumps(document.level, format=format, source=document.source)
+    write_with_backup(path, text.encode())
     document.mark_saved(path, format)
     document.stamp, document.outside = read_stamp(path), ""
     forget_autosave(document)

@@ -379,9 +379,7 @@ class Session:
         self.leave_play()
         self.gallery.open = False
         tab = Tab(document=document, camera=dataclasses.replace(self.camera, centre=(2.5, 2.5)))
-        front = self.document
-        untouched = front.path is None and not front.dirty and not front.level.bodies
-        if untouched and len(front.history.entries) == 1:
+        if self.document.untouched and not self.document.level.bodies:
             self.tabs[self.tab_index] = tab
         else:
             self.tabs.append(tab)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from editor.actions import file
 from editor.commands.bodies import posed
 from editor.document import Document
 from editor.jobs import Job, JobState
@@ -13,7 +14,7 @@ from editor.recording import Trace
 from editor.requests import ExportFilm, ExportPicture
 from editor.session import Session
 from editor.trace_files import SUFFIX, read_trace, write_trace
-from kinetix.errors import CommandError
+from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
@@ -54,22 +55,21 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
     def answer(path: Path | None) -> None:
         if path is None:
             return
-        target = path.with_suffix(suffix)
         if suffix == ".png":
             request = ExportPicture(
                 level=level,
                 state=state,
-                path=target,
+                path=path,
                 factor=int(choice[-1]),
                 transparent=choice.startswith("clear"),
                 palette=session.settings.palette,
             )
-            session.worker.submit(request, title=f"Writing {target.name}", done=told(session))
+            session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
         elif trace is not None and suffix == ".npz":
-            write_trace(trace, level, target)
-            session.toast(f"Wrote {target}", "success")
+            write_trace(trace, level, path)
+            session.toast(f"Wrote {path}", "success")
         elif trace is not None:
-            film(session, level, trace, target)
+            film(session, level, trace, path)
 
     session.ask(
         FileQuestion(
@@ -91,9 +91,13 @@ def _folder(session: Session) -> Path:
 
 
 def open_trace(session: Session, path: Path) -> bool:
-    """Show an episode from a file on its level; whether it is shown, otherwise a toast says why."""
-    with session.guard():
+    """Show an episode from a file on its level; whether it is shown, else a window says why."""
+    try:
         found = read_trace(path)
+    except KinetixError as error:
+        file.tell(session, "This cannot be opened", str(error))
+        return False
+    with session.guard():
         session.leave_play()
         session.gallery.open = False
         if session.document.hash != level_hash(found.level):

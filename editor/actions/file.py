@@ -14,6 +14,8 @@ from kinetix.paths import levels_dir
 
 NEW_LEVEL: Final = Level(name="Untitled")
 LEVEL_SUFFIXES: Final = (".json",)
+MESSAGE_LENGTH: Final = 600
+"""Of a longer message the log has the rest [characters]."""
 
 
 def new(session: Session) -> None:
@@ -30,10 +32,14 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
         replace: Show it in the tab in front, when that one has no unsaved changes.
 
     Returns:
-        Whether it is open now; otherwise a toast says why.
+        Whether it is open now; otherwise a window says why.
     """
-    with session.guard():
+    try:
         document = files.open_document(path)
+    except LevelError as error:
+        tell(session, "This cannot be opened", str(error))
+        return False
+    with session.guard():
         assert document.path is not None
         document.names = session.names.of(document.path)
         index = session.locate(document.path)
@@ -54,6 +60,28 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
                 session.log.add(warning)
         return True
     return False
+
+
+def tell(session: Session, title: str, message: str) -> None:
+    """Say what could not be done, until the user has read it; several become one window."""
+    session.log.add(message)
+    shown = message if len(message) <= MESSAGE_LENGTH else f"{message[:MESSAGE_LENGTH]}…"
+    for prompt in session.prompts:
+        if isinstance(prompt, Question) and prompt.title == title:
+            session.prompts.remove(prompt)
+            if len(prompt.message) < 3 * MESSAGE_LENGTH:
+                shown = f"{prompt.message}\n\n{shown}"
+            break
+    session.ask(
+        Question(
+            title=title,
+            message=shown,
+            choices=(Choice(id="ok", label="OK"),),
+            default="ok",
+            cancel="ok",
+            answer=lambda choice: None,
+        )
+    )
 
 
 def ask_open(session: Session) -> None:
@@ -96,7 +124,7 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
 
     def answer(path: Path | None) -> None:
         if path is not None:
-            target = path if path.suffix else path.with_suffix(".json")
+            target = path if path.suffix else path.with_name(f"{path.name}.json")
             save_with_care(session, document, target, document.format, then)
 
     session.ask(

@@ -266,6 +266,7 @@ def export_now(session: Session) -> None:
     plan = gallery.plan
     if plan is None:
         return
+    folder = plan.form == "folder"
     bad = refused_in_set(session)
     if bad:
         raise CommandError(f"{bad[0].name} has an error: mend it, or leave it out.")
@@ -273,7 +274,7 @@ def export_now(session: Session) -> None:
     def answer(path: Path | None) -> None:
         if path is None:
             return
-        target = path.with_suffix("") if plan.form == "folder" else path
+        target = path.with_name(path.name.removesuffix(".json")) if folder else path
         try:
             made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, target)
         except LevelError as error:
@@ -292,10 +293,10 @@ def export_now(session: Session) -> None:
     session.ask(
         FileQuestion(
             purpose="save",
-            title="Export level set" if plan.form == "file" else "Export level set as a folder",
+            title="Export level set as a folder" if folder else "Export level set",
             folder=_set_folder(session),
-            name=f"{filing.stem_of(plan.name)}{'.json' if plan.form == 'file' else ''}",
-            suffixes=(".json",) if plan.form == "file" else ("",),
+            name=f"{filing.stem_of(plan.name)}{'' if folder else '.json'}",
+            suffixes=("",) if folder else (".json",),
             answer=answer,
         )
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 from editor.actions.file import open_path
 from editor.commands.base import Command
 from editor.commands.level import Permute, ReplaceLevel
+from editor.document import Document
 from editor.jobs import Job, JobState
 from editor.prompts import Choice, MenuQuestion
 from editor.requests import MUTATIONS, Mutate, RandomLevel, Request
@@ -17,17 +18,28 @@ from kinetix.level.validate import has_errors
 
 
 def random_level(session: Session) -> None:
-    """Put a random level in the place of this one; every call takes the next seed."""
+    """Open a random level in a tab of its own; every call takes the next seed.
+
+    One that nobody has changed gives its tab to the next.
+    """
     session.seed += 1
     seed = session.seed
     size = size_name(capacity_of(session.document.level)) or "l"
-    replace_later(
-        session,
-        RandomLevel(seed=seed, size=size),
-        title="Drawing a random level",
-        command=lambda level: ReplaceLevel(
-            level=level, label=f"Random level (seed {seed})", fresh=True
-        ),
+
+    def done(job: Job) -> None:
+        if job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+        elif job.state is JobState.DONE:
+            level: Level = job.result
+            document = Document(level.replace(name=f"Random {seed}"))
+            if session.document.untouched:
+                session.leave_play()
+                session.tab.document = document
+            else:
+                session.open_tab(document)
+
+    session.worker.submit(
+        RandomLevel(seed=seed, size=size), title="Drawing a random level", urgent=True, done=done
     )
 
 

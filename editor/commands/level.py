@@ -10,24 +10,18 @@ from kinetix.level.model import Circle, Level, Solution
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ReplaceLevel:
-    """Puts another level in the place of this one (random level, mutation, reload, recovery).
+    """Puts another level in the place of this one (mutation, reload).
 
-    Where ids are the same in both, they mean the same entity (a mutation); a level from elsewhere
-    brings ids of its own, which are shifted out of the way by `fresh`.
+    Where ids are the same in both, they mean the same entity.
     """
 
     level: Level
     label: str
-    fresh: bool = False
-    """Give every entity a new id: the content has nothing to do with the old one."""
     merge_key: Hashable | None = None
 
     def apply(self, level: Level) -> Level:
         """The other level; the id counter never falls."""
-        if not self.fresh:
-            return self.level.replace(next_id=max(level.next_id, self.level.next_id))
-        new = {old.id: level.next_id + k for k, old in enumerate(self.level.entities())}
-        return renumbered(self.level, new).replace(next_id=level.next_id + len(new))
+        return self.level.replace(next_id=max(level.next_id, self.level.next_id))
 
 
 def renumbered(level: Level, new: dict[int, int]) -> Level:

@@ -7,9 +7,10 @@ from typing import Literal
 
 from editor.gallery.card import Card
 from kinetix.errors import LevelError
-from kinetix.level.codec import level_hash, load_document, save_level
-from kinetix.level.model import SizeName
-from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, save_set
+from kinetix.level.atomic import write_with_backup
+from kinetix.level.codec import dumps, level_hash, load_document
+from kinetix.level.model import Level, SizeName
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, dumps_set
 
 Form = Literal["file", "folder"]
 
@@ -47,7 +48,7 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
 
     Raises:
         LevelError: A level is bad, does not fit the size, or something cannot be written; where a
-            level is to blame nothing was written.
+            level is to blame nothing was written. What was overwritten stays as `NAME.json.bak`.
     """
     chosen = [_read(path, weight) for path, weight in levels.items()]
     folder = target.parent if plan.form == "file" else target
@@ -55,7 +56,7 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
         chosen, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
     )
     if plan.form == "file":
-        save_set(made, target, inline=True)
+        write_with_backup(target, dumps_set(made, inline=True).encode())
         return made
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +66,7 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
     made = build_set(
         placed, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
     )
-    save_set(made, folder / "set.json")
+    write_with_backup(folder / "set.json", dumps_set(made).encode())
     return made
 
 
@@ -80,9 +81,18 @@ def _copies(made: LoadedSet, folder: Path) -> list[SetLevel]:
             name, number = f"{stem}_{number}", number + 1
         taken.add(name)
         path = folder / f"{name}.json"
-        save_level(each.level, path)
+        if not _holds(path, each.level):
+            write_with_backup(path, dumps(each.level).encode())
         placed.append(dataclasses.replace(each, path=path, name=name))
     return placed
+
+
+def _holds(path: Path, level: Level) -> bool:
+    """Return whether a file has the level already: a set may go where its levels are."""
+    try:
+        return load_document(path.resolve()).level == level
+    except LevelError:
+        return False
 
 
 def _read(path: Path, weight: float) -> SetLevel:

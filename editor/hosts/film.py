@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
+from kinetix.level.atomic import replacing
+
 _WIDTH_MAX: Final = 960
 
 
@@ -37,11 +39,13 @@ class Film:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
         first, *rest = self._pictures
-        first.save(
-            self._path,
-            save_all=True,
-            append_images=rest,
-            duration=round(1000 * self._every / 60),
-            loop=0,
-            optimize=True,
-        )
+        with replacing(self._path) as temporary:
+            first.save(
+                temporary,
+                format="GIF",
+                save_all=True,
+                append_images=rest,
+                duration=round(1000 * self._every / 60),
+                loop=0,
+                optimize=True,
+            )

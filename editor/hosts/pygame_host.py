@@ -22,6 +22,7 @@ from editor.hosts.renderer import GlRenderer
 from editor.look import COLOURS
 from editor.session import Session
 from kinetix.errors import KinetixError
+from kinetix.level.atomic import replacing
 from kinetix.render.palette import KINETIX
 
 _CURSORS = {
@@ -194,7 +195,9 @@ class PygameHost(Host):
     def save_screenshot(self, path: Path) -> None:
         """Write the last frame as a PNG file; its folder is made if need be."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(self.screenshot()).save(path)
+        picture = Image.fromarray(self.screenshot())
+        with replacing(path) as temporary:
+            picture.save(temporary, format="PNG")
 
     def _wanted_screenshot(self) -> None:
         """Take the picture that the app asked for."""
@@ -204,8 +207,8 @@ class PygameHost(Host):
         self.session.screenshot = None
         try:
             self.save_screenshot(path)
-        except OSError as error:
-            self.session.toast(f"{path}: {error.strerror or error}", "error")
+        except (OSError, KinetixError) as error:
+            self.session.toast(str(error), "error")
         else:
             self.session.toast(f"Saved {path}", "success")
 

@@ -19,6 +19,7 @@ from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderSt
 from editor.simulation.stepping import start_state, without_memory
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+from kinetix.level.atomic import replacing
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
 from kinetix.render.camera import Camera, fit_arena
@@ -105,10 +106,8 @@ def export_picture(request: ExportPicture) -> Path:
         pixels = without_background(on((0, 0, 0)), on((255, 255, 255)))
     else:
         pixels = on(palette.background)
-    try:
-        Picture.fromarray(pixels).save(request.path)
-    except OSError as error:
-        raise KinetixError(f"{request.path}: cannot be saved: {error}") from error
+    with replacing(request.path) as temporary:
+        Picture.fromarray(pixels).save(temporary, format="PNG")
     return request.path
 
 
@@ -133,13 +132,9 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
         KinetixError: The file cannot be written, or MP4 is asked for without the extra `video`.
     """
     frames = _frames(request, progress)
-    try:
-        if request.path.suffix.lower() == ".mp4":
-            _write_mp4(request, frames)
-        else:
-            _write_gif(request, frames)
-    except OSError as error:
-        raise KinetixError(f"{request.path}: cannot be saved: {error}") from error
+    write = _write_mp4 if request.path.suffix.lower() == ".mp4" else _write_gif
+    with replacing(request.path) as temporary:
+        write(temporary, request, frames)
     return request.path
 
 
@@ -172,14 +167,14 @@ def _captioned(frame: np.ndarray, snapshot: Snapshot, controls: tuple[int, ...])
     return np.asarray(picture)
 
 
-def _write_gif(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
+def _write_gif(path: Path, request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
     pictures = [Picture.fromarray(frame).quantize(64) for frame in frames]
     rate = steps_per_second(request)
     # GIF counts hundredths of a second: the times are rounded, their sum stays right.
     moments = [round(k * request.stride * 100 / rate) for k in range(len(pictures) + 1)]
     durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
     pictures[0].save(
-        request.path,
+        path,
         format="GIF",
         save_all=True,
         append_images=pictures[1:],
@@ -188,7 +183,7 @@ def _write_gif(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
     )
 
 
-def _write_mp4(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
+def _write_mp4(path: Path, request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
     try:
         import imageio_ffmpeg
     except ImportError:
@@ -197,10 +192,11 @@ def _write_mp4(request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
             "GIF works without it"
         ) from None
     writer = imageio_ffmpeg.write_frames(
-        str(request.path),
+        str(path),
         (request.pixels, request.pixels),
         fps=steps_per_second(request) / request.stride,  # pyright: ignore[reportArgumentType]
         macro_block_size=1,
+        output_params=["-f", "mp4"],
     )
     writer.send(None)
     try:

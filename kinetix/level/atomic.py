@@ -1,15 +1,23 @@
-"""Saving a file so that it always holds the old or the new content, whatever happens."""
+"""The one writer of files: a file always holds the old or the new content, whatever happens."""
 
 import contextlib
-import itertools
 import os
+import secrets
 import stat
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
 from kinetix.errors import LevelError
 
-_COUNTER: Final = itertools.count()
+_PREFIX: Final = ".kinetix-"
+_ENDING: Final = ".tmp"
+_BACKUP: Final = ".bak"
+_LONGEST_NAME: Final = 255
+"""What file systems take [bytes]."""
+_STALE: Final = 3600.0
+"""Age at which a temporary file counts as left behind by a run that was killed [s]."""
 
 
 def write_atomically(path: Path, data: bytes) -> None:
@@ -23,15 +31,64 @@ def write_atomically(path: Path, data: bytes) -> None:
         data: Its new content.
 
     Raises:
-        LevelError: The system refused; the sentence has the path and the reason.
+        LevelError: The system refused, or the path is a device or a named pipe; the sentence has
+            the path and the reason.
     """
-    target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.{next(_COUNTER)}.tmp")
+    with replacing(path) as temporary:
+        _write_new(temporary, data)
+
+
+def write_with_backup(path: Path, data: bytes) -> None:
+    """Write a whole file; another content that it had stays beside it as `NAME.bak`.
+
+    Args:
+        path: The file; its folder must exist.
+        data: Its new content.
+
+    Raises:
+        LevelError: See `write_atomically`; also when the old content cannot be read.
+    """
     try:
+        target, before = _regular(path)
+        previous = data if before is None else target.read_bytes()
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
+    if previous != data:
+        write_atomically(backup_of(path), previous)
+    write_atomically(path, data)
+
+
+def backup_of(path: Path) -> Path:
+    """Return the path of a file's backup; a name that would be too long is cut."""
+    kept = path.name
+    while len(os.fsencode(kept)) + len(_BACKUP) > _LONGEST_NAME:
+        kept = kept[:-1]
+    return path.with_name(f"{kept}{_BACKUP}")
+
+
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary file to write that takes the place of `path` when the block ends well.
+
+    Args:
+        path: The file; its folder must exist.
+
+    Yields:
+        Path of a file that does not exist yet, in the same folder. After an exception it is
+        removed and the old file is as it was.
+
+    Raises:
+        LevelError: See `write_atomically`.
+    """
+    try:
+        target, before = _regular(path)
+        temporary = target.with_name(f"{_PREFIX}{secrets.token_hex(8)}{_ENDING}")
         try:
-            _write_new(temporary, data)
-            if target.exists():
-                temporary.chmod(stat.S_IMODE(target.stat().st_mode))
+            yield temporary
+            _sync_file(temporary)
+            if before is not None:
+                temporary.chmod(stat.S_IMODE(before.st_mode))
+                _give_to_owner(temporary, before)
             os.replace(temporary, target)
         except BaseException:
             with contextlib.suppress(OSError):
@@ -43,14 +100,52 @@ def write_atomically(path: Path, data: bytes) -> None:
     # change of name a little less durable, but is no failure.
     with contextlib.suppress(OSError):
         _sync_folder(target.parent)
+    with contextlib.suppress(OSError):
+        _sweep(target.parent)
+
+
+def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
+    """Return the file that links lead to and what is there now, or None.
+
+    Raises:
+        OSError: It is something that must not be replaced, such as a device.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+    except ValueError as error:
+        raise OSError(0, str(error)) from error
+    try:
+        found = target.stat()
+    except FileNotFoundError:
+        return target, None
+    if stat.S_ISDIR(found.st_mode):
+        raise OSError(0, "it is a folder; choose another name")
+    if not stat.S_ISREG(found.st_mode):
+        kind = "a named pipe" if stat.S_ISFIFO(found.st_mode) else "a device or a socket"
+        raise OSError(0, f"it is {kind}, not a file; choose another name")
+    return target, found
 
 
 def _write_new(path: Path, data: bytes) -> None:
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     with os.fdopen(descriptor, "wb") as file:
         file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+
+
+def _give_to_owner(path: Path, before: os.stat_result) -> None:
+    """Let a file of another user stay that user's where we may decide that (as root)."""
+    now = path.stat()
+    if (now.st_uid, now.st_gid) != (before.st_uid, before.st_gid) and hasattr(os, "chown"):
+        with contextlib.suppress(OSError):
+            os.chown(path, before.st_uid, before.st_gid)
+
+
+def _sync_file(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def _sync_folder(folder: Path) -> None:
@@ -61,3 +156,18 @@ def _sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what runs that were killed within a save have left in a folder."""
+    with os.scandir(folder) as entries:
+        left = [
+            entry.path
+            for entry in entries
+            if entry.name.startswith(_PREFIX)
+            and entry.name.endswith(_ENDING)
+            and entry.stat(follow_symlinks=False).st_mtime < time.time() - _STALE
+        ]
+    for path in left:
+        with contextlib.suppress(OSError):
+            os.unlink(path)

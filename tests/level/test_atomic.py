@@ -122,3 +122,69 @@ def test_a_kill_during_save_leaves_the_old_or_the_new_file(file):
             seen.add(load_level(file).name)
         nursery.stdin.close()
     assert seen == {"old", "new"}
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, Path.mkdir], ids=["a named pipe", "a folder"])
+@pytest.mark.skipif(os.name != "posix", reason="needs named pipes")
+def test_what_is_no_file_is_not_replaced(tmp_path, make):
+    path = tmp_path / "special.json"
+    make(path)
+    mode = stat.S_IFMT(path.stat().st_mode)
+    with pytest.raises(LevelError, match=r"special\.json: cannot be saved: it is a "):
+        save_level(NEW, path)
+    assert stat.S_IFMT(path.stat().st_mode) == mode
+    assert os.listdir(tmp_path) == ["special.json"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs devices")
+def test_a_device_is_not_replaced(tmp_path):
+    device = tmp_path / "null.json"
+    device.symlink_to("/dev/null")
+    with pytest.raises(LevelError, match="a device"):
+        save_level(NEW, device)
+    assert stat.S_ISCHR(device.stat().st_mode)
+
+
+def test_no_temporary_file_of_another_run_is_in_the_way(file):
+    # Process ids repeat in containers: names made of them collide with what a killed run left.
+    stale = [f".{file.name}.{os.getpid()}.{k}.tmp" for k in range(3000)]
+    for name in stale:
+        file.with_name(name).touch()
+    save_level(NEW, file)
+    assert load_level(file) == NEW
+
+
+def test_what_killed_runs_left_goes_when_it_is_old(file):
+    old, young = (file.with_name(f".kinetix-{name}.tmp") for name in ("old", "young"))
+    for left in (old, young):
+        left.write_text("half a le")
+    os.utime(old, (0, 0))
+    save_level(NEW, file)
+    assert not old.exists() and young.exists()
+
+
+def test_a_name_may_be_as_long_as_the_system_allows(tmp_path):
+    path = tmp_path / f"{'n' * 250}.json"
+    save_level(NEW, path)
+    assert load_level(path) == NEW
+
+
+def test_a_name_that_no_system_takes_is_told():
+    with pytest.raises(LevelError, match="cannot be saved: embedded null"):
+        atomic.write_atomically(Path("a\0b"), b"")
+
+
+def test_a_block_that_fails_leaves_the_old_file(file):
+    before = file.read_bytes()
+    with pytest.raises(ZeroDivisionError), atomic.replacing(file) as temporary:
+        temporary.write_bytes(b"half")
+        raise ZeroDivisionError
+    assert file.read_bytes() == before
+    assert os.listdir(file.parent) == [file.name]
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="needs root")
+def test_a_file_of_another_user_stays_that_users(file):
+    os.chown(file, 12345, 12345)
+    save_level(NEW, file)
+    assert (file.stat().st_uid, file.stat().st_gid) == (12345, 12345)

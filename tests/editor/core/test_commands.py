@@ -15,7 +15,7 @@ from editor.commands.fields import (
 )
 from editor.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
 from editor.commands.joints import Reanchor, ReassignJoint
-from editor.commands.level import Permute, ReplaceLevel
+from editor.commands.level import Permute
 from kinetix.errors import CommandError
 from kinetix.level.geometry import polygon_fault, referenced_body, to_world, world_vertices
 from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster
@@ -277,14 +277,6 @@ def test_permuting_changes_the_order_and_nothing_else():
         orders.add(tuple(b.id for b in permuted.bodies))
         assert {e.id: e for e in permuted.entities()} == {e.id: e for e in level.entities()}
     assert len(orders) > 1
-
-
-def test_a_level_from_elsewhere_gets_new_ids():
-    before = a_level()
-    after = ReplaceLevel(level=a_level(), label="Random", fresh=True).apply(before)
-    assert not {e.id for e in before.entities()} & {e.id for e in after.entities()}
-    assert gap(after, after.joints[0]) < 1e-6
-    assert after.next_id > max(e.id for e in after.entities())
 
 
 def test_group_edits_need_a_body():

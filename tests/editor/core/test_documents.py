@@ -177,7 +177,7 @@ def command_of(level, kind, a, b, c):
         lambda: SetField(ids=ids, field="fixed", value=c < 0.5),
         lambda: Paste(clip=copied(level, ids), shift=(0.1, 0.1)),
         lambda: Permute(seed=int(99 * c)),
-        lambda: ReplaceLevel(level=a_level(), label="Replace", fresh=True),
+        lambda: ReplaceLevel(level=a_level(), label="Replace"),
         Broken,
     )
     return makers[kind % len(makers)]()

@@ -6,6 +6,8 @@ from editor.jobs import Worker
 from editor.prompts import Choice, Question, TextQuestion
 from editor.session import Session
 from editor.settings import Settings
+from kinetix.level.codec import save_level
+from kinetix.level.model import Level
 from tests.editor.gui.conftest import refuse
 
 
@@ -93,3 +95,57 @@ def test_a_line_keeps_its_text_and_the_keyboard_when_a_panel_comes(make_gui):
     gui.text("t")
     gui.key("return")
     assert answers == ["Cart"]
+
+
+@pytest.fixture
+def browsing(make_gui, tmp_path):
+    """A window that asks for a file to open, and a level that is there."""
+    path = tmp_path / "levels" / "mine.json"
+    path.parent.mkdir()
+    save_level(Level(name="Mine"), path)
+    gui = make_gui(session=a_session())
+    gui.frames(40)
+    gui.key("ctrl+o")
+    gui.frames(3)
+    return gui, path
+
+
+def test_a_path_can_be_typed_at_once(browsing):
+    gui, path = browsing
+    gui.text(str(path))
+    gui.key("return")
+    assert gui.session.document.path == path
+    assert not gui.session.prompts
+
+
+def test_a_folder_that_is_typed_is_entered_and_the_name_follows(browsing):
+    gui, path = browsing
+    gui.text(str(path.parent))
+    gui.key("return")
+    gui.frames(3)
+    gui.text("mine.json")
+    gui.key("return")
+    assert gui.session.document.path == path
+
+
+def test_a_name_that_is_not_there_can_be_corrected(browsing):
+    gui, path = browsing
+    gui.text(f"{path.parent}/my")
+    gui.key("return")
+    gui.frames(3)
+    assert gui.session.prompts
+    gui.key("end")
+    gui.key("backspace")
+    gui.text("ine.json")
+    gui.key("return")
+    assert gui.session.document.path == path
+
+
+@pytest.mark.parametrize("name", ["~nobody-of-this-name/x", "/", "..", "\u4f60"])
+def test_odd_names_break_nothing(browsing, name):
+    gui, _ = browsing
+    gui.text(name)
+    gui.key("return")
+    gui.frames(3)
+    assert gui.session.log.lines == ()
+    assert gui.session.prompts

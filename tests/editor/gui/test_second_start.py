@@ -9,7 +9,7 @@ from editor import layouts
 from editor.session import Session
 from editor.settings import Settings
 
-STORED = Path(__file__).resolve().parent / "stored"
+STORED = Path(__file__).resolve().parents[1] / "stored" / "layouts"
 
 
 def places(gui):

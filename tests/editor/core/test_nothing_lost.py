@@ -1,0 +1,152 @@
+"""Random levels, exports and sets leave the user's files; files that do not open are told."""
+
+import errno
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from editor import actions
+from editor.commands.group import Move
+from editor.events import DropEvent
+from editor.gallery.export import SetPlan, export_set
+from editor.jobs import Worker
+from editor.session import Session
+from editor.trace_files import read_trace, write_trace
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level, save_level
+from kinetix.level.sets import load_set
+from tests.editor.core.helpers import a_level
+from tests.editor.core.test_traces import played  # noqa: F401 - a fixture
+
+MOVE = Move(ids=(3,), shift=(0.25, 0.0))
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "mine.json"
+    save_level(a_level(), path)
+    return path
+
+
+@pytest.fixture
+def drawing(path):
+    """A session with a file open, whose random levels are a level of the tests."""
+    session = Session(worker=Worker(perform=lambda request, progress: a_level()))
+    actions.file.open_path(session, path)
+    yield session
+    session.worker.stop()
+
+
+def draw(session):
+    actions.run(session, "level.random")
+    deadline = time.monotonic() + 20
+    while not session.worker.idle and time.monotonic() < deadline:
+        time.sleep(0.005)
+    actions.update(session, 0.01)
+
+
+def test_a_random_level_leaves_the_open_file_alone(drawing, path):
+    drawing.execute(MOVE)
+    mine = drawing.document
+    draw(drawing)
+    assert drawing.tabs[0].document is mine
+    assert (mine.path, mine.dirty) == (path, True)
+    assert drawing.document.path is None
+    assert drawing.document.title == "Random 1"
+    actions.run(drawing, "file.save")  # asks for a name: it has none
+    assert drawing.prompts[-1].purpose == "save"
+    assert load_level(path) == a_level()
+
+
+def test_random_levels_that_nobody_changed_share_a_tab(drawing):
+    draw(drawing)
+    draw(drawing)
+    assert [tab.document.title for tab in drawing.tabs] == ["mine.json", "Random 2"]
+    drawing.execute(MOVE)
+    draw(drawing)
+    assert len(drawing.tabs) == 3
+
+
+def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # noqa: F811
+    path = tmp_path / "episode.npz"
+    trace, level = played.playback.trace, played.playback.level
+    write_trace(trace, level, path)
+
+    def full(file, **arrays):
+        file.write(b"half")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    with pytest.raises(KinetixError, match=r"episode\.npz: cannot be saved: No space"):
+        write_trace(trace, level, path)
+    assert read_trace(path).level == level
+    assert [p.name for p in tmp_path.iterdir() if p.is_file()] == ["episode.npz"]
+
+
+@pytest.mark.parametrize("form", ["folder", "file"])
+def test_a_set_keeps_what_it_overwrites(path, tmp_path, form):
+    target = tmp_path / "set"
+    there = target / "mine.json" if form == "folder" else target
+    if form == "folder":
+        target.mkdir()
+    other = MOVE.apply(a_level())
+    save_level(other, there)
+    old = there.read_bytes()
+    export_set({path: 1.0}, SetPlan(form=form), target)
+    assert there.with_name(f"{there.name}.bak").read_bytes() == old
+
+
+def test_a_set_in_the_folder_of_its_levels_leaves_them_as_they_are(path):
+    before = path.read_bytes() + b"\n"
+    path.write_bytes(before)  # the same level, written by hand
+    export_set({path: 1.0}, SetPlan(form="folder"), path.parent)
+    assert path.read_bytes() == before
+    assert not path.with_name("mine.json.bak").exists()
+    assert [each.level for each in load_set(path.parent / "set.json").levels] == [a_level()]
+
+
+def test_saving_the_same_again_keeps_the_older_backup(path):
+    from editor import files
+
+    before = path.read_bytes()
+    document = files.open_document(path)
+    document.commit(MOVE)
+    files.save_document(document, path, "kinetix-level")
+    files.save_document(document, path, "kinetix-level")
+    assert path.with_name("mine.json.bak").read_bytes() == before
+
+
+def test_a_file_that_cannot_be_opened_is_told_until_it_is_read(session, tmp_path):
+    bad = tmp_path / "bad.json"
+    bad.write_text("{")
+    for each in (bad, tmp_path / "none.json", tmp_path / "none.npz"):
+        actions.handle(session, DropEvent(path=str(each)))
+    (prompt,) = session.prompts
+    assert all(name in prompt.message for name in ("bad.json", "none.json", "none.npz"))
+    assert [tab.document.title for tab in session.tabs] == ["Test"]
+    session.answer(prompt, "ok")
+    assert not session.prompts
+
+
+def test_many_bad_files_do_not_fill_the_screen(session, tmp_path):
+    for k in range(200):
+        actions.handle(session, DropEvent(path=str(tmp_path / f"{'n' * 100}{k}.json")))
+    assert len(session.prompts) == 1
+    assert len(session.prompts[0].message) < 3000
+
+
+def test_the_command_line_opens_no_empty_tab(tmp_path):
+    from editor.__main__ import Options, _open_files
+
+    session = Session()
+    names = [tmp_path / "a.json", tmp_path / "b.json"]
+    with pytest.raises(KinetixError, match=r"(?s)a\.json.*b\.json"):
+        _open_files(Options(files=tuple(names)), session)
+    save_level(a_level(), names[0])
+    session = Session()
+    _open_files(Options(files=tuple(names)), session)
+    assert [tab.document.path for tab in session.tabs] == [Path(names[0])]
+    assert "b.json" in session.prompts[-1].message
