@@ -12,7 +12,12 @@ from flax import linen as nn
 from jaxtyping import Array, Bool
 
 from kinetix.agents.card import AgentCard
-from kinetix.agents.checkpoint import newest_checkpoint, read_checkpoint, write_checkpoint
+from kinetix.agents.checkpoint import (
+    newest_checkpoint,
+    read_checkpoint,
+    surviving,
+    write_checkpoint,
+)
 from kinetix.agents.kinetix_env import (
     is_peer_checkpoint,
     read_peer_checkpoint,
@@ -147,7 +152,7 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     Raises:
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
-    directory = Path(directory)
+    directory = surviving(Path(directory))
     if not directory.is_dir():
         raise CheckpointError(f"{directory}: expected the directory of an agent, found none")
     if is_peer_checkpoint(directory):

@@ -83,13 +83,20 @@ def write_arrays(directory: Path, tree: Tree) -> None:
     Args:
         directory: Made by this call; must not exist.
         tree: Nested dictionaries of arrays.
+
+    Raises:
+        CheckpointError: The system refused.
     """
     # Importing orbax takes a second; only those who save or load pay for it.
     import orbax.checkpoint as ocp
 
     host = jax.tree.map(np.asarray, dict(tree))
-    with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
-        checkpointer.save(directory.resolve(), host)
+    # Orbax and tensorstore have errors of their own for a full disk, with pages of context.
+    try:
+        with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
+            checkpointer.save(directory.resolve(), host)
+    except Exception as error:
+        raise CheckpointError(f"{directory}: cannot be written: {_reason(error)}") from None
     # It says where on this machine the arrays were written; nothing reads it.
     (directory / "commit_success.txt").unlink(missing_ok=True)
 
@@ -188,5 +195,13 @@ def check_inside(directory: Path) -> None:
 
 
 def _damaged(directory: Path, error: Exception) -> CheckpointError:
-    first_line = str(error).strip().split("\n", 1)[0][:200]
-    return CheckpointError(f"{directory}: the arrays cannot be read: {first_line}")
+    return CheckpointError(f"{directory}: the arrays cannot be read: {_reason(error)}")
+
+
+def _reason(error: Exception) -> str:
+    """What the system said, out of pages of context, or else the first line."""
+    text = str(error).strip()
+    for said in ("No space left on device", "Permission denied", "Read-only file system"):
+        if said in text:
+            return said
+    return text.split("\n", 1)[0][:200] or type(error).__name__

@@ -1,5 +1,6 @@
 """Our checkpoints: a directory with `agent.json` and `params/`. Nothing in it can execute."""
 
+import glob
 import os
 import shutil
 from collections.abc import Callable
@@ -22,6 +23,8 @@ from kinetix.errors import CheckpointError, KinetixError
 
 CARD = "agent.json"
 PARAMS = "params"
+_OLD = ".old"
+"""Ends the name of a checkpoint while another takes its place."""
 RUN_CHECKPOINTS = "checkpoints"
 """Where a training run keeps its checkpoints, one directory a step."""
 
@@ -47,12 +50,15 @@ def write_checkpoint(
     Raises:
         CheckpointError: The target is no checkpoint, or cannot be written.
     """
+    if directory.exists() and not directory.is_dir():
+        raise CheckpointError(f"{directory}: expected a folder, got a file; choose another place")
     if directory.exists() and any(directory.iterdir()) and not (directory / CARD).is_file():
         raise CheckpointError(f"{directory}: is not empty and holds no agent; choose another place")
     shapes = {name: tuple(leaf.shape) for name, leaf in flatten(params)}
     temporary = directory.with_name(f".{directory.name}.{os.getpid()}.tmp")
     try:
         directory.parent.mkdir(parents=True, exist_ok=True)
+        bring_back(directory)
         shutil.rmtree(temporary, ignore_errors=True)
         temporary.mkdir()
         write_arrays(temporary / PARAMS, params)
@@ -78,14 +84,38 @@ def replace_directory(source: Path, target: Path) -> None:
             _sync(path)
     if target.exists():
         # A directory cannot be replaced in one step; whoever dies in between leaves the old one
-        # under this name and the new one complete under its temporary one.
-        old = target.with_name(f".{target.name}.{os.getpid()}.old")
+        # under this name, where `surviving` finds it.
+        old = target.with_name(f".{target.name}.{os.getpid()}{_OLD}")
         target.rename(old)
         source.rename(target)
         shutil.rmtree(old, ignore_errors=True)
     else:
         source.rename(target)
     _sync(target.parent)
+
+
+def surviving(directory: Path) -> Path:
+    """The directory, or its former content where a kill came between the two renames.
+
+    Args:
+        directory: Where a checkpoint should be.
+    """
+    if directory.exists():
+        return directory
+    pattern = f".{glob.escape(directory.name)}.*{_OLD}"
+    former = [path for path in sorted(directory.parent.glob(pattern)) if path.is_dir()]
+    return former[-1] if former else directory
+
+
+def bring_back(directory: Path) -> None:
+    """Give a checkpoint that a kill left under another name its own again.
+
+    Args:
+        directory: Where it should be.
+    """
+    former = surviving(directory)
+    if former != directory:
+        former.rename(directory)
 
 
 def read_checkpoint(
@@ -185,7 +215,7 @@ def steps_of_run(run: Path) -> list[int]:
     return sorted(
         int(path.name)
         for path in folder.iterdir()
-        if path.name.isdigit() and (path / CARD).is_file()
+        if path.name.isascii() and path.name.isdecimal() and (path / CARD).is_file()
     )
 
 

@@ -107,7 +107,7 @@ def run(command: Common) -> int:
         _announce(
             algorithm, config, estimate(make_setup(config, gradient_steps=1, teacher=teacher))
         )
-    last = train(algorithm, config, command.out, teacher=teacher, report=_report)
+    last = train(algorithm, config, command.out, teacher=teacher, report=_report, say=_say)
     if is_leader():
         print(last)
     return 0
@@ -151,6 +151,10 @@ def _report(report: Any) -> None:
     if evaluated is not None:
         parts.append(f"evaluation {evaluated:.3f}")
     print("  ".join(parts), file=sys.stderr, flush=True)
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def _duration(seconds: float) -> str:

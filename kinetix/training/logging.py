@@ -1,14 +1,18 @@
 """Where metrics go: files in the run's own directory, and services where they are asked for."""
 
 import csv
+import io
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+from kinetix.files.regular import read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.training.config import PpoConfig
+from kinetix.training.events import EventFile
 from kinetix.training.settings import as_table
 
 JSONL: Final = "metrics.jsonl"
@@ -16,6 +20,7 @@ CSV: Final = "metrics.csv"
 TENSORBOARD: Final = "tensorboard"
 UPDATE: Final = "timing/num_updates"
 """Column that counts updates; a run that goes on drops the rows after its checkpoint by it."""
+_LARGEST: Final = 1e300
 STEPS: Final = "timing/num_env_steps"
 """Column that counts environment steps; TensorBoard's axis."""
 
@@ -54,8 +59,8 @@ def open_sinks(run: Path, config: PpoConfig, *, updates: int = 0) -> list[Sink]:
 class MetricsLog:
     """Writes one row an update.
 
-    The JSON lines are the truth; the CSV is made from them, with a column for every metric that has
-    occurred, and TensorBoard gets the same numbers.
+    The JSON lines are the truth. The CSV, with a column for every metric that has occurred, and the
+    events of TensorBoard are made from them, anew whenever a run goes on.
     """
 
     def __init__(self, run: Path, *, updates: int = 0) -> None:
@@ -65,18 +70,14 @@ class MetricsLog:
             run: The run's directory.
             updates: Rows of later updates are dropped: the run goes on from there.
         """
-        # Its import takes half a second and is of no use to those who only read configurations.
-        from tensorboardX import SummaryWriter
-
         self._path, self._csv = run / JSONL, run / CSV
-        rows = [row for row in read_metrics(run) if row.get(UPDATE, 0) <= updates]
+        rows = [row for row in read_metrics(run) if row[UPDATE] <= updates]
         self._columns = _columns(rows)
         text = "".join(json.dumps(row) + "\n" for row in rows)
         # In one piece: a kill in between must not cost the rows of a whole training.
         write_atomically(self._path, text.encode())
-        self._rewrite_csv(rows)
-        purge = int(rows[-1][STEPS]) + 1 if rows else 0
-        self._board = SummaryWriter(str(run / TENSORBOARD), purge_step=purge)
+        write_atomically(self._csv, _csv_text(rows, self._columns).encode())
+        self._events = EventFile(run / TENSORBOARD, rows, axis=STEPS)
 
     def write(self, metrics: Mapping[str, float]) -> None:
         """Append a row; numbers that are not finite are left out.
@@ -85,47 +86,73 @@ class MetricsLog:
             metrics: By name; must have the two columns that count.
         """
         row = {name: value for name, value in metrics.items() if math.isfinite(value)}
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(row) + "\n")
+        _append(self._path, json.dumps(row) + "\n")
         if set(row) <= set(self._columns):
-            with self._csv.open("a", newline="", encoding="utf-8") as file:
-                csv.DictWriter(file, self._columns).writerow(row)
+            _append(self._csv, _csv_text([row], self._columns, header=False))
         else:
             rows = read_metrics(self._path.parent)
             self._columns = _columns(rows)
-            self._rewrite_csv(rows)
-        for name, value in row.items():
-            self._board.add_scalar(name, value, int(row[STEPS]))
+            write_atomically(self._csv, _csv_text(rows, self._columns).encode())
+        self._events.write(row)
 
     def close(self) -> None:
         """Write out what is buffered."""
-        self._board.close()
-
-    def _rewrite_csv(self, rows: list[dict[str, Any]]) -> None:
-        with self._csv.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, self._columns)
-            writer.writeheader()
-            writer.writerows(rows)
+        self._events.close()
 
 
-def read_metrics(run: Path) -> list[dict[str, Any]]:
-    """All rows of a run; a last line that was cut off by a kill is left out.
+def _append(path: Path, text: str) -> None:
+    """Add to a file, and have it on the disk before anything that builds on it."""
+    with path.open("a", encoding="utf-8", newline="") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _csv_text(rows: list[dict[str, float]], columns: list[str], *, header: bool = True) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns)
+    if header:
+        writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def read_metrics(run: Path) -> list[dict[str, float]]:
+    """All rows of a run, one an update; lines that are no row are left out.
+
+    A kill or a full disk cuts the last line off; where more lines follow, they count. Of an update
+    that is there twice the later row counts.
 
     Args:
         run: The run's directory.
+
+    Raises:
+        FileError: The file is there and cannot be read.
     """
     path = run / JSONL
     if not path.is_file():
         return []
-    rows = []
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        try:
-            rows.append(json.loads(line))
-        except json.JSONDecodeError:
-            break
-    return rows
+    rows: dict[float, dict[str, float]] = {}
+    text = read_bytes(path, "metrics").decode("utf-8", errors="replace")
+    for line in text.split("\n"):
+        row = _row(line)
+        if row is not None:
+            rows.pop(row[UPDATE], None)
+            rows[row[UPDATE]] = row
+    return list(rows.values())
 
 
-def _columns(rows: list[dict[str, Any]]) -> list[str]:
+def _row(line: str) -> dict[str, float] | None:
+    try:
+        row: Any = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(row, dict):
+        return None
+    numbers = {name: x for name, x in row.items() if type(x) in (int, float) and abs(x) <= _LARGEST}
+    return numbers if UPDATE in numbers and STEPS in numbers else None
+
+
+def _columns(rows: list[dict[str, float]]) -> list[str]:
     """Names in the order of their first occurrence."""
     return list(dict.fromkeys(name for row in rows for name in row))

@@ -9,18 +9,19 @@ import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 import jax
-import msgspec
 import numpy as np
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard
-from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run, write_checkpoint
+from kinetix.agents.checkpoint import RUN_CHECKPOINTS, write_checkpoint
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
 from kinetix.errors import KinetixError
+from kinetix.files.lock import locked_folder
+from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
 from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.curricula.replay import Replay
@@ -29,12 +30,20 @@ from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks
 from kinetix.training.ppo.train import Ppo
+from kinetix.training.resume import (
+    Progress,
+    forget_older,
+    put_aside,
+    read_newest,
+    recover,
+    write_state,
+)
 from kinetix.training.settings import CONFIG, dumps_config, loads_config, make_config
 from kinetix.training.setup import Setup
-from kinetix.training.state import STATE, load_state, save_state
+from kinetix.training.stopping import StopRequest, stop_requests
 
-PROGRESS: Final = "progress.json"
-"""Beside `state/`: how many updates are done, and how long they took."""
+Say = Callable[[str], None]
+"""Takes a sentence for the terminal."""
 
 
 class Trainer(Protocol):
@@ -87,8 +96,11 @@ def train(
     *,
     teacher: Agent | None = None,
     report: Callable[[Report], None] | None = None,
+    say: Say | None = None,
 ) -> Path:
     """Train until the configured number of steps, from the last checkpoint if there is one.
+
+    Ctrl+C and SIGTERM end it after the update that is under way, with everything saved.
 
     Args:
         algorithm: Its name, for the records.
@@ -96,79 +108,105 @@ def train(
         out: The run's directory.
         teacher: The agent to start from, in a run that has no checkpoint yet.
         report: Called after every update.
+        say: Takes what there is to say besides: where the run resumes, what is damaged.
 
     Returns:
         The last checkpoint.
 
     Raises:
-        KinetixError: The directory holds a run with another configuration; the sentence says where
-            they differ.
+        KinetixError: The directory holds a run with another configuration (the sentence says where
+            they differ), another training writes to it, or no stored state can be read.
+        KeyboardInterrupt: The user ended the training; it is saved.
+        Terminated: The system did; it is saved.
     """
+    say = say if say is not None and is_leader() else _say_nothing
     if is_leader():
         out.mkdir(parents=True, exist_ok=True)
     wait_for_all("the directory is there")
     _check_same_run(out, algorithm, config)
     trainer = make_trainer(config, teacher)
-    progress = _Progress(updates=0, seconds=0.0)
-    newest = _newest_with_state(out)
-    if newest is None:
-        state = trainer.start()
-    else:
-        state = load_state(newest, jax.eval_shape(trainer.start))
-        progress = msgspec.json.decode((newest / PROGRESS).read_bytes(), type=_Progress)
-    wait_for_all("everybody has read what is there")
     with contextlib.ExitStack() as stack:
+        if is_leader():
+            stack.enter_context(locked_folder(out, "another training"))
+            recover(out)
+        wait_for_all("what was moved is back")
+        stop = stack.enter_context(stop_requests(say))
+        state, progress, damaged = _begin(trainer, out, say)
+        wait_for_all("everybody has read what is there")
         sinks: list[Sink] = []
         if is_leader():
+            put_aside(damaged)
             _sweep(out)
             write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
             stack.callback(sink.close)
-        state, progress = _loop(algorithm, trainer, state, progress, out, sinks, report)
+        run = _Run(algorithm=algorithm, trainer=trainer, out=out, sinks=sinks, stop=stop)
+        state, progress = _loop(run, state, progress, report)
+        if progress.updates < config.num_updates:
+            say(f"stopped after update {progress.updates}; saved, the same command resumes here")
+            raise stop.error()
     return out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update)
 
 
-class _Progress(msgspec.Struct, frozen=True, kw_only=True):
-    """What `progress.json` holds."""
+def _say_nothing(text: str) -> None:
+    """Take a sentence that nobody wants."""
 
-    updates: int
-    seconds: float
+
+def _begin(trainer: Trainer, out: Path, say: Say) -> tuple[Any, Progress, list[Path]]:
+    """The state to go on from, and newer checkpoints that are damaged."""
+    found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
+    if found is None:
+        if (out / CONFIG).is_file():
+            say("no checkpoint was written yet: starting from the beginning")
+        return trainer.start(), Progress(updates=0, seconds=0.0), []
+    state, progress, damaged = found
+    say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
+    return state, progress, damaged
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Run:
+    """What stays the same during a training."""
+
+    algorithm: str
+    trainer: Trainer
+    out: Path
+    sinks: Sequence[Sink]
+    stop: StopRequest
 
 
 def _loop(
-    algorithm: str,
-    trainer: Trainer,
-    state: Any,
-    progress: _Progress,
-    out: Path,
-    sinks: Sequence[Sink],
-    report: Callable[[Report], None] | None,
-) -> tuple[Any, _Progress]:
+    run: _Run, state: Any, progress: Progress, report: Callable[[Report], None] | None
+) -> tuple[Any, Progress]:
+    """Update until the end, or until somebody asks to stop."""
+    algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
     evaluation = TrainingEvaluation(trainer.setup)
     updates = config.num_updates
-    while progress.updates < updates:
+    stopping = False
+    while progress.updates < updates and not stopping:
         began = time.monotonic()
         state, metrics = trainer.update(state)
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
         took = time.monotonic() - began
         done = progress.updates + 1
-        progress = _Progress(updates=done, seconds=progress.seconds + took)
+        progress = Progress(updates=done, seconds=progress.seconds + took)
         last = done == updates
         if config.eval_freq and (done % config.eval_freq == 0 or last):
             numbers |= evaluation(_agent(algorithm, trainer, state, progress, {}))
         numbers |= _timing(config, progress, took)
-        for sink in sinks:
+        for sink in run.sinks:
             sink.write(numbers)
-        if done % config.checkpoint_save_freq == 0 or last:
-            _save(algorithm, trainer, state, progress, out, numbers)
+        stopping = run.stop.agreed
+        if done % config.checkpoint_save_freq == 0 or last or stopping:
+            _save(run, state, progress, numbers)
         if report is not None and is_leader():
             report(_report(config, progress, took, numbers))
     return state, progress
 
 
-def _timing(config: PpoConfig, progress: _Progress, took: float) -> dict[str, float]:
+def _timing(config: PpoConfig, progress: Progress, took: float) -> dict[str, float]:
     return {
         UPDATE: progress.updates,
         STEPS: progress.updates * config.steps_per_update,
@@ -178,7 +216,7 @@ def _timing(config: PpoConfig, progress: _Progress, took: float) -> dict[str, fl
 
 
 def _report(
-    config: PpoConfig, progress: _Progress, took: float, metrics: Mapping[str, float]
+    config: PpoConfig, progress: Progress, took: float, metrics: Mapping[str, float]
 ) -> Report:
     return Report(
         update=progress.updates,
@@ -194,7 +232,7 @@ def _agent(
     algorithm: str,
     trainer: Trainer,
     state: Any,
-    progress: _Progress,
+    progress: Progress,
     results: Mapping[str, float],
 ) -> Agent:
     """The agent that a training state holds, with its records."""
@@ -218,43 +256,25 @@ def _agent(
     return Agent(card, to_host(state.learner.params["params"]))
 
 
-def _save(
-    algorithm: str,
-    trainer: Trainer,
-    state: Any,
-    progress: _Progress,
-    out: Path,
-    results: Mapping[str, float],
-) -> None:
-    agent = _agent(algorithm, trainer, state, progress, results)
+def _save(run: _Run, state: Any, progress: Progress, results: Mapping[str, float]) -> None:
+    agent = _agent(run.algorithm, run.trainer, state, progress, results)
     host = to_host(state)
     if not is_leader():
         return
-    steps = progress.updates * trainer.setup.config.steps_per_update
+    steps = progress.updates * run.trainer.setup.config.steps_per_update
 
     def beside(directory: Path) -> None:
-        save_state(directory, host)
-        (directory / PROGRESS).write_bytes(msgspec.json.encode(progress))
+        write_state(directory, host, updates=progress.updates, seconds=progress.seconds)
 
-    target = out / RUN_CHECKPOINTS / str(steps)
+    target = run.out / RUN_CHECKPOINTS / str(steps)
     write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
-    # Only the newest state can be gone on from; the agents themselves are kept.
-    for older in steps_of_run(out)[:-1]:
-        shutil.rmtree(out / RUN_CHECKPOINTS / str(older) / STATE, ignore_errors=True)
-
-
-def _newest_with_state(out: Path) -> Path | None:
-    for step in reversed(steps_of_run(out)):
-        directory = out / RUN_CHECKPOINTS / str(step)
-        if (directory / STATE).is_dir() and (directory / PROGRESS).is_file():
-            return directory
-    return None
+    forget_older(run.out)
 
 
 def _sweep(out: Path) -> None:
     """Remove what kills have left half written."""
     for folder in (out, out / RUN_CHECKPOINTS):
-        for path in folder.glob(".*.tmp"):
+        for path in [*folder.glob(".*.tmp"), *folder.glob(".*.old")]:
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
             else:
@@ -268,7 +288,7 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
         if any(not entry.name.startswith(".") for entry in out.iterdir()):
             raise KinetixError(f"{out}: is not empty and holds no training run")
         return
-    name, values = loads_config(path.read_text(encoding="utf-8"), str(path))
+    name, values = loads_config(read_text(path, "run"), str(path))
     before = make_config(name, values=values)
     if name != algorithm:
         raise KinetixError(f"{out}: this run was started with {name}, not {algorithm}")

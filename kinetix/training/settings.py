@@ -17,6 +17,7 @@ import msgspec
 
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
+from kinetix.files.regular import FileError, read_text
 from kinetix.level.sets import common_capacity, gather_levels
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 
@@ -146,6 +147,8 @@ def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
     """
     content = _parse(text, file)
     network = content.pop(NETWORK, {})
+    if not isinstance(network, dict):
+        raise KinetixError(f"{file}: {NETWORK}: expected a table")
     return str(content.pop("algorithm", "ppo")), content | network
 
 
@@ -182,6 +185,9 @@ def _take(
     tables = {name: content.pop(name, {}) for name in (NETWORK, *CONFIGS)}
     content.pop("algorithm", None)
     allowed = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} - {NETWORK}
+    for name, table in tables.items():
+        if not isinstance(table, dict):
+            raise KinetixError(f"{where}: {name}: expected a table")
     for table, names, target in (
         (content, allowed, fields),
         (tables[algorithm], allowed, fields),
@@ -203,15 +209,15 @@ def _preset(name: str) -> dict[str, Any]:
 
 def _read(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise KinetixError(f"{file}: cannot be read: {error}") from None
+        return read_text(file, "run")
+    except FileError as error:
+        raise KinetixError(str(error)) from None
 
 
 def _parse(text: str, file: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinetixError(f"{file}: not valid TOML: {error}") from None
 
 

@@ -6,26 +6,30 @@ from typing import Any, Final
 import jax
 import numpy as np
 
-from kinetix.agents.arrays import read_arrays, write_arrays
+from kinetix.agents.arrays import digest, read_arrays, write_arrays
 
 STATE: Final = "state"
 """The directory beside `params/`."""
 
 
-def save_state(directory: Path, state: Any) -> None:
+def save_state(directory: Path, state: Any) -> str:
     """Write every array of a state.
 
     Args:
         directory: The checkpoint; `state/` is made in it.
         state: Any pytree of numpy arrays.
+
+    Returns:
+        SHA-256 of all of them.
     """
     leaves = enumerate(jax.tree.leaves(state))
     # Orbax takes no empty arrays, such as the limits of levels that have none.
     kept = {_name(index): leaf for index, leaf in leaves if np.size(leaf)}
     write_arrays(directory / STATE, kept)
+    return digest(kept)
 
 
-def load_state(directory: Path, like: Any) -> Any:
+def load_state(directory: Path, like: Any) -> tuple[Any, str]:
     """Read what `save_state` wrote.
 
     Args:
@@ -33,7 +37,8 @@ def load_state(directory: Path, like: Any) -> Any:
         like: A state of the same structure, or its shapes.
 
     Returns:
-        The state as numpy arrays, which are the same in all processes that train together.
+        The state as numpy arrays, which are the same in all processes that train together, and
+        the SHA-256 of what was read.
 
     Raises:
         CheckpointError: It is damaged, or has another structure.
@@ -49,7 +54,7 @@ def load_state(directory: Path, like: Any) -> Any:
         arrays[name] if name in arrays else np.empty(shape.shape, shape.dtype)
         for name, shape in shapes.items()
     ]
-    return jax.tree.unflatten(structure, found)
+    return jax.tree.unflatten(structure, found), digest(arrays)
 
 
 def _name(index: int) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.errors import KinetixError
+from kinetix.files.regular import read_text
 from kinetix.training.logging import STEPS
 
 RUN_ID: Final = "wandb.id"
@@ -41,7 +42,7 @@ class WandbSink:
             project=project,
             name=run.name,
             dir=str(run),
-            id=known.read_text(encoding="utf-8"),
+            id=read_text(known, "run").strip(),
             resume="allow",
             config=dict(configuration),
         )

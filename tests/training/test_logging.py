@@ -2,6 +2,7 @@
 
 import csv
 import json
+import struct
 import sys
 from types import SimpleNamespace
 
@@ -52,6 +53,54 @@ def test_a_line_that_a_kill_cut_off_is_left_out(run):
     assert len(path.read_text().splitlines()) == 3
 
 
+def _events(run):
+    """Steps and numbers of all events that TensorBoard finds."""
+    from tensorboardX.proto.event_pb2 import Event
+
+    found = []
+    for path in sorted((run / "tensorboard").iterdir()):
+        data = path.read_bytes()
+        at = 0
+        while at < len(data):
+            (length,) = struct.unpack_from("<Q", data, at)
+            event = Event.FromString(data[at + 12 : at + 12 + length])
+            at += length + 16
+            if event.summary.value:
+                numbers = {value.tag: value.simple_value for value in event.summary.value}
+                found.append((event.step, numbers))
+    return found
+
+
+def _agree(run):
+    """The three files say the same."""
+    rows = read_metrics(run)
+    assert [(row["timing/num_env_steps"], row) for row in rows] == _events(run)
+    with (run / "metrics.csv").open() as file:
+        table = [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
+    assert table == rows
+    return [row["timing/num_updates"] for row in rows]
+
+
+def test_all_files_agree_at_every_moment(run):
+    assert _agree(run) == [1, 2, 3]
+    log = MetricsLog(run, updates=2)  # never closed: killed
+    assert _agree(run) == [1, 2]
+    log.write(_row(3, c=4.0))
+    assert _agree(run) == [1, 2, 3]
+    log.close()
+    assert _agree(run) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("torn", ["", '{"timing', "[]", "null", "\x00" * 100, "[" * 100_000, "{}"])
+def test_one_torn_line_costs_no_other_row(run, torn):
+    path = run / "metrics.jsonl"
+    first, second, third = path.read_text().splitlines()
+    path.write_text("\n".join([first, torn, second, second, third[:9], third]) + "\n" + torn)
+    assert read_metrics(run) == [_row(1, a=0.5), _row(2), _row(3, b=2.0)]
+    MetricsLog(run, updates=3).close()
+    assert _agree(run) == [1, 2, 3]
+
+
 class _Service:
     """Stands in for the package wandb: remembers what it was told."""
 
@@ -89,4 +138,5 @@ def test_without_the_extra_one_sentence_names_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "wandb", None)
     with pytest.raises(KinetixError, match=r"pip install 'kinetix-editor\[wandb\]'"):
         open_sinks(tmp_path, PpoConfig(wandb_project="mine"))
-    assert len(open_sinks(tmp_path, PpoConfig())) == 1
+    (only,) = open_sinks(tmp_path, PpoConfig())
+    only.close()

@@ -14,8 +14,9 @@ def test_every_array_comes_back_those_without_entries_too(tmp_path: Path) -> Non
         "limits": np.empty((8, 0), np.float32),
         "nested": (np.float32(0.5), np.zeros((0,), np.int32), np.ones((2, 3), bool)),
     }
-    save_state(tmp_path, state)
-    found = load_state(tmp_path, jax.tree.map(np.zeros_like, state))
+    written = save_state(tmp_path, state)
+    found, read = load_state(tmp_path, jax.tree.map(np.zeros_like, state))
+    assert read == written
     assert jax.tree.structure(found) == jax.tree.structure(state)
     for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(state), strict=True):
         np.testing.assert_array_equal(one, other)

@@ -1,0 +1,46 @@
+"""A folder that one process at a time may write: the system frees it when that process dies."""
+
+import contextlib
+import errno
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from kinetix.files.regular import FileError
+
+try:
+    import fcntl
+except ImportError:  # no POSIX system; folders are not locked there
+    fcntl = None
+
+_TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
+
+
+@contextlib.contextmanager
+def locked_folder(folder: Path, owner: str) -> Iterator[None]:
+    """Hold a folder's lock; nothing is left behind in it.
+
+    Where the file system knows no locks (some network drives), nothing is locked.
+
+    Args:
+        folder: The folder, which must exist.
+        owner: Who else may hold it, for the sentence: "another training".
+
+    Raises:
+        FileError: Somebody else holds it.
+    """
+    if fcntl is None:
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in _TAKEN:
+                raise FileError(
+                    folder, f"{owner} writes here now; wait for it, or choose another folder"
+                ) from None
+        yield
+    finally:
+        os.close(descriptor)

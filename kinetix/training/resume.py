@@ -1,0 +1,140 @@
+"""The stored states of a run: the two newest, each with a digest; the newest sound one resumes."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from kinetix.agents.checkpoint import CARD, RUN_CHECKPOINTS, bring_back, steps_of_run
+from kinetix.errors import KinetixError
+from kinetix.files.json_text import read_json
+from kinetix.training.state import STATE, load_state, save_state
+
+PROGRESS: Final = "progress.json"
+"""Beside `state/`: how many updates are done, how long they took, and the state's digest."""
+KEPT_STATES: Final = 2
+"""Of older checkpoints only the agent stays."""
+DAMAGED: Final = ".damaged"
+"""Ends the name of a checkpoint that could not be read; nothing looks at it again."""
+
+
+class Progress(msgspec.Struct, frozen=True, kw_only=True):
+    """What `progress.json` holds."""
+
+    updates: int
+    seconds: float
+    digest: str = ""
+    """SHA-256 of the state; empty in runs of older versions."""
+
+
+def write_state(directory: Path, state: Any, *, updates: int, seconds: float) -> None:
+    """Write a state and what it belongs to.
+
+    Args:
+        directory: The checkpoint.
+        state: Any pytree of numpy arrays.
+        updates: How many updates are done.
+        seconds: How long they took.
+    """
+    progress = Progress(updates=updates, seconds=seconds, digest=save_state(directory, state))
+    (directory / PROGRESS).write_bytes(msgspec.json.encode(progress))
+
+
+def read_newest(
+    out: Path, like: Callable[[], Any], say: Callable[[str], None]
+) -> tuple[Any, Progress, list[Path]] | None:
+    """Read the newest state that is sound.
+
+    Args:
+        out: The run's directory.
+        like: Makes a state of the same structure, or its shapes.
+        say: Takes a sentence about each checkpoint that cannot be read.
+
+    Returns:
+        The state, its progress and the damaged checkpoints that are newer; None in a run that has
+        no checkpoint yet.
+
+    Raises:
+        KinetixError: There are checkpoints, and none has a state that can be read.
+    """
+    folders = [out / RUN_CHECKPOINTS / str(step) for step in reversed(_all_steps(out))]
+    damaged: list[Path] = []
+    for folder in folders:
+        if (folder / CARD).is_file() and not (folder / STATE).is_dir():
+            continue  # an older agent, whose state made room
+        try:
+            state, progress = _read(folder, like())
+        except KinetixError as error:
+            say(f"damaged checkpoint: {error}")
+            damaged.append(folder)
+            continue
+        newer = folders.index(folder) - len(damaged)
+        if newer:
+            say(f"{newer} newer checkpoints have no training state; they will be made again")
+        return state, progress, damaged
+    if not folders:
+        return None
+    raise KinetixError(
+        f"{out}: none of its training states can be read, and a new start would overwrite the run; "
+        f"choose another directory, with --from {out} to start from its newest agent"
+    )
+
+
+def _read(folder: Path, like: Any) -> tuple[Any, Progress]:
+    path = folder / PROGRESS
+    tree = read_json(path, "run")
+    try:
+        progress = msgspec.convert(tree, Progress)
+    except msgspec.ValidationError as error:
+        raise KinetixError(f"{path}: {error}") from None
+    if progress.updates < 1:
+        raise KinetixError(f"{path}: $.updates: expected a number from 1")
+    state, digest = load_state(folder, like)
+    if progress.digest and digest != progress.digest:
+        raise KinetixError(f"{folder / STATE}: the arrays are not those that {PROGRESS} names")
+    return state, progress
+
+
+def put_aside(damaged: list[Path]) -> None:
+    """Rename checkpoints that cannot be read, so that they are neither used nor overwritten.
+
+    Args:
+        damaged: The checkpoints.
+    """
+    for folder in damaged:
+        target, number = folder.with_name(folder.name + DAMAGED), 2
+        while target.exists():
+            target = folder.with_name(f"{folder.name}{DAMAGED}{number}")
+            number += 1
+        folder.rename(target)
+
+
+def recover(out: Path) -> None:
+    """Bring checkpoints back that a kill left without their name.
+
+    Args:
+        out: The run's directory, locked.
+    """
+    for former in (out / RUN_CHECKPOINTS).glob(".*.old"):
+        bring_back(former.with_name(former.name.split(".")[1]))
+
+
+def forget_older(out: Path) -> None:
+    """Delete all states but the newest ones; the agents themselves are kept.
+
+    Args:
+        out: The run's directory.
+    """
+    for step in steps_of_run(out)[:-KEPT_STATES]:
+        shutil.rmtree(out / RUN_CHECKPOINTS / str(step) / STATE, ignore_errors=True)
+
+
+def _all_steps(out: Path) -> list[int]:
+    """Steps of all checkpoints, also of those that lack their description."""
+    folder = out / RUN_CHECKPOINTS
+    if not folder.is_dir():
+        return []
+    names = [path.name for path in folder.iterdir() if path.is_dir()]
+    return sorted(int(name) for name in names if name.isascii() and name.isdecimal())

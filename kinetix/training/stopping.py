@@ -1,0 +1,67 @@
+"""Ctrl+C and SIGTERM end a training after the update that is under way, with everything saved."""
+
+import contextlib
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+import jax
+import numpy as np
+from jax.experimental import multihost_utils
+
+from kinetix.failures import Terminated
+
+
+class StopRequest:
+    """Whether the process was asked to end, and by which signal."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        """Begin without a request.
+
+        Args:
+            say: Takes a sentence for the terminal.
+        """
+        self._say = say
+        self.signal: int | None = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """Note a signal; the second one ends the process at once."""
+        if self.signal is not None:
+            raise self.error()
+        self.signal = number
+        self._say("stopping after this update; once more stops at once, without saving")
+
+    def error(self) -> BaseException:
+        """What ends the command with the status that the signal asks for."""
+        return Terminated() if self.signal == signal.SIGTERM else KeyboardInterrupt()
+
+    @property
+    def agreed(self) -> bool:
+        """Whether any of the processes that train together was asked; all must call this."""
+        own = self.signal is not None
+        if jax.process_count() == 1:
+            return own
+        return bool(np.any(multihost_utils.process_allgather(np.asarray(own))))
+
+
+@contextlib.contextmanager
+def stop_requests(say: Callable[[str], None]) -> Iterator[StopRequest]:
+    """Listen to Ctrl+C and SIGTERM; outside the main thread to neither.
+
+    Args:
+        say: Takes a sentence for the terminal.
+    """
+    request = StopRequest(say)
+    if threading.current_thread() is not threading.main_thread():
+        yield request
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before: list[tuple[int, Any]] = [(number, signal.signal(number, request)) for number in numbers]
+    try:
+        yield request
+    finally:
+        for number, handler in before:
+            # None: somebody installed it from C, and it cannot be put back.
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
