@@ -1,6 +1,7 @@
 """Trees of arrays on disk: orbax directories, which hold JSON and numbers, nothing that runs."""
 
 import hashlib
+import shutil
 import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -91,6 +92,7 @@ def write_arrays(directory: Path, tree: Tree) -> None:
     import orbax.checkpoint as ocp
 
     host = jax.tree.map(np.asarray, dict(tree))
+    _check_room(directory, sum(leaf.nbytes for _, leaf in flatten(host)))
     # Orbax and tensorstore have errors of their own for a full disk, with pages of context.
     try:
         with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
@@ -99,6 +101,17 @@ def write_arrays(directory: Path, tree: Tree) -> None:
         raise CheckpointError(f"{directory}: cannot be written: {_reason(error)}") from None
     # It says where on this machine the arrays were written; nothing reads it.
     (directory / "commit_success.txt").unlink(missing_ok=True)
+
+
+def _check_room(directory: Path, size: int) -> None:
+    """Refuse to begin what the disk has no room for: orbax would say so in hundreds of lines."""
+    needed = size + size // 8 + 2 * MIB
+    free = shutil.disk_usage(directory.parent).free
+    if free < needed:
+        raise CheckpointError(
+            f"{directory}: cannot be written: No space left on device: {needed // MIB} MiB are "
+            f"needed, {free // MIB} MiB are free"
+        )
 
 
 def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
