@@ -348,7 +348,7 @@ class Canvas:
             paint_reason(draw, self.area, "Paused", playback.failure)
         outcome = playback.outcome
         if outcome in _OUTCOMES and session.mode is Mode.ENDED:
-            self._banner(session, draw, *_OUTCOMES[outcome])
+            self._verdicts(session, draw, outcome)
 
     def _episode(self, session: "Session", draw: imgui.ImDrawList, at: tuple[float, float]) -> None:
         playback = session.playback
@@ -378,12 +378,34 @@ class Canvas:
             )
             draw.add_text((low[0] + px(7), low[1] + px(4)), u32(COLOURS.text), words)
 
+    def _verdicts(self, session: "Session", draw: imgui.ImDrawList, outcome: str) -> None:
+        """How the episode ended; of two players side by side, each in its own half."""
+        playback, rival = session.playback, session.viewer.rival
+        other = rival.shown(playback.engine_step) if rival.active else None
+        (x, y), (width, height) = self.area
+        keys = "Backspace again     Esc edit"
+        mine = f"after {playback.step_count} steps     {keys}"
+        if other is None:
+            self._banner(draw, self.area, outcome, mine)
+        elif session.viewer.arrangement == "side":
+            half = (width / 2, height)
+            self._banner(draw, ((x, y), half), outcome, mine)
+            if other.outcome in _OUTCOMES:
+                theirs = f"after {other.step} steps"
+                self._banner(draw, ((x + width / 2, y), half), other.outcome, theirs)
+        else:
+            verdict = _OUTCOMES[other.outcome][1].lower() if other.outcome else "still plays"
+            self._banner(draw, self.area, outcome, f"{rival.player}: {verdict}     {mine}")
+
     def _banner(
-        self, session: "Session", draw: imgui.ImDrawList, icon: str, word: str, colour: Rgba
+        self,
+        draw: imgui.ImDrawList,
+        area: tuple[tuple[float, float], tuple[float, float]],
+        outcome: str,
+        detail: str,
     ) -> None:
-        (x, y), (width, _) = self.area
-        steps = session.playback.step_count
-        detail = f"after {steps} steps     Backspace again     Esc edit"
+        icon, word, colour = _OUTCOMES[outcome]
+        (x, y), (width, _) = area
         with font(FONTS.bold, HUGE):
             title = f"{icon}  {word}"
             size = imgui.calc_text_size(title)

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, TypeAlias
 
 from editor.jobs import Job, JobState, Worker
 from editor.requests import AgentSummary, Evaluate, EvaluatedLevel, Standing
-from kinetix.agents.results import LevelResult, summarise
+from kinetix.agents.results import LevelFailure, LevelResult, Provenance, report
 
 Column: TypeAlias = Literal["level", "solve_rate", "mean_return", "mean_length"]
 COLUMNS: Final[tuple[Column, ...]] = ("level", "solve_rate", "mean_return", "mean_length")
@@ -25,8 +25,25 @@ class Plan:
     """`level_hash` of each level, for the records."""
     attempts: int = 20
     seed: int = 0
-    physics: str = "balanced"
+    physics: str = ""
+    """Empty: each agent's own."""
     deterministic: bool = False
+
+    def physics_of(self, agent: int) -> str:
+        """Return the physics under which an agent is measured."""
+        return self.physics or self.agents[agent].physics
+
+    def provenance(self, agent: int) -> Provenance:
+        """Return what an agent's results depend on, levels aside."""
+        who = self.agents[agent]
+        return Provenance(
+            agent=who.name,
+            digest=who.digest,
+            physics=self.physics_of(agent),
+            seed=self.seed,
+            attempts=self.attempts,
+            deterministic=self.deterministic,
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -37,6 +54,8 @@ class Row:
     """Index into the plan's levels."""
     name: str
     results: tuple[LevelResult | None, ...]
+    errors: tuple[str, ...]
+    """Why an agent could not play it; empty where it could, or where nothing is known yet."""
 
 
 class Evaluation:
@@ -118,11 +137,17 @@ class Evaluation:
             (score.agent, score.result.level): score.result
             for score in (self.standing.scores if self.standing else ())
         }
+        failed = {
+            (agent, failure.level): failure.error
+            for agent, failure in (self.standing.failures if self.standing else ())
+        }
+        agents = range(len(self.plan.agents))
         rows = [
             Row(
                 level=index,
                 name=level.name,
-                results=tuple(known.get((k, level.name)) for k in range(len(self.plan.agents))),
+                results=tuple(known.get((k, level.name)) for k in agents),
+                errors=tuple(failed.get((k, level.name), "") for k in agents),
             )
             for index, level in enumerate(self.plan.levels)
             if wanted.lower() in level.name.lower()
@@ -135,15 +160,22 @@ class Evaluation:
         with_result.sort(key=lambda row: getattr(row.results[agent], key), reverse=descending)
         return with_result + without
 
+    def lines(self, agent: int) -> list[dict[str, Any]]:
+        """Return the lines of `kinetix eval --json`; the summary once all levels are done."""
+        if self.plan is None or self.standing is None:
+            return []
+        known: dict[str, LevelResult | LevelFailure] = {
+            failure.level: failure for k, failure in self.standing.failures if k == agent
+        }
+        known |= {result.level: result for result in self.results(agent)}
+        told = [known[level.name] for level in self.plan.levels if level.name in known]
+        lines = report(told, self.plan.provenance(agent))
+        return lines if len(told) == len(self.plan.levels) else lines[:-1]
+
     def summary(self, agent: int) -> dict[str, Any] | None:
         """The summary that `kinetix eval` prints last, once all levels of an agent are done."""
-        if self.plan is None or self.standing is None:
-            return None
-        results = self.results(agent)
-        if len(results) != len(self.plan.levels):
-            return None
-        name = self.plan.agents[agent].name
-        return summarise(results) | {"physics": self.plan.physics, "agent": name}
+        lines = self.lines(agent)
+        return lines[-1] if lines and "mean_solve_rate" in lines[-1] else None
 
     def results(self, agent: int) -> list[LevelResult]:
         """An agent's results in the order in which the levels were asked for."""
@@ -156,27 +188,29 @@ class Evaluation:
         """The lines that `kinetix eval --json` prints, an agent after the other."""
         if self.plan is None:
             return ""
-        lines: list[dict[str, Any]] = []
-        for agent in range(len(self.plan.agents)):
-            lines += [result.as_dict() for result in self.results(agent)]
-            summary = self.summary(agent)
-            if summary is not None:
-                lines.append(summary)
+        lines = [line for k in range(len(self.plan.agents)) for line in self.lines(k)]
         return "".join(json.dumps(line) + "\n" for line in lines)
 
     def csv_text(self) -> str:
-        """A line an agent and level, with the reasons of failure."""
+        """Return a line per agent and level: the result, why attempts failed, its provenance."""
         if self.plan is None:
             return ""
-        out = io.StringIO()
         rows: list[dict[str, Any]] = []
-        for agent, summary in enumerate(self.plan.agents):
+        for agent in range(len(self.plan.agents)):
+            whence = self.plan.provenance(agent).as_dict()
+            failures = {result.level: result.failures for result in self.results(agent)}
             rows += [
-                {"agent": summary.name} | result.as_dict() | {"failures": result.failures}
-                for result in self.results(agent)
+                {"agent": whence["agent"]}
+                | line
+                | {"failures": failures.get(line["level"], "")}
+                | whence
+                for line in self.lines(agent)
+                if "level" in line
             ]
+        heads = list(dict.fromkeys(name for row in rows for name in row))
+        out = io.StringIO()
+        writer = csv.DictWriter(out, heads, lineterminator="\n")
         if rows:
-            writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
         return out.getvalue()

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from editor.recording import Snapshot, Trace
-from kinetix.agents.results import LevelResult
+from kinetix.agents.results import LevelFailure, LevelResult
 from kinetix.level.model import Level
 
 MUTATIONS: Final = (
@@ -95,6 +95,8 @@ class AgentSummary:
     """Algorithm and the like, one line."""
     folder: str
     """Where its arrays are: of a training run the newest checkpoint."""
+    digest: str = ""
+    """SHA-256 of its parameters; empty for scripted ones."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -131,6 +133,7 @@ class Evaluate:
     attempts: int
     seed: int
     physics: str
+    """Empty: each agent's own."""
     deterministic: bool
 
 
@@ -152,7 +155,9 @@ class Standing:
     total: int
     scores: tuple[Score, ...]
     errors: tuple[tuple[int, str], ...] = ()
-    """Agents that could not play, and why."""
+    """Agents that could not play at all, and why."""
+    failures: tuple[tuple[int, LevelFailure], ...] = ()
+    """Agents and levels that they could not play."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -365,6 +370,8 @@ class ExportFilm:
     """Every how many environment steps a picture is taken."""
     palette: str = "kinetix"
     overlay: bool = False
+    rival: Trace | None = None
+    """The second player of a comparison, filmed beside the first one."""
     """Write step, controls, value and outcome on the pictures."""
 
 

@@ -32,8 +32,30 @@ class Record:
         return self.solved / self.attempts if self.attempts else 0.0
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True, order=True)
+class Trial:
+    """Who played, and under what: another one is another result."""
+
+    player: str
+    digest: str = ""
+    """SHA-256 of the agent's parameters; empty for people and scripted agents."""
+    physics: str = ""
+    """Empty where it was not noted."""
+    deterministic: bool = False
+    """Whether the agent took its likeliest actions."""
+    seed: int = 0
+
+    @property
+    def words(self) -> str:
+        """The trial in words: `general 3fa2b1, balanced, likeliest, seed 7`."""
+        parts = [f"{self.player} {self.digest[:6]}".strip(), self.physics]
+        parts += ["likeliest"] if self.deterministic else []
+        parts += [f"seed {self.seed}"] if self.seed else []
+        return ", ".join(part for part in parts if part)
+
+
 class Results:
-    """Records by level hash and player; read once, written at every change."""
+    """Records by level hash and trial; read once, written at every change."""
 
     def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
         """Start with what the file says.
@@ -44,7 +66,7 @@ class Results:
         """
         self._path = path
         self._stored = stored
-        self._levels: dict[str, dict[str, Record]] | None = None if stored else {}
+        self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
 
@@ -56,24 +78,24 @@ class Results:
     @property
     def players(self) -> tuple[str, ...]:
         """Everybody who has a record, in the order of names."""
-        return tuple(sorted({name for records in self._read().values() for name in records}))
+        return tuple(sorted({t.player for records in self._read().values() for t in records}))
 
-    def of(self, sha256: str) -> dict[str, Record]:
-        """The records of a level, by player."""
+    def of(self, sha256: str) -> dict[Trial, Record]:
+        """The records of a level, by trial."""
         return self._read().get(sha256, {})
 
-    def record(self, player: str, levels: Mapping[str, Record]) -> None:
-        """Keep how a player did; an evaluation replaces what was known of its levels.
+    def record(self, trial: Trial, levels: Mapping[str, Record]) -> None:
+        """Keep how a player did; an evaluation replaces what the same trial gave before.
 
         Args:
-            player: Name of the agent.
+            trial: Who played, and under what.
             levels: Record of each level, by `level_hash`.
 
         Raises:
             LevelError: The file cannot be written.
         """
         for sha256, record in levels.items():
-            self._put(player, sha256, record)
+            self._put(trial, sha256, record)
         self._write()
 
     def add_episode(self, player: str, sha256: str, *, won: bool) -> None:
@@ -82,21 +104,22 @@ class Results:
         Raises:
             LevelError: The file cannot be written.
         """
-        before = self.of(sha256).get(player, Record(attempts=0, solved=0))
+        trial = Trial(player=player)
+        before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
         after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
-        self._put(player, sha256, after)
+        self._put(trial, sha256, after)
         self._write()
 
-    def _put(self, player: str, sha256: str, record: Record) -> None:
+    def _put(self, trial: Trial, sha256: str, record: Record) -> None:
         levels = self._read()
         # Moved to the end: the file is in the order of the last change.
         records = levels.pop(sha256, {})
-        levels[sha256] = records | {player: record}
+        levels[sha256] = records | {trial: record}
         while len(levels) > MAX_LEVELS:
             del levels[next(iter(levels))]
         self.revision += 1
 
-    def _read(self) -> dict[str, dict[str, Record]]:
+    def _read(self) -> dict[str, dict[Trial, Record]]:
         if self._levels is None:
             self._levels = _parse(self.path)
         return self._levels
@@ -105,25 +128,37 @@ class Results:
         if not self._stored:
             return
         tree = {
-            sha256: {name: [r.attempts, r.solved] for name, r in records.items()}
+            sha256: [[*dataclasses.astuple(t), r.attempts, r.solved] for t, r in records.items()]
             for sha256, records in self._read().items()
         }
         write_kept(self.path, tree)
 
 
-def _parse(path: Path) -> dict[str, dict[str, Record]]:
+def _parse(path: Path) -> dict[str, dict[Trial, Record]]:
     """What the file says; what is broken in it is passed over."""
-    levels: dict[str, dict[str, Record]] = {}
-    for sha256, players in read_kept(path).items():
-        if not isinstance(players, dict):
-            continue
-        records = {name: _record(pair) for name, pair in players.items()}
-        levels[sha256] = {name: one for name, one in records.items() if one is not None}
+    levels: dict[str, dict[Trial, Record]] = {}
+    for sha256, told in read_kept(path).items():
+        rows = _rows(told)
+        if rows is not None:
+            levels[sha256] = dict(filter(None, map(_row, rows)))
     return levels
 
 
-def _record(pair: Any) -> Record | None:
-    if not (isinstance(pair, list) and len(pair) == 2 and all(type(n) is int for n in pair)):
+def _rows(told: Any) -> list[Any] | None:
+    if isinstance(told, dict):  # the first version: a pair by the player's name
+        pairs = [(name, pair) for name, pair in told.items() if isinstance(pair, list)]
+        return [[name, "", "", False, 0, *pair] for name, pair in pairs]
+    return told if isinstance(told, list) else None
+
+
+def _row(row: Any) -> tuple[Trial, Record] | None:
+    kinds = (str, str, str, bool, int, int, int)
+    if not isinstance(row, list) or tuple(map(type, row)) != kinds:
         return None
-    attempts, solved = pair
-    return Record(attempts=attempts, solved=solved) if 0 <= solved <= attempts else None
+    player, digest, physics, deterministic, seed, attempts, solved = row
+    if not 0 <= solved <= attempts:
+        return None
+    trial = Trial(
+        player=player, digest=digest, physics=physics, deterministic=deterministic, seed=seed
+    )
+    return trial, Record(attempts=attempts, solved=solved)

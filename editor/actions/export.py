@@ -10,7 +10,7 @@ from editor.commands.bodies import posed
 from editor.document import Document
 from editor.jobs import Job, JobState
 from editor.prompts import Choice, FileQuestion, MenuQuestion
-from editor.recording import Trace
+from editor.recording import Trace, channels_of
 from editor.requests import ExportFilm, ExportPicture
 from editor.session import Session
 from editor.trace_files import SUFFIX, read_trace, write_trace
@@ -134,8 +134,25 @@ def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
         path=path,
         palette=session.settings.palette,
         overlay=bool(trace.player) and "numbers" in session.settings.agent_overlay,
+        rival=_rival(session, trace),
     )
     session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+
+
+def _rival(session: Session, trace: Trace) -> Trace | None:
+    """The second player's episode, where one is shown with the trace that is on show."""
+    rival, shown = session.viewer.rival, session.playback.trace
+    last = trace.snapshots[-1]
+    if not rival.snapshots or shown is None or not any(s is last for s in shown.snapshots):
+        return None
+    snapshots = tuple(rival.snapshots)
+    return Trace(
+        physics=session.viewer.other_physics or shown.physics,
+        perturbed=False,
+        snapshots=snapshots,
+        actions=tuple(channels_of(snapshot.action) for snapshot in snapshots[1:]),
+        player=shown.player if session.viewer.other_physics else rival.player,
+    )
 
 
 def has_clip(session: Session) -> bool:

@@ -7,7 +7,7 @@ from editor.actions import file
 from editor.evaluation import Plan
 from editor.jobs import Job, JobState
 from editor.requests import AgentSummary, Casting, EvaluatedLevel, Opened, OpenEpisode
-from editor.results import Record
+from editor.results import Record, Trial
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
@@ -109,7 +109,7 @@ def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None
         agent=summary.ref, seed=plan.seed, attempt=attempt, deterministic=plan.deterministic
     )
     source = plan.levels[level].source
-    request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics)
+    request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics_of(agent))
 
     def done(job: Job) -> None:
         if job.state is JobState.FAILED:
@@ -151,4 +151,11 @@ def keep_results(session: Session) -> None:
             for level, sha256 in zip(plan.levels, plan.hashes, strict=True)
             if (result := results.get(level.name)) is not None
         }
-        session.results.record(agent.name, records)
+        trial = Trial(
+            player=agent.name,
+            digest=agent.digest,
+            physics=plan.physics_of(number),
+            deterministic=plan.deterministic,
+            seed=plan.seed,
+        )
+        session.results.record(trial, records)

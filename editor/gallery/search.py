@@ -101,7 +101,7 @@ def _fits(card: Card, wish: Wish, words: list[str], results: Results) -> bool:
 def _solved(card: Card, wish: Wish, results: Results) -> bool:
     if not (wish.solved_by or wish.unsolved_by):
         return True
-    winners = {name for name, record in results.of(card.sha256).items() if record.solved}
+    winners = {t.player for t, record in results.of(card.sha256).items() if record.solved}
     if wish.solved_by and wish.solved_by not in winners:
         return False
     return not (wish.unsolved_by and wish.unsolved_by in winners)

@@ -57,7 +57,7 @@ class _Form:
     attempts: int = 20
     seed: int = 0
     physics: str = ""
-    """Empty: the one that is chosen for playing."""
+    """Empty: each agent's own, as `kinetix eval` does."""
     scripted: tuple[str, ...] = ()
     wanted: str = ""
     sort: Column = "level"
@@ -163,7 +163,7 @@ class EvaluatePanel(Panel):
         widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
         imgui.same_line()
         imgui.set_next_item_width(px(140))
-        options = [("", "Physics as chosen"), *((name, name) for name in PHYSICS)]
+        options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
         names = [agent.name for agent in session.viewer.agents]
@@ -227,7 +227,6 @@ class EvaluatePanel(Panel):
         with widgets.disabled(not who):
             pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
         if pressed:
-            physics = form.physics or session.playback.physics
             session.queue(
                 lambda: measure.start_evaluation(
                     session,
@@ -235,7 +234,7 @@ class EvaluatePanel(Panel):
                     form.paths,
                     attempts=form.attempts,
                     seed=form.seed,
-                    physics=physics,
+                    physics=form.physics,
                     deterministic=session.viewer.deterministic,
                 )
             )
@@ -299,8 +298,9 @@ class EvaluatePanel(Panel):
         words = []
         for number in range(len(evaluation.plan.agents)):
             summary = evaluation.summary(number)
-            if summary is not None:
-                words.append(f"{summary['agent']}: {summary['mean_solve_rate']:.3f}")
+            if summary is not None and summary["levels"]:
+                rate = f"{summary['mean_solve_rate']:.3f}"
+                words.append(f"{summary['agent']} under {summary['physics']}: {rate}")
         if words:
             imgui.same_line(0, px(14))
             widgets.text(f"Mean solve rate   {'    '.join(words)}")
@@ -328,7 +328,11 @@ class EvaluatePanel(Panel):
         for agent, result in enumerate(row.results):
             imgui.table_next_column()
             if result is None:
-                widgets.text("…", COLOURS.faint)
+                if row.errors[agent]:
+                    widgets.text("cannot play", COLOURS.warn)
+                    widgets.tooltip(row.name, row.errors[agent])
+                else:
+                    widgets.text("…", COLOURS.faint)
                 imgui.table_next_column()
                 imgui.table_next_column()
                 continue

@@ -17,6 +17,7 @@ from kinetix.agents.checkpoint import newest_checkpoint
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.episodes import episode_keys
 from kinetix.agents.evaluate import capacity_and_key
+from kinetix.agents.identity import digest_of
 from kinetix.agents.kinetix_env import is_peer_checkpoint
 from kinetix.agents.live import play_step
 from kinetix.agents.player import Player
@@ -80,6 +81,7 @@ def load(path: str) -> AgentSummary:
         steps=int(steps) if isinstance(steps, int | float) else None,
         training=_training(card),
         folder=str(folder) if folder is not None else "",
+        digest=digest_of(player),
     )
 
 

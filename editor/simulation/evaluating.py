@@ -30,6 +30,7 @@ from kinetix.agents.evaluate import (
     record,
 )
 from kinetix.agents.player import Player
+from kinetix.agents.results import LevelFailure
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
@@ -46,10 +47,11 @@ size l take some 60 ms a step with a transformer on two cores."""
 def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
     """Play every agent on every level; see `Evaluate`.
 
-    An agent that cannot play one of the levels is reported and left out; the others go on.
+    A level that an agent cannot play is reported and left out, and so is an agent that cannot play
+    at all; the others go on.
 
     Raises:
-        KinetixError: A level is bad.
+        KinetixError: No agent can play at all.
     """
     settings = Settings(
         attempts=request.attempts,
@@ -61,27 +63,34 @@ def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
     each = len(levels) * request.attempts
     total = each * len(request.agents)
     scores: tuple[Score, ...] = ()
+    failures: tuple[tuple[int, LevelFailure], ...] = ()
     errors: list[tuple[int, str]] = []
     standing = Standing(done=0, total=total, scores=())
     for number, ref in enumerate(request.agents):
         now: tuple[Score, ...] = ()
+        failed: tuple[tuple[int, LevelFailure], ...] = ()
         try:
             player = player_of(ref)
             progress.report(number / len(request.agents), f"Compiling for {player.card.name}")
             for step in evaluate(player, levels, settings, segment=_SEGMENT):
                 now = tuple(Score(agent=number, result=result) for result in step.results)
+                failed = tuple((number, failure) for failure in step.failures)
                 done = number * each + step.done
                 standing = Standing(
-                    done=done, total=total, scores=scores + now, errors=tuple(errors)
+                    done=done,
+                    total=total,
+                    scores=scores + now,
+                    errors=tuple(errors),
+                    failures=failures + failed,
                 )
                 progress.share(standing)
                 progress.report(done / total, f"{done} of {total} episodes")
         except KinetixError as error:
             errors.append((number, str(error)))
-        scores += now
-    if errors and not scores:
+        scores, failures = scores + now, failures + failed
+    if errors and not scores and not failures:
         raise KinetixError(errors[0][1])
-    return Standing(done=total, total=total, scores=scores, errors=tuple(errors))
+    return Standing(done=total, total=total, scores=scores, errors=tuple(errors), failures=failures)
 
 
 def open_episode(request: OpenEpisode, progress: Progress) -> Opened:

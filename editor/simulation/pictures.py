@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -14,7 +13,7 @@ from jaxtyping import Array, UInt8
 from PIL import Image as Picture
 
 from editor.commands.bodies import posed
-from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
+from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
 from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.simulation.stepping import start_state, without_memory
 from kinetix.environment.state import EnvState
@@ -24,10 +23,13 @@ from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
 from kinetix.render.camera import Camera, fit_arena
 from kinetix.render.captions import caption, write_caption
+from kinetix.render.film import write_film
 from kinetix.render.palette import PALETTES, Palette
 from kinetix.render.scene import draw
 from kinetix.render.style import STYLE, Style
 
+_GAP: Final = 4
+"""Between two players side by side [px]."""
 PIXELS: Final = 500
 """Side of an exported picture at 1× [px]."""
 
@@ -131,76 +133,57 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
     Raises:
         KinetixError: The file cannot be written, or MP4 is asked for without the extra `video`.
     """
-    frames = _frames(request, progress)
-    write = _write_mp4 if request.path.suffix.lower() == ".mp4" else _write_gif
+    rate = steps_per_second(request) / request.stride
+    kind = request.path.suffix.lower()
     with replacing(request.path) as temporary:
-        write(temporary, request, frames)
+        write_film(temporary, _frames(request, progress), kind=kind, per_second=rate)
     return request.path
 
 
 def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
+    """The pictures: of one player, or of two side by side with their names."""
     chosen = request.trace.snapshots[:: request.stride]
-    camera, palette = fit_arena(request.pixels, request.pixels), palette_named(request.palette)
-    controls = channels_in_use(request.level)
     for k, snapshot in enumerate(chosen):
         progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
-        # An episode from a file has poses alone.
-        level = request.level if snapshot.state is not None else posed(request.level, snapshot)
-        state = _state(level, snapshot.state)
-        frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
-        yield _captioned(frame, snapshot, controls) if request.overlay else frame
+        frame = _frame(request, request.trace, snapshot)
+        if request.rival is None:
+            yield frame
+            continue
+        others = request.rival.snapshots
+        index = snapshot.step * snapshot.frame_skip // others[0].frame_skip
+        other = _frame(request, request.rival, others[min(index, len(others) - 1)])
+        line = np.zeros((len(frame), _GAP, 3), np.uint8)
+        yield np.concatenate([frame, line, other], axis=1)
 
 
-def _captioned(frame: np.ndarray, snapshot: Snapshot, controls: tuple[int, ...]) -> np.ndarray:
-    mind = snapshot.mind
-    thinks = mind is not None and not mind.scripted
-    words = caption(
+def _frame(request: ExportFilm, trace: Trace, snapshot: Snapshot) -> np.ndarray:
+    camera, palette = fit_arena(request.pixels, request.pixels), palette_named(request.palette)
+    # An episode from a file has poses alone.
+    level = request.level if snapshot.state is not None else posed(request.level, snapshot)
+    state = _state(level, snapshot.state)
+    frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
+    words = _words(request.level, snapshot) if request.overlay else ""
+    if request.rival is not None:
+        who = trace.player or "You"
+        if request.rival.physics != request.trace.physics:
+            who = f"{who}, {trace.physics}"
+        words = f"{who}  {words or snapshot.outcome or ''}"
+    return _captioned(frame, words) if words else frame
+
+
+def _words(level: Level, snapshot: Snapshot) -> str:
+    mind = snapshot.mind if snapshot.mind is not None and not snapshot.mind.scripted else None
+    return caption(
         snapshot.step,
         snapshot.action,
         snapshot.outcome or "",
-        value=mind.value if mind is not None and thinks else None,
-        entropy=mind.entropy if mind is not None and thinks else None,
-        controls=controls,
+        value=None if mind is None else mind.value,
+        entropy=None if mind is None else mind.entropy,
+        controls=channels_in_use(level),
     )
+
+
+def _captioned(frame: np.ndarray, words: str) -> np.ndarray:
     picture = Picture.fromarray(frame)
     write_caption(picture, words)
     return np.asarray(picture)
-
-
-def _write_gif(path: Path, request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
-    pictures = [Picture.fromarray(frame).quantize(64) for frame in frames]
-    rate = steps_per_second(request)
-    # GIF counts hundredths of a second: the times are rounded, their sum stays right.
-    moments = [round(k * request.stride * 100 / rate) for k in range(len(pictures) + 1)]
-    durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
-    pictures[0].save(
-        path,
-        format="GIF",
-        save_all=True,
-        append_images=pictures[1:],
-        duration=durations,
-        loop=0,
-    )
-
-
-def _write_mp4(path: Path, request: ExportFilm, frames: Iterator[np.ndarray]) -> None:
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise KinetixError(
-            "MP4 films need the extra 'video': pip install 'kinetix-editor[video]'; "
-            "GIF works without it"
-        ) from None
-    writer = imageio_ffmpeg.write_frames(
-        str(path),
-        (request.pixels, request.pixels),
-        fps=steps_per_second(request) / request.stride,  # pyright: ignore[reportArgumentType]
-        macro_block_size=1,
-        output_params=["-f", "mp4"],
-    )
-    writer.send(None)
-    try:
-        for frame in frames:
-            writer.send(np.ascontiguousarray(frame))
-    finally:
-        writer.close()

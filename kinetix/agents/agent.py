@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from flax import linen as nn
 from jaxtyping import Array, Bool
 
+from kinetix.agents.arrays import digest
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import (
     newest_checkpoint,
@@ -18,6 +19,7 @@ from kinetix.agents.checkpoint import (
     surviving,
     write_checkpoint,
 )
+from kinetix.agents.identity import name_in_run
 from kinetix.agents.kinetix_env import (
     is_peer_checkpoint,
     read_peer_checkpoint,
@@ -93,6 +95,11 @@ class Agent:
         }
         self.policy = NetworkPolicy(network_of_card(card))
 
+    @functools.cached_property
+    def digest(self) -> str:
+        """SHA-256 over the names, shapes and bytes of its parameters, as `agent.json` has it."""
+        return digest(self.params["params"])
+
     @property
     def frame_skip(self) -> int:
         """Physics steps that the agent holds an action for."""
@@ -157,7 +164,9 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
         raise CheckpointError(f"{directory}: expected the directory of an agent, found none")
     if is_peer_checkpoint(directory):
         return Agent(*read_peer_checkpoint(directory, accept))
-    return Agent(*read_checkpoint(newest_checkpoint(directory), accept))
+    checkpoint = newest_checkpoint(directory)
+    card, params = read_checkpoint(checkpoint, accept)
+    return Agent(card.replace(name=name_in_run(checkpoint) or card.name), params)
 
 
 def save_agent(

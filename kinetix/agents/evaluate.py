@@ -16,13 +16,21 @@ import numpy as np
 
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.episodes import BATCH, Episodes, advance, episode_keys, start
+from kinetix.agents.identity import digest_of
 from kinetix.agents.live import Reading, read_policy
 from kinetix.agents.player import Player
-from kinetix.agents.results import EpisodeResult, LevelResult, OutcomeName
+from kinetix.agents.results import (
+    EpisodeResult,
+    LevelFailure,
+    LevelResult,
+    OutcomeName,
+    Provenance,
+)
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
+from kinetix.errors import CheckpointError, LevelError
 from kinetix.level.codec import level_hash, load_document
 from kinetix.level.compile import capacity_of_world
 from kinetix.level.model import Level
@@ -53,6 +61,15 @@ class Progress:
     """Episodes in all."""
     results: tuple[LevelResult, ...]
     """Levels of which all attempts are over, in the order they were asked for."""
+    failures: tuple[LevelFailure, ...] = ()
+    """Levels that the player cannot play, or that are bad, likewise."""
+
+    def in_order(self, names: Sequence[str]) -> list[LevelResult | LevelFailure]:
+        """Return results and failures in the order of the levels' names."""
+        found: dict[str, list[LevelResult | LevelFailure]] = defaultdict(list)
+        for one in (*self.results, *self.failures):
+            found[one.level].append(one)
+        return [found[name].pop(0) for name in names if found[name]]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,10 +80,25 @@ class Settings:
     """Independent episodes a level."""
     seed: int = 0
     """Equal seeds give equal results."""
-    physics: str = "balanced"
-    """Physics preset or solver, whatever the agent was trained on."""
+    physics: str = ""
+    """Physics preset or solver; empty: what the player was trained under."""
     deterministic: bool = False
     """Take the likeliest action instead of drawing one."""
+
+    def physics_for(self, player: Player) -> str:
+        """Return the physics under which a player is measured."""
+        return self.physics or player.card.environment.physics
+
+    def provenance(self, player: Player) -> Provenance:
+        """Return what a player's results depend on, levels aside."""
+        return Provenance(
+            agent=player.card.name,
+            digest=digest_of(player),
+            physics=self.physics_for(player),
+            seed=self.seed,
+            attempts=self.attempts,
+            deterministic=self.deterministic,
+        )
 
 
 def evaluate(
@@ -87,19 +119,27 @@ def evaluate(
         segment: Environment steps between two reports; changes no result.
 
     Yields:
-        Progress; the last one has every level's result.
+        Progress; the last one has a result or a failure of every level.
 
     Raises:
-        CheckpointError: The player cannot play one of the levels; the sentence says why.
-        LevelError: A level is bad.
+        KinetixError: The player cannot play anything under the physics.
     """
     settings = settings or Settings()
-    prepared = [_prepare(player, level) for level in levels]
-    total = len(levels) * settings.attempts
+    prepared, failures = _prepare_all(player, levels)
+    total = len(prepared) * settings.attempts
     outcomes: dict[int, list[EpisodeResult]] = defaultdict(list)
     finished = 0
+
+    def progress(done: int) -> Progress:
+        results = [
+            LevelResult.of(level.name, outcomes[index])
+            for index, level in enumerate(levels)
+            if len(outcomes.get(index, ())) == settings.attempts
+        ]
+        return Progress(done=done, total=total, results=tuple(results), failures=failures)
+
     for capacity, members in _by_capacity(prepared).items():
-        env = environment_for(player, capacity, physics=settings.physics)
+        env = environment_for(player, capacity, physics=settings.physics_for(player))
         states = {i: _numpy(level_state(levels[i].source, env.static_env_params)) for i in members}
         jobs = [(index, attempt) for index in members for attempt in range(settings.attempts)]
         for first in range(0, len(jobs), BATCH):
@@ -108,7 +148,7 @@ def evaluate(
             episodes = _begin(env, player, rows, settings.seed)
             while not bool(jnp.all(episodes.over)):
                 over = int(jnp.sum(episodes.over[: len(chosen)]))
-                yield _progress(finished + over, total, levels, outcomes, settings)
+                yield progress(finished + over)
                 episodes = advance(
                     env,
                     player.policy,
@@ -121,7 +161,7 @@ def evaluate(
             told = episode_results(episodes)
             for row, (index, _) in enumerate(chosen):
                 outcomes[index].append(told[row])
-    yield _progress(finished, total, levels, outcomes, settings)
+    yield progress(finished)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -162,7 +202,7 @@ def record(
     """
     settings = settings or Settings()
     prepared = _prepare(player, level)
-    env = environment_for(player, prepared.capacity, physics=settings.physics)
+    env = environment_for(player, prepared.capacity, physics=settings.physics_for(player))
     state = _numpy(level_state(level.source, env.static_env_params))
     episodes = _begin(env, player, [(state, prepared.key, attempt)], settings.seed)
     yield _moment(env, episodes, first=True)
@@ -277,23 +317,21 @@ def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
     return capacity, int(level_hash(level)[:8], 16)
 
 
-def _by_capacity(prepared: Sequence[_Prepared]) -> dict[Capacity, list[int]]:
+def _prepare_all(
+    player: Player, levels: Sequence[NamedLevel]
+) -> tuple[dict[int, _Prepared], tuple[LevelFailure, ...]]:
+    """The levels that can be played, by index, and why the others cannot."""
+    prepared, failures = {}, []
+    for index, level in enumerate(levels):
+        try:
+            prepared[index] = _prepare(player, level)
+        except (CheckpointError, LevelError) as error:
+            failures.append(LevelFailure(level=level.name, error=str(error)))
+    return prepared, tuple(failures)
+
+
+def _by_capacity(prepared: dict[int, _Prepared]) -> dict[Capacity, list[int]]:
     groups: dict[Capacity, list[int]] = defaultdict(list)
-    for index, level in enumerate(prepared):
+    for index, level in prepared.items():
         groups[level.capacity].append(index)
     return groups
-
-
-def _progress(
-    done: int,
-    total: int,
-    levels: Sequence[NamedLevel],
-    outcomes: dict[int, list[EpisodeResult]],
-    settings: Settings,
-) -> Progress:
-    results = [
-        LevelResult.of(level.name, outcomes[index])
-        for index, level in enumerate(levels)
-        if len(outcomes.get(index, ())) == settings.attempts
-    ]
-    return Progress(done=done, total=total, results=tuple(results))

@@ -88,6 +88,54 @@ class LevelResult:
         }
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LevelFailure:
+    """A level that could not be played, and why."""
+
+    level: str
+    error: str
+    """One sentence."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the line that `kinetix eval --json` prints."""
+        return {"level": self.level, "error": self.error}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Provenance:
+    """Everything that a result depends on, levels aside: equal ones give equal results."""
+
+    agent: str
+    """What the player is called."""
+    digest: str
+    """SHA-256 of its parameters; empty for scripted players."""
+    physics: str
+    """Physics preset or solver."""
+    seed: int
+    attempts: int
+    """Attempts a level."""
+    deterministic: bool
+    """Whether the likeliest actions were taken."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as the last line of `kinetix eval --json` says it."""
+        return dataclasses.asdict(self)
+
+
+def report(
+    results: Sequence[LevelResult | LevelFailure], provenance: Provenance
+) -> list[dict[str, Any]]:
+    """Return the lines that `kinetix eval --json` prints: a line a level, then the summary.
+
+    Args:
+        results: One a level, in the order in which the levels were asked for.
+        provenance: What they depend on.
+    """
+    played = [result for result in results if isinstance(result, LevelResult)]
+    lines = [result.as_dict() for result in results]
+    return [*lines, summarise(played) | provenance.as_dict()]
+
+
 def wilson(successes: int, trials: int) -> tuple[float, float]:
     """95 % interval of a probability.
 
@@ -108,7 +156,7 @@ def summarise(results: Sequence[LevelResult]) -> dict[str, Any]:
     """Means over levels, every level counting the same.
 
     Args:
-        results: At least one.
+        results: One a level; of none the means are None.
 
     Returns:
         `mean_solve_rate`, `best_of_k` (share of levels solved at least once), `groups` (mean solve
@@ -142,5 +190,5 @@ def groups_of(name: str) -> tuple[str, ...]:
     return (f"{folder}_all", f"{folder}_{word}") if word else (f"{folder}_all",)
 
 
-def _mean(values: Sequence[float]) -> float:
-    return math.fsum(values) / len(values)
+def _mean(values: Sequence[float]) -> float | None:
+    return math.fsum(values) / len(values) if values else None

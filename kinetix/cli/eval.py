@@ -20,8 +20,8 @@ class Eval:
     """Independent episodes a level."""
     seed: int = 0
     """Equal seeds give equal results."""
-    physics: str = "balanced"
-    """Physics preset or solver."""
+    physics: str | None = None
+    """Physics preset or solver; by default what the agent was trained under."""
     deterministic: bool = False
     """Take the likeliest action instead of drawing one."""
     json: bool = False
@@ -29,11 +29,11 @@ class Eval:
 
 
 def run(command: Eval) -> int:
-    """Play everything, print a line a level and the summary; always 0."""
+    """Play everything, print a line a level and the summary; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
-    from kinetix.agents.results import summarise
+    from kinetix.agents.evaluate import NamedLevel, Progress, Settings, evaluate
+    from kinetix.agents.results import report
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.errors import KinetixError
     from kinetix.level.sets import gather_levels
@@ -49,18 +49,18 @@ def run(command: Eval) -> int:
     settings = Settings(
         attempts=command.attempts,
         seed=command.seed,
-        physics=command.physics,
+        physics=command.physics or "",
         deterministic=command.deterministic,
     )
-    results = ()
+    progress = Progress(done=0, total=0, results=())
     for progress in evaluate(player, levels, settings):
         _report(progress.done, progress.total)
-        results = progress.results
-    for result in results:
-        _print_level(result.as_dict(), as_json=command.json)
-    summary = summarise(results) | {"physics": command.physics, "agent": player.card.name}
+    results = progress.in_order([level.name for level in levels])
+    *lines, summary = report(results, settings.provenance(player))
+    for line in lines:
+        _print_level(line, as_json=command.json)
     _print_summary(summary, as_json=command.json)
-    return 0
+    return 1 if progress.failures else 0
 
 
 def _report(done: int, total: int) -> None:
@@ -72,6 +72,9 @@ def _report(done: int, total: int) -> None:
 def _print_level(row: dict[str, Any], *, as_json: bool) -> None:
     if as_json:
         print(json.dumps(row))
+        return
+    if "error" in row:
+        print(f"{row['level']:32}     -  {row['error']}")
         return
     print(
         f"{row['level']:32} {row['solve_rate']:5.2f}  [{row['low']:.2f}, {row['high']:.2f}]  "
@@ -85,6 +88,9 @@ def _print_summary(summary: dict[str, Any], *, as_json: bool) -> None:
         return
     for group, rate in summary["groups"].items():
         print(f"  {group:30} {rate:5.2f}")
+    if not summary["levels"]:
+        print(f"{summary['agent']} under {summary['physics']}: could play none of the levels")
+        return
     print(
         f"{summary['agent']} under {summary['physics']}: mean solve rate "
         f"{summary['mean_solve_rate']:.3f} over {summary['levels']} levels, "

@@ -17,8 +17,8 @@ class Play:
     """Directory of an agent, or noop, or random."""
     seed: int = 0
     """Seed of the agent's draws."""
-    physics: str = "balanced"
-    """Physics preset or solver."""
+    physics: str | None = None
+    """Physics preset or solver; by default what the agent was trained under."""
     json: bool = False
     """Print one JSON line."""
 
@@ -40,7 +40,8 @@ def run(command: Play) -> int:
     name = command.agent
     player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
     capacity = capacity_for(player.card, capacity, level=document.level.name)
-    env = environment_for(player, capacity, physics=command.physics)
+    physics = command.physics or player.card.environment.physics
+    env = environment_for(player, capacity, physics=physics)
     episode = play_episode(
         env,
         level_state(command.level, env.static_env_params),

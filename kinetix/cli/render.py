@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -11,7 +10,9 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
+from kinetix.level.atomic import replacing
 from kinetix.render.captions import caption, write_caption
+from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.state import EnvState
 
-FILMS: Final = (".gif", ".mp4")
 SMALLEST, LARGEST = 16, 4096
 """Sides of a picture [px]."""
 TAIL: Final = 15
@@ -44,8 +44,8 @@ class Render:
     """Environment steps to play: for a picture 0, for a film until the episode ends."""
     pixels: int = 500
     """Width and height."""
-    physics: str = "balanced"
-    """Physics preset or solver."""
+    physics: str | None = None
+    """Physics preset or solver; by default the one of the agent or of the solution."""
     seed: int = 0
     """Seed of the agent's draws."""
     overlay: bool = False
@@ -79,7 +79,7 @@ def run(command: Render) -> int:
         CheckpointError: The agent is bad.
     """
     kind = command.out.suffix.lower()
-    if kind not in (".png", *FILMS):
+    if kind not in (".png", *FILM_SUFFIXES):
         raise KinetixError(f"{command.out}: expected a file that ends in .png, .gif or .mp4")
     if not SMALLEST <= command.pixels <= LARGEST:
         raise KinetixError(
@@ -88,13 +88,12 @@ def run(command: Render) -> int:
     if command.steps is not None and command.steps < 0:
         raise KinetixError(f"--steps {command.steps}: expected a number from 0")
     if kind == ".mp4":
-        _ffmpeg()  # fail before playing, not after
+        ffmpeg()  # fail before playing, not after
     moments = _moments(command)
     command.out.parent.mkdir(parents=True, exist_ok=True)
-    if kind in FILMS:
-        frames = [_picture(moment, command) for moment in moments]
-        frames += frames[-1:] * TAIL
-        (_save_gif if kind == ".gif" else _save_mp4)(command.out, frames)
+    if kind in FILM_SUFFIXES:
+        with replacing(command.out) as path:
+            write_film(path, _frames(moments, command), kind=kind, per_second=FRAME_RATE)
     else:
         *_, last = moments
         _picture(last, command).save(command.out)
@@ -113,7 +112,7 @@ def _moments(command: Render) -> Iterator[Moment]:
 
     document = load_document(command.level)
     source, solution = document.source, document.level.solution
-    recorded: Iterator[Any] = iter(())
+    recorded: Iterator[Any] | None = None
     player: Player
     if command.agent == "solution":
         if solution is None:
@@ -125,12 +124,13 @@ def _moments(command: Render) -> Iterator[Moment]:
         player = load_agent(command.agent)
     capacity = capacity_of(document.level) if source is None else source.capacity
     capacity = capacity_for(player.card, capacity, level=document.level.name)
-    env = environment_for(player, capacity, physics=command.physics)
+    own = solution.physics if recorded and solution else player.card.environment.physics
+    env = environment_for(player, capacity, physics=command.physics or own)
     steps = command.steps
     if steps is None:
-        steps = document.level.max_timesteps if command.out.suffix.lower() in FILMS else 0
+        steps = document.level.max_timesteps if command.out.suffix.lower() in FILM_SUFFIXES else 0
     start = level_state(command.level, env.static_env_params)
-    moments = _episode(env, start, player, seed=command.seed, recorded=recorded)
+    moments = _episode(env, start, player, seed=command.seed, recorded=recorded or iter(()))
     return itertools.islice(moments, steps + 1)
 
 
@@ -178,6 +178,18 @@ def _episode(
             return
 
 
+def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"]:
+    """The pictures of a film, the last one held."""
+    import numpy as np
+
+    last = None
+    for moment in moments:
+        last = np.asarray(_picture(moment, command))
+        yield last
+    if last is not None:
+        yield from itertools.repeat(last, TAIL)
+
+
 def _picture(moment: Moment, command: Render) -> "Image.Image":
     """One frame."""
     from PIL import Image
@@ -217,37 +229,3 @@ def _drawn(state: "EnvState", pixels: int) -> "np.ndarray":
             height=pixels,
         )
     )
-
-
-def _save_gif(path: Path, frames: list["Image.Image"]) -> None:
-    first, *rest = (frame.quantize(128) for frame in frames)
-    # GIFs count hundredths of a second; three frames last a tenth, as three steps do.
-    durations = [duration for duration, _ in zip(itertools.cycle((30, 40, 30)), frames)]
-    first.save(path, save_all=True, append_images=rest, duration=durations, loop=0, optimize=True)
-
-
-def _ffmpeg() -> str:
-    """The program that writes films."""
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise KinetixError(
-            "MP4 files need the extra video: pip install 'kinetix-editor[video]'"
-        ) from None
-    return imageio_ffmpeg.get_ffmpeg_exe()
-
-
-def _save_mp4(path: Path, frames: list["Image.Image"]) -> None:
-    width, height = frames[0].size
-    source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {FRAME_RATE} -i -".split()
-    # The usual colour layout needs even sides.
-    target = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", str(path)]
-    # Not through imageio's own writer: it forks by hand, which JAX's threads do not survive safely.
-    done = subprocess.run(
-        [_ffmpeg(), "-y", "-loglevel", "error", *source, *target],
-        input=b"".join(frame.tobytes() for frame in frames),
-        capture_output=True,
-        check=False,
-    )
-    if done.returncode:
-        raise KinetixError(f"{path}: ffmpeg failed: {done.stderr.decode(errors='replace').strip()}")

@@ -11,6 +11,7 @@ from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
+from kinetix.errors import CheckpointError
 from kinetix.level.sets import gather_levels, part_of
 from kinetix.level.sizes import capacity_of
 from kinetix.paths import levels_dir
@@ -44,6 +45,8 @@ class TrainingEvaluation:
         for kind, levels in (("hand_designed", self._hand_designed), ("sampled", self._sampled)):
             if levels:
                 *_, last = evaluate(agent, levels, self._settings)
+                if last.failures:
+                    raise CheckpointError(last.failures[0].error)
                 metrics |= _means(kind, last.results)
                 if kind == "hand_designed":
                     metrics |= _each(last.results)

@@ -151,7 +151,7 @@ def test_the_newest_checkpoint_of_a_run_is_taken(agent, tmp_path):
         )
     (tmp_path / "checkpoints" / "11").mkdir()
     (tmp_path / "checkpoints" / ".12.34.tmp").mkdir()
-    assert load_agent(tmp_path).card.name == "10"
+    assert load_agent(tmp_path).card.name == f"{tmp_path.name}@10"
 
 
 def test_the_description_is_judged_before_any_array_is_read(copy):
@@ -248,6 +248,14 @@ def test_a_damaged_directory(copy, damage, sentence):
         load_agent(copy)
     assert "\n" not in str(caught.value)
     assert str(copy) in str(caught.value)
+
+
+def test_a_truncated_array_prints_nothing_but_the_sentence(copy, capfd):
+    _truncate_arrays(copy)
+    for _ in range(5):
+        with pytest.raises(CheckpointError):
+            load_agent(copy)
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def _said(*path, value):

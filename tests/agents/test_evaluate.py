@@ -1,20 +1,21 @@
 """Evaluation: protocol, equal seeds, refusals, and the published agent's published numbers."""
 
 import json
+import re
 
 import jax
 import numpy as np
 import pytest
 
-from kinetix.agents.agent import Agent, load_agent
-from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
+from kinetix.agents.agent import Agent, load_agent, save_agent
+from kinetix.agents.card import AgentCard, CapacityCard, EnvironmentCard, ObservationCard
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate, record
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.results import summarise
 from kinetix.agents.scripted import ScriptedPlayer
 from kinetix.agents.shapes import init_parameters
 from kinetix.cli import main
-from kinetix.errors import CheckpointError
+from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
 
 _FAST = Settings(attempts=3, physics="jax2d")
@@ -108,9 +109,47 @@ def _flat_agent():
     return Agent(card, init_parameters(card, jax.random.key(0)))
 
 
-def test_an_agent_of_one_capacity_says_which_level_is_too_large():
-    with pytest.raises(CheckpointError, match=r"sees exactly 5 polygons, 2 circles.*crane with 6"):
-        list(evaluate(_flat_agent(), [NamedLevel(name="crane", source=_CRANE)], _FAST))
+def test_a_level_that_is_too_large_is_named_and_the_others_are_played(tmp_path, capsys):
+    crane = NamedLevel(name="crane", source=_CRANE)
+    missing = NamedLevel(name="gone", source="s/gone")
+    last = _last(evaluate(_flat_agent(), [crane, missing, LEVELS[0]], _FAST))
+    assert [result.level for result in last.results] == ["a/near"]
+    assert (last.done, last.total) == (3, 3)
+    large, gone = last.failures
+    assert re.search(r"sees exactly 5 polygons, 2 circles.*crane with 6", large.error)
+    assert gone.level == "gone"
+    names = ["crane", "gone", "a/near"]
+    assert [one.level for one in last.in_order(names)] == names
+
+
+def test_the_command_goes_on_after_a_level_that_is_too_large(tmp_path, capsys):
+    save_agent(_flat_agent(), tmp_path / "agent")
+    (tmp_path / "levels").mkdir()
+    save_level(_CRANE, tmp_path / "levels" / "crane.json")
+    save_level(LEVELS[0].source, tmp_path / "levels" / "near.json")
+    arguments = ["--agent", str(tmp_path / "agent"), "--levels", str(tmp_path / "levels")]
+    assert main(["eval", *arguments, "--attempts", "2", "--physics", "jax2d", "--json"]) == 1
+    crane, near, summary = map(json.loads, capsys.readouterr().out.splitlines())
+    assert set(crane) == {"level", "error"}
+    assert near["solve_rate"] == 1.0
+    assert summary["levels"] == 1
+
+
+def test_an_agent_is_measured_under_its_own_physics_unless_told():
+    flat = _flat_agent()
+    flat.card = flat.card.replace(environment=EnvironmentCard(physics="jax2d"))
+    own = Settings().provenance(flat)
+    assert (own.physics, own.digest) == ("jax2d", flat.digest)
+    assert Settings(physics="fast").provenance(flat).physics == "fast"
+    assert Settings().provenance(ScriptedPlayer("noop")).physics == "balanced"
+
+
+def test_the_agent_of_a_run_is_named_by_run_and_step(tmp_path):
+    save_agent(_flat_agent(), tmp_path / "my_run" / "checkpoints" / "40960")
+    agent = load_agent(tmp_path / "my_run")
+    assert agent.card.name == "my_run@40960"
+    text = (tmp_path / "my_run" / "checkpoints" / "40960" / "agent.json").read_text()
+    assert agent.digest == json.loads(text)["digest"] == _flat_agent().digest
 
 
 def test_a_flat_agent_plays_with_its_own_sizes():
@@ -119,8 +158,6 @@ def test_a_flat_agent_plays_with_its_own_sizes():
 
 
 def test_the_command_prints_a_line_a_level_and_the_summary(tmp_path, capsys):
-    from kinetix.level.codec import save_level
-
     (tmp_path / "a").mkdir()
     for level in LEVELS[:2]:
         save_level(level.source, tmp_path / "a" / f"{level.name[2:]}.json")

@@ -122,8 +122,8 @@ class Side:
             parts = [count_of(number, noun) for number, noun in kinds if number]
             colour = COLOURS.bad if card.errors else COLOURS.warn
             widgets.small(f"{Icons.warning}  {', '.join(parts)}", colour)
-        for player, record in sorted(session.results.of(card.sha256).items()):
-            words = f"{player}: won {record.solved} of {record.attempts}"
+        for trial, record in sorted(session.results.of(card.sha256).items()):
+            words = f"{trial.words}: won {record.solved} of {record.attempts}"
             widgets.small(words, COLOURS.good if record.solved else COLOURS.muted)
         when = datetime.datetime.fromtimestamp(card.modified_ns / 1e9)
         widgets.small(f"{card.file.name}   {when:%Y-%m-%d %H:%M}", COLOURS.faint)

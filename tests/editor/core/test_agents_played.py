@@ -1,5 +1,6 @@
 """Real agents behind the bridge: played, measured, opened again, filmed; broken ones refused."""
 
+import dataclasses
 import json
 import shutil
 
@@ -173,6 +174,21 @@ def test_a_film_has_the_overlay_and_a_picture_a_step(perform, keeper, standing, 
     changed = np.abs(frames[True] - frames[False]).sum(axis=-1) > 60
     # A GIF chooses its colours anew, so a few other pixels change as well.
     assert changed[:20].mean() > 0.1 > 0.01 > changed[40:].mean()
+
+
+def test_a_film_of_two_players_has_both_with_their_names(perform, keeper, tmp_path):
+    casting = Casting(agent=keeper.ref, attempt=2)
+    opened = perform(OpenEpisode(level=GOAL, casting=casting, physics="balanced"))
+    film = ExportFilm(
+        level=opened.level,
+        trace=dataclasses.replace(opened.trace, snapshots=opened.trace.snapshots[:6]),
+        rival=dataclasses.replace(opened.trace, player="other"),
+        path=tmp_path / "two.gif",
+        pixels=200,
+    )
+    perform(film)
+    with Picture.open(film.path) as picture:
+        assert picture.size == (404, 200)
 
 
 def test_what_the_agent_sees_has_names_and_the_numbers_of_the_network(perform, keeper, watched):

@@ -16,7 +16,7 @@ from editor.gallery.library import Library
 from editor.gallery.search import Wish, tag_counts, wanted
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from editor.prompts import FileQuestion, TextQuestion
-from editor.results import HUMAN, Record, Results
+from editor.results import HUMAN, Record, Results, Trial
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
@@ -155,7 +155,7 @@ def test_wishes(library, folder, tmp_path, wish, names):
     look(library, folder)
     results = Results(tmp_path / "results.json")
     sha256 = level_hash(load_level(folder / "rocket.json"))
-    results.record("walker", {sha256: Record(attempts=20, solved=3)})
+    results.record(Trial(player="walker"), {sha256: Record(attempts=20, solved=3)})
     assert [card.name for card in wanted(library.cards, wish, results)] == names
     assert tag_counts(library.cards) == [("wheels", 1)]
 
@@ -163,17 +163,41 @@ def test_wishes(library, folder, tmp_path, wish, names):
 def test_results_outlive_the_app_and_broken_ones_do_no_harm(tmp_path):
     path = tmp_path / "state" / "results.json"
     first = Results(path)
-    first.record("walker", {"a" * 64: Record(attempts=20, solved=3)})
+    first.record(Trial(player="walker"), {"a" * 64: Record(attempts=20, solved=3)})
     first.add_episode(HUMAN, "a" * 64, won=True)
     first.add_episode(HUMAN, "a" * 64, won=False)
     again = Results(path)
     assert again.players == ("walker", HUMAN)
-    assert again.of("a" * 64)[HUMAN] == Record(attempts=2, solved=1)
-    tree = json.loads(path.read_text()) | {"b": 7, "c": {"x": [1, 2]}, "d": {"y": "z"}}
+    assert again.of("a" * 64)[Trial(player=HUMAN)] == Record(attempts=2, solved=1)
+    tree = json.loads(path.read_text()) | {"b": 7, "c": {"x": [1, 2]}, "d": {"y": "z"}, "e": [[1]]}
     path.write_text(json.dumps(tree))
     assert Results(path).players == ("walker", HUMAN)
     path.write_text("{")
     assert Results(path).players == ()
+
+
+def test_results_of_other_parameters_physics_modes_and_seeds_stand_beside_each_other(tmp_path):
+    path, level = tmp_path / "results.json", "a" * 64
+    trials = [
+        Trial(player="run@40960", digest="1" * 64, physics="balanced"),
+        Trial(player="run@40960", digest="2" * 64, physics="balanced"),
+        Trial(player="run@40960", digest="2" * 64, physics="jax2d"),
+        Trial(player="run@40960", digest="2" * 64, physics="jax2d", deterministic=True),
+        Trial(player="run@40960", digest="2" * 64, physics="jax2d", seed=1),
+    ]
+    results = Results(path)
+    for k, trial in enumerate(trials):
+        results.record(trial, {level: Record(attempts=20, solved=k)})
+    again = Results(path)
+    assert [again.of(level)[trial].solved for trial in trials] == [0, 1, 2, 3, 4]
+    assert again.players == ("run@40960",)
+    assert len({trial.words for trial in trials}) == 5
+
+
+def test_results_of_the_first_version_are_read(tmp_path):
+    path = tmp_path / "results.json"
+    path.write_text(json.dumps({"a": {"walker": [20, 3], "bad": [1]}}))
+    assert Results(path).of("a") == {Trial(player="walker"): Record(attempts=20, solved=3)}
 
 
 def test_rename_changes_name_and_file(folder):
@@ -377,4 +401,4 @@ def test_the_users_own_episodes_count_once(pulled):
         actions.update(session, 1 / 60)
     assert session.playback.outcome == "timeout"
     records = session.results.of(level_hash(session.document.level))
-    assert records == ({} if pulled else {HUMAN: Record(attempts=1, solved=0)})
+    assert records == ({} if pulled else {Trial(player=HUMAN): Record(attempts=1, solved=0)})

@@ -38,7 +38,7 @@ from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
 from editor.viewer import mismatch
-from kinetix.agents.results import EpisodeResult, LevelResult
+from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, KinetixError
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
@@ -427,8 +427,26 @@ def test_results_are_kept_for_the_gallery(with_agent):
     evaluation_of(with_agent, "s/a")
     settle(with_agent)
     actions.update(with_agent, 1 / 60)
-    record = with_agent.results.of("hash s/a")["Tester"]
+    (trial,) = with_agent.results.of("hash s/a")
+    assert (trial.player, trial.physics, trial.seed) == ("Tester", "jax2d", 0)
+    record = with_agent.results.of("hash s/a")[trial]
     assert (record.attempts, record.solved) == (4, 2)
+
+
+def test_a_level_that_an_agent_cannot_play_says_so_in_table_and_file(with_agent, stage):
+    failure = LevelFailure(level="s/b", error="too large")
+    score = Score(agent=0, result=a_result("s/a", "won", "won"))
+    stage.evaluate = lambda request, progress: Standing(
+        done=4, total=4, scores=(score,), failures=((0, failure),)
+    )
+    evaluation = evaluation_of(with_agent, "s/b", "s/a")
+    settle(with_agent)
+    assert [row.errors for row in evaluation.rows()] == [("",), ("too large",)]
+    *lines, summary = map(json.loads, evaluation.json_lines().splitlines())
+    assert lines == [failure.as_dict(), score.result.as_dict()]
+    assert (summary["levels"], summary["mean_solve_rate"], summary["physics"]) == (1, 1.0, "jax2d")
+    rows = list(csv.DictReader(io.StringIO(evaluation.csv_text())))
+    assert [row["error"] for row in rows] == ["too large", ""]
 
 
 def test_an_evaluation_is_cancelled_at_once_and_keeps_what_is_done(with_agent, stage):

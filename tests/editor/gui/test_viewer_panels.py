@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from editor.actions import agents, watch
+from editor.actions import agents, export, watch
 from editor.agent_overlay import most_entropy, value_range
+from editor.canvas import Canvas
 from editor.evaluation import Plan
 from editor.follower import Follower
 from editor.jobs import Worker
@@ -14,7 +15,7 @@ from editor.panels import timeline
 from editor.panels.timeline import marks_of
 from editor.playback import Mode
 from editor.recording import Mind
-from editor.requests import AgentView, EvaluatedLevel, LoadAgent, ViewTable
+from editor.requests import AgentView, EvaluatedLevel, ExportFilm, LoadAgent, ViewTable
 from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
@@ -210,6 +211,51 @@ def test_the_camera_comes_back_after_side_by_side(with_agent):
     with_agent.frames(4)
     assert (session.camera.zoom, session.camera.centre) == (before.zoom, before.centre)
     assert session.camera.size == before.size
+
+
+@pytest.mark.parametrize(
+    ("compare", "told"),
+    [
+        ("side", [("lost", "after 8 steps"), ("won", "after 5 steps")]),
+        ("ghost", [("lost", "Other: won")]),
+    ],
+)
+def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compare, told):
+    session = with_agent.session
+    mine, theirs = session.playback.simulator, session.viewer.rival.simulator
+    mine.ends_at, mine.ends, theirs.ends_at, theirs.ends = 8, "lost", 5, "won"
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = compare
+    shown = []
+    draw = Canvas._banner
+
+    def banner(self, canvas, area, outcome, detail):
+        shown.append((outcome, detail))
+        draw(self, canvas, area, outcome, detail)
+
+    monkeypatch.setattr(Canvas, "_banner", banner)
+    with_agent.key("f6")
+    with_agent.frames(60)
+    assert session.mode is Mode.ENDED
+    shown.clear()
+    with_agent.frames(1)
+    assert [outcome for outcome, _ in shown] == [outcome for outcome, _ in told]
+    for (_, detail), (_, words) in zip(shown, told, strict=True):
+        assert detail.startswith(words)
+
+
+def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    with_agent.key("f6")
+    with_agent.frames(30)
+    trace, level = session.playback.trace, session.playback.level
+    export.film(session, level, trace, tmp_path / "a.gif")
+    settle(with_agent)
+    (request,) = [r for r in with_agent.stage.asked if isinstance(r, ExportFilm)]
+    assert request.rival.player == "Other"
+    assert len(request.rival.snapshots) > 5
 
 
 def test_the_form_evaluates_and_the_table_opens_attempts(with_agent):

@@ -1,0 +1,96 @@
+"""Films of pictures: GIF and MP4 files, written while the pictures come."""
+
+import contextlib
+import itertools
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from jaxtyping import UInt8
+from PIL import Image
+
+from kinetix.errors import KinetixError
+
+Frames = Iterable[UInt8[np.ndarray, "h w 3"]]
+"""Pictures of one size, in their order."""
+
+FILM_SUFFIXES: Final = (".gif", ".mp4")
+_COLOURS: Final = 64
+"""Of a GIF's pictures: levels have few, and half the bytes of 256."""
+
+
+def write_film(path: Path, frames: Frames, *, kind: str, per_second: float) -> None:
+    """Write a film.
+
+    Args:
+        path: The file, whatever it is called.
+        frames: At least one picture.
+        kind: `.gif` or `.mp4`.
+        per_second: Pictures per second.
+
+    Raises:
+        KinetixError: An MP4 is asked for without the extra `video`, or ffmpeg cannot make it.
+        OSError: The file cannot be written.
+    """
+    (_write_mp4 if kind == ".mp4" else _write_gif)(path, frames, per_second)
+
+
+def ffmpeg() -> str:
+    """Return the path of the program that writes MP4 files.
+
+    Raises:
+        KinetixError: The extra `video` is not installed.
+    """
+    try:
+        import imageio_ffmpeg
+    except ImportError:
+        raise KinetixError(
+            "MP4 films need the extra 'video': pip install 'kinetix-editor[video]'; "
+            "GIF works without it"
+        ) from None
+    return imageio_ffmpeg.get_ffmpeg_exe()
+
+
+def _write_gif(path: Path, frames: Frames, per_second: float) -> None:
+    first, *rest = (Image.fromarray(frame).quantize(_COLOURS) for frame in frames)
+    # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
+    moments = [round(100 * k / per_second) for k in range(len(rest) + 2)]
+    durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
+    first.save(
+        path,
+        format="GIF",
+        save_all=True,
+        append_images=rest,
+        duration=durations,
+        loop=0,
+        optimize=True,
+    )
+
+
+def _write_mp4(path: Path, frames: Frames, per_second: float) -> None:
+    program, frames = ffmpeg(), iter(frames)
+    first = next(frames)
+    height, width, _ = first.shape
+    source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {per_second} -i -".split()
+    # The usual colour layout needs even sides.
+    target = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-f", "mp4"]
+    with tempfile.TemporaryFile() as complaints:
+        # Not through imageio's own writer: it runs Python code in the child between fork and exec,
+        # which the threads of JAX do not survive safely.
+        with subprocess.Popen(
+            [program, "-y", "-loglevel", "error", *source, *target, str(path)],
+            stdin=subprocess.PIPE,
+            stderr=complaints,
+        ) as writer:
+            assert writer.stdin is not None
+            # Where ffmpeg gives up it closes the pipe; what it says is told below.
+            with contextlib.suppress(BrokenPipeError), writer.stdin as pipe:
+                for frame in itertools.chain([first], frames):
+                    pipe.write(np.ascontiguousarray(frame).tobytes())
+        complaints.seek(0)
+        said = complaints.read().decode(errors="replace").strip()
+    if writer.returncode:
+        raise KinetixError(f"ffmpeg cannot write the film: {said}")
