@@ -40,5 +40,5 @@ def test_an_mp4_is_written_without_forking(tmp_path):
 
 def test_what_ffmpeg_says_is_told(tmp_path):
     pytest.importorskip("imageio_ffmpeg")
-    with pytest.raises(KinetixError, match="ffmpeg cannot write the film: .*No such file"):
+    with pytest.raises(KinetixError, match=r"ffmpeg cannot write the film: .*No such file"):
         write_film(tmp_path / "gone" / "a.mp4", _frames(3), kind=".mp4", per_second=30)
