@@ -3,10 +3,11 @@
 Every public name is imported on first use, so that `import kinetix` stays fast and free of JAX.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from kinetix.compat.finder import install as install_names_of_kinetix_env
 from kinetix.compiler import ask_for_options
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.agents.agent import load_agent, save_agent
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from kinetix.level.codec import load_level, save_level
     from kinetix.level.model import Level
     from kinetix.render.pixels import make_render_pixels
+    from kinetix.version import __version__
 
 _HOME = {
     "ActionType": "kinetix.environment.spaces",
@@ -56,6 +58,7 @@ _HOME = {
     "save_level": "kinetix.level.codec",
     "simulate": "kinetix.environment.runs",
     "static_env_params_from_size": "kinetix.environment.params",
+    "__version__": "kinetix.version",
 }
 
 __all__ = [
@@ -71,6 +74,7 @@ __all__ = [
     "ObservationType",
     "StaticEnvParams",
     "UEDParams",
+    "__version__",
     "load_agent",
     "load_from_json_file",
     "load_level",
@@ -87,12 +91,8 @@ __all__ = [
 ]
 
 ask_for_options()
+install_names_of_kinetix_env()
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        raise AttributeError(
-            f"module 'kinetix' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}"
-        )
-    return getattr(importlib.import_module(_HOME[name]), name)
+__getattr__, __dir__ = lazy_names(
+    __name__, _HOME, ("agents", "engine", "environment", "level", "render", "scenes", "training")
+)

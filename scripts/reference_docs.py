@@ -3,12 +3,14 @@
 `python -m scripts.reference_docs` writes; a test compares what it would write with what is there.
 """
 
+import itertools
 import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+from kinetix.compat.names import MODULES, Place
 from kinetix.level.codec import load_level
 from kinetix.level.json_schema import level_schema, level_set_schema
 from kinetix.level.model import Level
@@ -26,6 +28,25 @@ def format_tables() -> str:
     order += ["MassProperties", "Joint", "Motor", "Limits", "Thruster", "Solution", "SizeHint"]
     order += ["LevelSet", "SetEntry"]
     return "\n".join(_table(name, parts[name]) for name in order)
+
+
+def names_of_kinetix_env() -> str:
+    """The modules and names of kinetix-env, and where each lives here."""
+    rows = ["| there | here |", "| --- | --- |"]
+    for module, names in MODULES.items():
+        for home, group in itertools.groupby(names.items(), key=lambda item: _place(*item, module)):
+            listed = ", ".join(f"`{name}`" for name, _ in group)
+            rows.append(f"| `{module}`: {listed} | {home} |")
+    return "\n".join([*rows, ""])
+
+
+def _place(name: str, place: Place, module: str) -> str:
+    if not place.home:
+        return f"no; {place.instead}"
+    where = "the same" if place.home == module or ".compat" in place.home else f"`{place.home}`"
+    if place.name != name and ".compat" not in place.home:
+        where = f"`{place.home}.{place.name}`"
+    return f"works, and warns; better: {place.instead}" if place.old else where
 
 
 def _table(name: str, part: dict[str, Any]) -> str:
@@ -119,7 +140,11 @@ def documents() -> dict[Path, str]:
         DOCS / "schemas" / "kinetix-level.schema.json": _json(level_schema()),
         DOCS / "schemas" / "kinetix-levelset.schema.json": _json(level_set_schema()),
     }
-    for name, text in (("level_format", format_tables()), ("levels", catalogue())):
+    for name, text in (
+        ("level_format", format_tables()),
+        ("levels", catalogue()),
+        ("migrating", names_of_kinetix_env()),
+    ):
         path = DOCS / f"{name}.md"
         made[path] = _with_part(path.read_text(encoding="utf-8"), name, text)
     return made

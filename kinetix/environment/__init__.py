@@ -1,7 +1,8 @@
 """The environment: what an agent plays. Names are imported on first use."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.environment.env import make_kinetix_env
@@ -50,11 +51,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        known = ", ".join(sorted(_HOME))
-        raise AttributeError(
-            f"module 'kinetix.environment' has no attribute {name!r}; it has {known}"
-        )
-    return getattr(importlib.import_module(_HOME[name]), name)
+__getattr__, __dir__ = lazy_names(__name__, _HOME)

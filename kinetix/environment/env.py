@@ -14,6 +14,7 @@ from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
 from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
+from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
 from kinetix.environment.params import (
     EnvParams,
@@ -28,6 +29,7 @@ from kinetix.environment.renewal import fitted, renewing
 from kinetix.environment.spaces import ActionType, ObservationType, Space
 from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.errors import KinetixError
+from kinetix.lazy import lazy_names
 from kinetix.level.compile import empty_scene
 from kinetix.pytree import pytree
 
@@ -62,7 +64,7 @@ def has_nan(physics: State) -> Bool[Array, ""]:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class KinetixEnv:
+class KinetixEnv(MethodsOfKinetixEnv):
     """One level at a time: make green and blue touch, without green touching red.
 
     - action: `actions`, motors and thrusters by binding (the folder actions/);
@@ -312,6 +314,9 @@ class KinetixEnv:
         return jax.lax.scan(substep, played, length=self.static_env_params.frame_skip)[0]
 
 
+KinetixEnv.__setattr__ = set_method
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class DummyEnv:
     """The shapes of an environment with a step that does nothing, to debug training code quickly.
@@ -321,6 +326,16 @@ class DummyEnv:
     """
 
     env: KinetixEnv
+
+    def step_env(
+        self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
+    ) -> StepResult:
+        """The same state again."""
+        return self.step(key, state, action, params)
+
+    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
+        """Observation and state of the empty level."""
+        return self.reset(key, params)
 
     def __getattr__(self, name: str) -> Any:
         """Spaces, parameters and names of the real environment."""
@@ -365,9 +380,9 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     env_params: EnvParams | None = None,
     static_env_params: StaticEnvParams | None = None,
     auto_reset: bool = True,
+    create_dummy_env: bool = False,
     *,
     keep_terminal_observation: bool = False,
-    create_dummy_env: bool = False,
     parity: Parity | None = None,
 ) -> KinetixEnv | DummyEnv:
     """Make an environment.
@@ -380,9 +395,9 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
         env_params: Parameters that need no compilation.
         static_env_params: Sizes, physics preset, frame skip.
         auto_reset: Whether `step` goes on with a new episode where one is done.
+        create_dummy_env: Whether stepping shall do nothing, to debug training code quickly.
         keep_terminal_observation: Whether `info["terminal_observation"]` keeps what auto-reset
             replaces.
-        create_dummy_env: Whether stepping shall do nothing, to debug training code quickly.
         parity: `"kinetix-3"` for the physics and touch rules of the peer.
 
     Raises:
@@ -418,3 +433,6 @@ def _member(kind: Any, argument: str, value: Any) -> Any:
     except ValueError:
         names = ", ".join(member.value for member in kind)
         raise KinetixError(f"{argument}={value!r}: expected one of {names}") from None
+
+
+__getattr__ = lazy_names(__name__)[0]

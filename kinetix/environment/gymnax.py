@@ -4,14 +4,14 @@ gymnax is not needed by the rest of the project; it is imported when the adapter
 """
 
 import dataclasses
+import functools
 import importlib
 from typing import Any
 
-import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from kinetix.environment import spaces
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.named import NAMED, make_named_env
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
@@ -35,23 +35,14 @@ class GymnaxAdapter:
         Raises:
             KinetixError: gymnax is not installed.
         """
+        gymnax_spaces()
         self._env = dataclasses.replace(env, keep_terminal_observation=True)
-        self._spaces = gymnax_spaces()
 
-    @property
-    def name(self) -> str:
-        """The environment's name."""
-        return self._env.name
-
-    @property
-    def num_actions(self) -> int:
-        """Logits of a discrete policy, or the length of a continuous action."""
-        return self._env.num_actions
-
-    @property
-    def default_params(self) -> EnvParams:
-        """The parameters that the environment was made with."""
-        return self._env.default_params
+    def __getattr__(self, name: str) -> Any:
+        """Everything else is the environment's own; its spaces are gymnax's as well."""
+        if name.startswith("__") or name == "_env":
+            raise AttributeError(name)
+        return getattr(self._env, name)
 
     def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
         """Start an episode: observation and state."""
@@ -68,17 +59,9 @@ class GymnaxAdapter:
         info |= {"terminated": terminated, "final_observation": final}
         return observation, state, reward, terminated, truncated, info
 
-    def action_space(self, params: EnvParams | None = None) -> Any:
-        """The set of actions as one of gymnax's spaces."""
-        return _converted(self._env.action_space(params), self._spaces)
-
-    def observation_space(self, params: EnvParams | None = None) -> Any:
-        """What `reset` and `step` observe, as one of gymnax's spaces."""
-        return _converted(self._env.observation_space(params), self._spaces)
-
 
 def gymnax_spaces() -> Any:
-    """The module of spaces of gymnax.
+    """The module of spaces of gymnax; once it is imported, ours are instances of its classes.
 
     Raises:
         KinetixError: gymnax is not installed.
@@ -89,18 +72,25 @@ def gymnax_spaces() -> Any:
         raise KinetixError("gymnax is not installed: pip install gymnax") from None
 
 
-def _converted(space: Any, theirs: Any) -> Any:
-    if isinstance(space, spaces.Discrete):
-        return theirs.Discrete(space.n)
-    if isinstance(space, spaces.Dict):
-        return theirs.Dict({name: _converted(part, theirs) for name, part in space.spaces.items()})
-    if isinstance(space, spaces.Box):
-        return theirs.Box(_bound(space.low), _bound(space.high), space.shape, space.dtype)
-    if isinstance(space, spaces.MultiDiscrete):
-        highest = jnp.array(space.number_of_dims_per_distribution) - 1
-        return theirs.Box(jnp.zeros_like(highest), highest, space.shape, space.dtype)
-    return theirs.Box(0, 1, space.shape, space.dtype)
+def register() -> None:
+    """Make environments known to `gymnax.make` (1.x): `Kinetix-s-random-v0`, `Kinetix-level-v0`.
+
+    `gymnax.make("Kinetix-level-v0", level="s/goalkeeper")` plays one level; every other keyword of
+    `kinetix.environment.named.make_named_env` is accepted too.
+
+    Raises:
+        KinetixError: gymnax is not installed, or has no registry (0.0.9).
+    """
+    gymnax_spaces()
+    registry = importlib.import_module("gymnax.registration")
+    if not hasattr(registry, "register"):
+        raise KinetixError(
+            "this gymnax has no registry: install gymnax 1.x, or use kinetix.make_kinetix_env"
+        )
+    for name, level in NAMED.items():
+        if name not in registry.registered_envs:
+            registry.register(name, functools.partial(_make, level=level))
 
 
-def _bound(bound: float | tuple[float, ...]) -> Any:
-    return jnp.array(bound) if isinstance(bound, tuple) else bound
+def _make(**options: Any) -> GymnaxAdapter:
+    return GymnaxAdapter(make_named_env(**options))

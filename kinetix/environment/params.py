@@ -188,17 +188,24 @@ def static_env_params_of(capacity: Capacity, **changes: Any) -> StaticEnvParams:
     return StaticEnvParams(**(values | changes))
 
 
-def static_env_params_from_size(size: str, **changes: Any) -> StaticEnvParams:
+def static_env_params_from_size(size: str, return_dict: bool = False, **changes: Any) -> Any:
     """Static parameters of a named size (`s`, `m`, `l`, `locomotion`) or of four capacities.
 
     Args:
         size: A name, or polygons with the arena, circles, joints, thrusters: `12,4,6,2`.
+        return_dict: Whether the fields are returned as a dictionary, for configurations.
         **changes: Other fields of `StaticEnvParams`.
+
+    Returns:
+        `StaticEnvParams`, or its fields.
 
     Raises:
         LevelError: When the size is neither.
     """
-    return static_env_params_of(parse_capacity(size), **changes)
+    made = static_env_params_of(parse_capacity(size), **changes)
+    if not return_dict:
+        return made
+    return {field.name: getattr(made, field.name) for field in dataclasses.fields(made)}
 
 
 def with_parity(static_env_params: StaticEnvParams, parity: Parity | None) -> StaticEnvParams:

@@ -85,7 +85,9 @@ def check_bindings(state: EnvState, static_env_params: StaticEnvParams, *, name:
             )
 
 
-def permute_state(key: Array, state: EnvState) -> EnvState:
+def permute_state(
+    key: Array, state: EnvState, static_env_params: StaticEnvParams | None = None
+) -> EnvState:
     """The same level with its circles, polygons, joints and thrusters in other slots.
 
     Each kind is permuted uniformly and independently; the arena stays. Which body of a joint is
@@ -94,7 +96,9 @@ def permute_state(key: Array, state: EnvState) -> EnvState:
     Args:
         key: Draws the permutations.
         state: One state; use `vmap` for a batch.
+        static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
     """
+    del static_env_params
     size = capacity_of_world(state.world)
     polygon_key, circle_key, joint_key, thruster_key = jax.random.split(key, 4)
     polygons = ARENA_BODIES + jax.random.permutation(polygon_key, size.polygons - ARENA_BODIES)

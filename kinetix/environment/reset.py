@@ -16,11 +16,12 @@ from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.params import (
     EnvParams,
     Parity,
+    PhysicsEngine,
     StaticEnvParams,
-    physics_engine,
     static_env_params_of,
     with_parity,
 )
+from kinetix.environment.params import physics_engine as physics_engine_of
 from kinetix.environment.rearrange import check_bindings, expand_state, permute_state
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
@@ -109,7 +110,7 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         state = expand_state(level, static_env_params)
     elif isinstance(level, Level):
         name = f"level {level.name!r}"
-        engine = physics_engine(static_env_params)
+        engine = physics_engine_of(static_env_params)
         state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     else:
         name = str(level)
@@ -174,6 +175,7 @@ def make_reset_fn_sample_kinetix_level(
     env_params: EnvParams,
     static_env_params: StaticEnvParams,
     ued_params: "UEDParams | None" = None,
+    physics_engine: PhysicsEngine | None = None,
 ) -> ResetFunction:
     """A reset function that draws a random level of the given sizes.
 
@@ -181,12 +183,13 @@ def make_reset_fn_sample_kinetix_level(
         env_params: Parameters.
         static_env_params: Sizes and physics.
         ued_params: Options of the random levels; None: the usual ones.
+        physics_engine: `env.physics_engine`; None: that of `static_env_params`.
     """
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
 
     options = UEDParams() if ued_params is None else ued_params
-    engine = physics_engine(static_env_params)
+    engine = physics_engine or physics_engine_of(static_env_params)
 
     def reset(key: Array) -> EnvState:
         return sample_kinetix_level(key, engine, env_params, static_env_params, options)
@@ -207,7 +210,7 @@ def make_reset_fn_sample_sizes(
     from kinetix.environment.generators.starts import mixed_sampler
 
     options = UEDParams() if ued_params is None else ued_params
-    return mixed_sampler(physics_engine(static_env_params), options)
+    return mixed_sampler(physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_locomotion(
@@ -222,7 +225,7 @@ def make_reset_fn_locomotion(
     from kinetix.environment.generators.locomotion import LocomotionParams, locomotion_sampler
 
     options = LocomotionParams() if locomotion_params is None else locomotion_params
-    return locomotion_sampler(physics_engine(static_env_params), options)
+    return locomotion_sampler(physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
@@ -268,7 +271,7 @@ def _env_params_of(loaded: LoadedLevel, time_limit: Source) -> EnvParams:
 def _compiled(
     loaded: LoadedLevel, static: StaticEnvParams, *, gravity: Source, time_limit: Source
 ) -> EnvState:
-    engine = physics_engine(static)
+    engine = physics_engine_of(static)
     if loaded.source is not None:
         own = SceneSpec(capacity=loaded.source.capacity)
         scene = compile_kinetix_env(

@@ -1,22 +1,45 @@
 """What an action or an observation can be: the two enumerations and the descriptions of sets.
 
 The classes have the attributes that gymnax's spaces have (`n`, `shape`, `dtype`, `low`, `high`,
-`sample(key)`, `contains(x)`), so that code written for those runs on these.
+`sample(key)`, `contains(x)`), so that code written for those runs on these. Where gymnax has been
+imported they are instances of its classes too, which its wrappers ask for; nothing here needs it.
 """
 
 import abc
 import dataclasses
 import enum
+import functools
+import sys
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar, Final, Self
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
 
+from kinetix.errors import KinetixError
+from kinetix.lazy import lazy_names
 
-class ActionType(enum.Enum):
+
+class _Kind(enum.Enum):
+    """A choice with a name in configurations."""
+
+    @classmethod
+    def from_string(cls, name: "str | _Kind") -> Self:
+        """Return the member with a name; a member stays as it is.
+
+        Raises:
+            KinetixError: There is none of this name; the sentence lists them.
+        """
+        try:
+            return cls(name.lower() if isinstance(name, str) else name)
+        except ValueError:
+            names = ", ".join(member.value for member in cls)
+            raise KinetixError(f"{name!r}: expected one of {names}") from None
+
+
+class ActionType(_Kind):
     """The kinds of action; the values are the names in configurations."""
 
     DISCRETE = "discrete"
@@ -24,7 +47,7 @@ class ActionType(enum.Enum):
     MULTI_DISCRETE = "multi_discrete"
 
 
-class ObservationType(enum.Enum):
+class ObservationType(_Kind):
     """The kinds of observation; the values are the names in configurations."""
 
     PIXELS = "pixels"
@@ -34,8 +57,27 @@ class ObservationType(enum.Enum):
     BLIND = "blind"
 
 
+_GYMNAX: Final = "gymnax.environments.spaces"
+
+
+@functools.cache
+def _with_base(kind: type, base: type) -> type:
+    """The class itself, with another base: instances of it are instances of both."""
+    return type(kind.__name__, (kind, base), {"__module__": kind.__module__})
+
+
 class Space(abc.ABC):
     """A set of values of one structure."""
+
+    gymnax_name: ClassVar[str] = "Space"
+    """The class of gymnax that says the same."""
+
+    def __new__(cls, *arguments: Any, **options: Any) -> Self:
+        """Make an instance that is one of gymnax's class as well, where gymnax is there."""
+        gymnax = sys.modules.get(_GYMNAX)
+        if gymnax is None:
+            return object.__new__(cls)
+        return object.__new__(_with_base(cls, getattr(gymnax, cls.gymnax_name)))
 
     @abc.abstractmethod
     def sample(self, key: Array) -> Any:
@@ -49,6 +91,8 @@ class Space(abc.ABC):
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Discrete(Space):
     """The integers 0 … n − 1."""
+
+    gymnax_name: ClassVar[str] = "Discrete"
 
     n: int
     shape: tuple[int, ...] = ()
@@ -67,9 +111,21 @@ class Discrete(Space):
 class MultiDiscrete(Space):
     """A vector of integers, each with its own number of classes."""
 
+    gymnax_name: ClassVar[str] = "Box"
+
     number_of_dims_per_distribution: tuple[int, ...]
     """Classes per entry."""
     dtype: Any = jnp.int32
+
+    @property
+    def low(self) -> np.ndarray:
+        """The least class of every entry: zeros."""
+        return np.zeros(self.shape, np.int32)
+
+    @property
+    def high(self) -> np.ndarray:
+        """The greatest class of every entry."""
+        return np.array(self.number_of_dims_per_distribution, np.int32) - 1
 
     @property
     def n(self) -> int:
@@ -92,14 +148,35 @@ class MultiDiscrete(Space):
         return jnp.all((x >= 0) & (x < np.asarray(self.number_of_dims_per_distribution)))
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Box(Space):
-    """Arrays of one shape between two bounds (numbers, or tuples along the last axis)."""
+    """Arrays of one shape between two bounds (numbers, or arrays along the last axis)."""
 
-    low: float | tuple[float, ...]
-    high: float | tuple[float, ...]
+    gymnax_name: ClassVar[str] = "Box"
+
+    low: Any
+    high: Any
     shape: tuple[int, ...]
     dtype: Any = jnp.float32
+
+    def __post_init__(self) -> None:
+        """Keep bounds that are sequences as arrays."""
+        for name in ("low", "high"):
+            if not np.isscalar(getattr(self, name)):
+                object.__setattr__(self, name, np.asarray(getattr(self, name), np.float32))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same set."""
+        if not isinstance(other, Box):
+            return NotImplemented
+        same = (self.shape, np.dtype(self.dtype)) == (other.shape, np.dtype(other.dtype))
+        return same and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("low", "high")
+        )
+
+    def __hash__(self) -> int:
+        """By shape and type."""
+        return hash((self.shape, np.dtype(self.dtype)))
 
     def sample(self, key: Array) -> Array:
         """Every entry uniform between the bounds; unbounded entries from a standard normal."""
@@ -121,6 +198,10 @@ class Box(Space):
 class Binary(Space):
     """Boolean arrays of one shape."""
 
+    gymnax_name: ClassVar[str] = "Box"
+    low: ClassVar[int] = 0
+    high: ClassVar[int] = 1
+
     shape: tuple[int, ...]
     dtype: Any = jnp.bool_
 
@@ -137,7 +218,14 @@ class Binary(Space):
 class Dict(Space):
     """Named parts, each with a space of its own."""
 
+    gymnax_name: ClassVar[str] = "Dict"
+
     spaces: Mapping[str, Space]
+
+    @property
+    def num_spaces(self) -> int:
+        """How many parts there are."""
+        return len(self.spaces)
 
     def sample(self, key: Array) -> dict[str, Any]:
         """Every part drawn from its space."""
@@ -153,3 +241,6 @@ class Dict(Space):
         return jnp.all(
             jnp.stack([space.contains(parts[name]) for name, space in self.spaces.items()])
         )
+
+
+__getattr__ = lazy_names(__name__)[0]

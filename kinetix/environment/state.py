@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import State, World
+from kinetix.environment.fields import FieldsOfKinetixEnv
 from kinetix.level.compile import Labels, Scene
 from kinetix.pytree import pytree
 
@@ -33,7 +34,7 @@ class BodiesView:
 
 
 @pytree
-class EnvState:
+class EnvState(FieldsOfKinetixEnv):
     """What `reset` returns and `step` advances; values at a reset are used as they are."""
 
     world: World

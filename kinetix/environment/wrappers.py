@@ -8,6 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
+from kinetix.lazy import lazy_names
 from kinetix.pytree import pytree
 
 
@@ -47,7 +48,16 @@ class LogWrapper:
         override_reset_state: EnvState | None = None,
     ) -> tuple[Any, LogState]:
         """Start an episode, and counting."""
-        observation, env_state = self._env.reset(key, env_params, override_reset_state)
+        override = () if override_reset_state is None else (override_reset_state,)
+        return self._counting(*self._env.reset(key, env_params, *override))
+
+    def reset_to_level(
+        self, key: Array, level: EnvState, env_params: EnvParams | None = None
+    ) -> tuple[Any, LogState]:
+        """Start an episode in a level, and counting."""
+        return self._counting(*self._env.reset_to_level(key, level, env_params))
+
+    def _counting(self, observation: Any, env_state: Any) -> tuple[Any, LogState]:
         count = jnp.zeros((), jnp.int32)
         state = LogState(
             env_state=env_state,
@@ -74,8 +84,10 @@ class LogWrapper:
             `returned_episode_lengths`, `returned_episode_solved`, `timestep` and
             `returned_episode` (whether an episode ended in this step).
         """
+        # An environment or wrapper of somebody else's knows no override.
+        override = () if override_reset_state is None else (override_reset_state,)
         observation, env_state, reward, done, info = self._env.step(
-            key, state.env_state, action, env_params, override_reset_state
+            key, state.env_state, action, env_params, *override
         )
         returns, lengths = state.episode_returns + reward, state.episode_lengths + 1
         logged = LogState(
@@ -94,3 +106,6 @@ class LogWrapper:
             "returned_episode": done,
         }
         return observation, logged, reward, done, info | report
+
+
+__getattr__ = lazy_names(__name__)[0]

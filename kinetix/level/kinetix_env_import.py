@@ -12,6 +12,7 @@ from kinetix.level.canonical import record_tree
 from kinetix.level.faults import EnoughFaults, FaultCollector, fail
 from kinetix.level.geometry import (
     STANDARD_ARENA,
+    polygon_fault,
     reverse_winding,
     same_geometry,
     same_masses,
@@ -20,6 +21,7 @@ from kinetix.level.geometry import (
 from kinetix.level.integrity import level_faults
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.kinetix_env_export import joint_position, world_anchor
+from kinetix.level.kinetix_env_mend import with_centres
 from kinetix.level.kinetix_env_schema import (
     ENV_PARAMS,
     VERTEX_ROWS,
@@ -85,15 +87,18 @@ def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[s
         name: The level's name; by convention the file's stem.
 
     Returns:
-        The level, and one sentence for each kind of content that it does not carry.
+        The level, and one sentence for each mend and each kind of content that it does not carry.
 
     Raises:
         LevelError: The file holds something that our format cannot say.
     """
     faults = FaultCollector()
     level, places = None, {}
+    mended: tuple[int, ...] = ()
     with contextlib.suppress(EnoughFaults):
         level, places = _import_level(document, name, faults)
+        if not faults.faults and _are_polygons(level):
+            level, mended = with_centres(level)
         ranges = FaultCollector()
         with contextlib.suppress(EnoughFaults):
             check_tree(record_tree(level), Level, "$", ranges)
@@ -101,7 +106,21 @@ def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[s
             faults.add(fault.code, _peer_path(fault.path, places), fault.message)
     if faults.faults or level is None:
         fail(document.file, faults.faults)
-    return level, tuple(_import_warnings(document))
+    told = [_mended(k, places) for k, body in enumerate(level.bodies) if body.id in mended]
+    return level, (*told, *_import_warnings(document))
+
+
+def _are_polygons(level: Level) -> bool:
+    """Whether all corners make polygons; what does not is a fault, and has no centre of mass."""
+    shapes = [body.shape for body in level.bodies]
+    return not any(isinstance(s, Polygon) and polygon_fault(s.vertices) for s in shapes)
+
+
+def _mended(index: int, places: dict[str, str]) -> str:
+    return (
+        f"mended: {places[f'$.bodies[{index}]']}.vertices: the frame's origin was not the centre "
+        "of mass; it is now, and the shape is where it was"
+    )
 
 
 def _import_level(

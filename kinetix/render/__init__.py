@@ -3,8 +3,9 @@
 The names are imported on first use: `palette` and `style` must stay usable without JAX.
 """
 
-import importlib
 from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.environment.inverse import make_inverse_render_symbolic
@@ -18,13 +19,6 @@ _HOME = {
 }
 
 
-def __getattr__(name: str) -> object:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        raise AttributeError(
-            f"module 'kinetix.render' has no attribute {name!r}; it has {', '.join(sorted(_HOME))}"
-        )
-    return getattr(importlib.import_module(_HOME[name]), name)
-
-
 __all__ = ["make_inverse_render_symbolic", "make_render_pixels", "make_render_pixels_rl"]
+
+__getattr__, __dir__ = lazy_names(__name__, _HOME)

@@ -345,3 +345,31 @@ def test_keys_that_stand_twice_are_refused():
 
 def test_unknown_keys_at_the_top_are_ignored():
     assert imported('{"version": "1.0.0", ' + PLAIN[1:]) == imported(PLAIN)
+
+
+# --- mends
+
+
+def test_a_frame_off_the_centre_of_mass_is_mended_and_nothing_moves():
+    tree = json.loads(PLAIN)
+    state = tree["env_state"]
+    slot = next(k for k, row in enumerate(state["polygon"]) if k > 3 and row["inverse_mass"] > 0)
+    row = state["polygon"][slot]
+    for k in range(row["n_vertices"]):
+        row["vertices"][str(k)]["1"] += 0.02
+    loaded = loads_document(json.dumps(tree), "shifted")
+    assert loaded.warnings[0].startswith(f"mended: $.env_state.polygon[{slot}].vertices: ")
+    plain = imported(PLAIN)
+    body, before = loaded.level.bodies[0], plain.bodies[0]
+    up = (-math.sin(before.angle) * 0.02, math.cos(before.angle) * 0.02)
+    expected = (before.position[0] + up[0], before.position[1] + up[1])
+    assert body.position == pytest.approx(expected, abs=1e-6)
+    for corner, was in zip(body.shape.vertices, before.shape.vertices, strict=True):
+        assert corner == pytest.approx(was, abs=1e-6)
+    for joint, was in zip(loaded.level.joints, plain.joints, strict=True):
+        assert joint.anchor_a == pytest.approx(
+            (was.anchor_a[0], was.anchor_a[1] - 0.02) if was.a == body.id else was.anchor_a
+        )
+    # Written back untouched, the file is what it was.
+    text = json.dumps(tree)
+    assert dumps(loaded.level, format="kinetix-env", source=loaded.source) == text

@@ -5,6 +5,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from flax import linen as nn
+from flax.typing import Initializer
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
@@ -43,15 +44,16 @@ class MultiHeadDense(nn.Module):
     """Several linear layers with relu over every row, summed over the rows."""
 
     num_heads: int
-    features: int
+    out_dim: int
+    kernel_init: Initializer = nn.initializers.lecun_normal(batch_axis=0)
+    bias_init: Initializer = nn.initializers.zeros
 
     @nn.compact
     def __call__(self, rows: Float[Array, "*n e f"]) -> Float[Array, "*n g"]:
         """Heads side by side on the last axis. A zero row still contributes relu(bias)."""
-        shape = (self.num_heads, rows.shape[-1], self.features)
-        initializer = nn.initializers.lecun_normal(batch_axis=0)
-        kernels = self.param("dense_kernels", initializer, shape)
-        biases = self.param("dense_biases", nn.initializers.zeros, shape[::2])
+        shape = (self.num_heads, rows.shape[-1], self.out_dim)
+        kernels = self.param("dense_kernels", self.kernel_init, shape)
+        biases = self.param("dense_biases", self.bias_init, shape[::2])
         # One matrix product over all heads; the heads' outputs end up side by side.
         flat = jnp.moveaxis(kernels, 0, 1).reshape(shape[1], -1)
         return jnp.sum(jax.nn.relu(rows @ flat + biases.reshape(-1)), axis=-2)

@@ -13,17 +13,23 @@ Carry = tuple[Float[Array, "n 256"], Float[Array, "n 256"]]
 """The recurrent state of a batch: always a pair; networks with one embedding use the first."""
 
 
-def initial_carry(batch: int) -> Carry:
+def initial_carry(batch: int, hidden_size: int = HIDDEN_SIZE) -> Carry:
     """Recurrent state at the start of an episode: zeros.
 
     Args:
         batch: Number of environments.
+        hidden_size: Width of the state.
     """
-    return (jnp.zeros((batch, HIDDEN_SIZE)), jnp.zeros((batch, HIDDEN_SIZE)))
+    return (jnp.zeros((batch, hidden_size)), jnp.zeros((batch, hidden_size)))
 
 
 class ScannedRNN(nn.Module):
     """A GRU over the leading (time) axis. Where `done` is true the state is zeroed first."""
+
+    @staticmethod
+    def initialize_carry(batch_size: int, hidden_size: int = HIDDEN_SIZE) -> Carry:
+        """Return what every network takes as memory at the start of episodes: zeros."""
+        return initial_carry(batch_size, hidden_size)
 
     @functools.partial(
         nn.scan,

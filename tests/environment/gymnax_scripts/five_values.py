@@ -62,3 +62,18 @@ assert ended.any(axis=0).all(), "every ball reaches the other one"
 assert (returns[-1] > 0.9).all(), returns[-1]
 assert (total >= returns[-1]).all()
 assert env.num_actions == 11
+
+# Its Gym wrappers copy the environment, replace its methods and ask for its own classes.
+from gymnax.environments import spaces  # noqa: E402
+from gymnax.wrappers.gym import GymnaxToGymWrapper, GymnaxToVectorGymWrapper  # noqa: E402
+
+bare = env._env._env
+assert isinstance(bare.observation_space(env_params), spaces.Box)
+assert isinstance(bare.action_space(env_params), spaces.Discrete)
+gym = GymnaxToGymWrapper(bare, env_params)
+gym.reset(seed=1)
+assert len(gym.step(gym.action_space.sample())) == 5
+assert gym.render().shape == (125, 125, 3)
+vector = GymnaxToVectorGymWrapper(bare, 3, env_params)
+vector.reset(seed=2)
+assert vector.step(vector.action_space.sample())[0].shape == (3, 6, 41)

@@ -69,3 +69,27 @@ assert (truncated == expected).all(), truncated
 assert not terminated.any()
 assert (returned == expected).all()
 assert final.shape == (STEPS, 6 * 41)
+
+# Its Gym wrappers copy the environment and turn the spaces into Gymnasium's.
+from gymnax.wrappers.dm_env import GymnaxToDmEnvWrapper  # noqa: E402
+from gymnax.wrappers.gym import GymnaxToGymWrapper, GymnaxToVectorGymWrapper  # noqa: E402
+
+gym = GymnaxToGymWrapper(entities, params)
+gym.reset(seed=1)
+assert len(gym.step(gym.action_space.sample())) == 5
+assert gym.render().shape == (125, 125, 3)
+assert gym.observation_space["polygons"].shape == (5, 27)
+vector = GymnaxToVectorGymWrapper(adapter, 3, params)
+vector.reset(seed=2)
+assert vector.step(vector.action_space.sample())[0].shape == (3, 6, 41)
+dm_env = GymnaxToDmEnvWrapper(adapter)
+key = jax.random.key(0)
+assert dm_env.step(key, dm_env.reset(key, params), 0, params).observation.shape == (6, 41)
+
+import gymnax  # noqa: E402
+
+from kinetix.environment.gymnax import register  # noqa: E402
+
+register()
+named, named_params = gymnax.make("Kinetix-level-v0", level="s/goalkeeper", physics="jax2d")
+assert named.reset(key, named_params)[0].shape == (140,)

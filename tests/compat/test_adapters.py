@@ -1,0 +1,235 @@
+"""What has another form here does what it does in kinetix-env."""
+
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from kinetix import EnvParams, load_from_json_file, make_kinetix_env, static_env_params_from_size
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.errors import CheckpointError, KinetixError
+
+KEY = jax.random.PRNGKey(0)
+LEVEL = "s/goalkeeper"
+HYDRA = {
+    "env": {"action_type": "multi_discrete", "observation_type": "symbolic_entity"},
+    "env_size": {"env_size_name": "s", "env_size_type": "predefined", "num_polygons": 5}
+    | {"num_circles": 2, "num_joints": 1, "num_thrusters": 1},
+    "learning": {"num_steps": 8, "num_train_envs": 4, "total_timesteps": 320, "num_minibatches": 2},
+    "model": {"fc_layer_depth": 1, "fc_layer_width": 16, "recurrent_model": True},
+    "misc": {"seed": 3, "use_wandb": False},
+    "train_levels": {"train_level_mode": "list", "train_levels_list": [LEVEL]},
+    "frame_skip": 2,
+    "dense_reward_scale": 0.2,
+}
+
+
+@pytest.fixture(scope="module")
+def static():
+    return static_env_params_from_size("s", physics="jax2d")
+
+
+@pytest.fixture(scope="module")
+def state(static):
+    return level_state(LEVEL, static)
+
+
+def test_a_hydra_configuration_becomes_an_environment_and_a_network():
+    from kinetix.environment.ued.ued import make_reset_fn_from_config
+    from kinetix.models import ScannedRNN, make_network_from_config
+    from kinetix.util.config import generate_params_from_config, normalise_config
+
+    before = json.dumps(HYDRA)
+    config = normalise_config(HYDRA, "test")
+    assert json.dumps(HYDRA) == before
+    assert config["action_type"] is ActionType.MULTI_DISCRETE
+    assert config["observation_type"] is ObservationType.SYMBOLIC_ENTITY
+    assert (config["num_updates"], config["minibatch_size"]) == (10, 16)
+    env_params, static = generate_params_from_config(config)
+    assert env_params.dense_reward_scale == 0.2
+    assert static.capacity == static_env_params_from_size("s").capacity
+    assert static.frame_skip == 2
+    reset_fn = make_reset_fn_from_config(config, env_params, static)
+    env = make_kinetix_env(
+        config["action_type"], config["observation_type"], reset_fn, env_params, static
+    )
+    obs, _ = env.reset(KEY, env_params)
+    network = make_network_from_config(env, env_params, config)
+    inputs = jax.tree.map(lambda x: x[None, None], (obs, jnp.zeros((), bool)))
+    hidden = ScannedRNN.initialize_carry(1)
+    params = network.init(KEY, hidden, inputs)
+    assert "ScannedRNN_0" in params["params"]["GeneralActorCriticRNN_0"]
+    after, policy, value = network.apply(params, hidden, inputs)
+    action = policy.sample(seed=KEY)
+    assert action.shape == (1, 1, 6)
+    assert value.shape == (1, 1)
+    np.testing.assert_allclose(
+        policy.log_prob_disentangled(action).sum(-1), policy.log_prob(action), rtol=1e-5
+    )
+    np.testing.assert_allclose(policy.entropy_disentangled().sum(-1), policy.entropy(), rtol=1e-5)
+    # One array of memory stays one array, so that it can be carried by a scan.
+    single, _, _ = network.apply(params, hidden[0], inputs)
+    np.testing.assert_array_equal(single, after[0])
+
+
+def test_unknown_words_of_a_configuration_are_named():
+    from kinetix.environment.ued.ued import make_reset_fn_from_config
+    from kinetix.util.config import generate_params_from_config, normalise_config
+
+    with pytest.raises(KinetixError, match="'xl': expected one of s, m, l"):
+        generate_params_from_config({"env_size_name": "xl"})
+    with pytest.raises(KinetixError, match="'sometimes': expected random"):
+        make_reset_fn_from_config(
+            {"train_level_mode": "sometimes"}, EnvParams(), static_env_params_from_size("s")
+        )
+    with pytest.raises(KinetixError, match="'both': expected one of discrete"):
+        normalise_config({"action_type": "both"}, "test")
+
+
+def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
+    stacked = jax.tree.map(lambda x: jnp.stack([x, x]), state)
+    assert state.polygon.position.shape == (5, 2)
+    assert state.circle.radius.shape == (2,)
+    np.testing.assert_array_equal(stacked.circle.position[1], state.circle.position)
+    np.testing.assert_array_equal(
+        np.concatenate([state.polygon.position, state.circle.position]), state.bodies.position
+    )
+    np.testing.assert_array_equal(
+        np.concatenate([state.polygon_shape_roles, state.circle_shape_roles]), state.labels.role
+    )
+    assert stacked.polygon_densities.shape == (2, 5)
+    assert not stacked.circle_highlighted.any()
+    assert state.motor_bindings.shape == state.motor_auto.shape == (1,)
+    np.testing.assert_allclose(state.gravity, (0, -9.81), rtol=1e-6)
+    a = int(state.joint.a_index[0])
+    anchor = state.bodies.position[a] + np.linalg.norm(state.joint.a_relative_pos[0])
+    assert np.linalg.norm(state.joint.global_position[0] - state.bodies.position[a]) == (
+        pytest.approx(np.linalg.norm(state.joint.a_relative_pos[0]), abs=1e-5)
+    )
+    assert anchor.shape == (2,)
+    assert stacked.joint.global_position.shape == (2, 1, 2)
+
+
+def test_levels_of_all_sizes_are_stacked(tmp_path):
+    from kinetix.util.saving import export_env_state_to_json, load_evaluation_levels
+
+    levels, static = load_evaluation_levels([LEVEL, "m/leapfrog"])
+    assert static.capacity == static_env_params_from_size("m").capacity
+    assert levels.timestep.shape == (2,)
+    one = jax.tree.map(lambda x: x[1], levels)
+    export_env_state_to_json(tmp_path / "back", one, static, EnvParams())
+    again, _, _ = load_from_json_file(tmp_path / "back.json")
+    np.testing.assert_allclose(again.bodies.position, one.bodies.position, atol=1e-6)
+    np.testing.assert_array_equal(again.labels.role, one.labels.role)
+    with pytest.raises(KinetixError, match="at least one level"):
+        load_evaluation_levels([])
+
+
+def test_parameters_are_kept_without_pickles(tmp_path):
+    from kinetix.util.saving import load_params, save_params
+
+    tree = {"params": {"Dense_0": {"kernel": np.ones((2, 3), np.float32)}}}
+    save_params(tree, tmp_path / "params.safetensors")
+    np.testing.assert_array_equal(
+        load_params(tmp_path / "params.safetensors")["params"]["Dense_0"]["kernel"],
+        tree["params"]["Dense_0"]["kernel"],
+    )
+    (tmp_path / "full_model.pbz2").write_bytes(b"BZh9")
+    with pytest.raises(CheckpointError, match="pickles are not read"):
+        load_params(tmp_path / "full_model.pbz2")
+
+
+def test_statistics_agree_with_numpy():
+    from kinetix.util.learning import rms_init, rms_normalise, rms_update
+
+    batch = np.random.default_rng(0).normal(2, 3, (200, 4)).astype(np.float32)
+    statistics = rms_init({"x": batch[0], "mask": np.ones(2, bool)})
+    for part in np.split(batch, 4):
+        seen = {"x": part.reshape(5, 10, 4), "mask": np.ones((5, 10, 2), bool)}
+        statistics = rms_update(statistics, seen)
+    np.testing.assert_allclose(statistics["x"].mean, batch.mean(0), rtol=1e-3)
+    np.testing.assert_allclose(statistics["x"].var, batch.var(0), rtol=1e-3)
+    done = rms_normalise(statistics, {"x": batch, "mask": np.ones(2, bool)})
+    np.testing.assert_allclose(done["x"].std(0), 1, rtol=1e-3)
+    assert done["mask"].dtype == bool
+
+
+def test_which_actions_matter(state, static):
+    from kinetix.data import get_valid_action_mask
+
+    mask = get_valid_action_mask(jax.tree.map(lambda x: x[None], state), static)
+    assert mask.shape == (1, 6)
+    assert 0 < int(mask.sum()) < 6
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*before 2.0:FutureWarning")
+def test_wrappers_of_old_projects_build_on_each_other(state, static):
+    from kinetix.environment.env import make_kinetix_env_from_name
+    from kinetix.environment.wrappers import (
+        AutoReplayWrapper,
+        GymnaxWrapper,
+        LogWrapper,
+        UnderspecifiedEnvWrapper,
+    )
+
+    class Noisy(UnderspecifiedEnvWrapper):
+        def step_env(self, key, state, action, params):
+            return self._env.step_env(key, state, action + 0.1, params)
+
+    class Batch(GymnaxWrapper):
+        def reset_to_level(self, rng, level, params):
+            keys = jax.random.split(rng, 3)
+            return jax.vmap(self._env.reset_to_level, in_axes=(0, None, None))(keys, level, params)
+
+        def step(self, rng, state, action, params):
+            keys = jax.random.split(rng, 3)
+            return jax.vmap(self._env.step, in_axes=(0, 0, 0, None))(keys, state, action, params)
+
+    params = EnvParams()
+    env = make_kinetix_env_from_name("Kinetix-Symbolic-Continuous-v1", static_env_params=static)
+    env = Batch(LogWrapper(AutoReplayWrapper(Noisy(env))))
+    short = state.replace(labels=state.labels.replace(max_timesteps=jnp.int32(2)))
+    obs, first = env.reset_to_level(KEY, short, params)
+    assert obs.shape == (3, 140)
+    step = jax.jit(env.step)
+    action = jnp.zeros((3, 6))
+    _, after, _, done, _ = step(KEY, first, action, params)
+    assert not done.any()
+    again, after, _, done, info = step(KEY, after, action, params)
+    assert done.all() and info["returned_episode"].all()
+    np.testing.assert_array_equal(again, obs)
+    assert (after.episode_lengths == 0).all()
+
+
+@pytest.mark.slow
+def test_an_evaluation_plays_every_level_once(state, static):
+    from flax.training.train_state import TrainState
+    from kinetix.models import make_network_from_config
+    from kinetix.util import general_eval, no_op_and_random_rollout
+    from optax import sgd
+
+    params = EnvParams()
+    env = make_kinetix_env("multi_discrete", "symbolic_flat", None, params, static, False)
+    network = make_network_from_config(env, params, {"actor_depth": 1, "critic_depth": 1})
+    levels = jax.tree.map(lambda x: jnp.stack([x, x]), state)
+    obs, states = jax.vmap(env.reset, in_axes=(0, None, 0))(
+        jax.random.split(KEY, 2), params, levels
+    )
+    inputs = (obs[None], jnp.zeros((1, 2), bool))
+    train_state = TrainState.create(
+        apply_fn=network.apply,
+        params=network.init(KEY, network.initialize_carry(2), inputs),
+        tx=sgd(0.1),
+    )
+    played = general_eval(KEY, env, params, train_state, levels, 12, 2)
+    assert played.rewards.shape == (12, 2)
+    assert played.states.timestep.shape == (12, 2)
+    assert (played.episode_lengths == 12).all()
+    assert played.infos["GoalR"].shape == (12, 2)
+    results = no_op_and_random_rollout(env, params, KEY, obs, states, 2, 4)
+    assert len(results) == 6
+    assert (results[1] == 4).all()
