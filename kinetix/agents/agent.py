@@ -28,7 +28,9 @@ from kinetix.agents.kinetix_env import (
 from kinetix.agents.networks.recurrent import Carry, initial_carry
 from kinetix.agents.normalisation import from_card, normalise
 from kinetix.agents.player import Decision, sample_each
+from kinetix.agents.scripted import SCRIPTED
 from kinetix.agents.shapes import network_of_card
+from kinetix.bundled import agent_hint, named_agent
 from kinetix.errors import CheckpointError
 
 _TOLD: Final = ("logits", "log_prob", "value", "entropy")
@@ -153,15 +155,21 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
 
     Args:
         directory: A directory with `agent.json` and `params/`, or with `params.safetensors` and
-            `config.json`, or a run of `kinetix train`.
+            `config.json`, or a run of `kinetix train`; or the name of a bundled agent (`general`).
         accept: Looks at the description before any array is read; raises if it does not fit.
 
     Raises:
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
+    named = directory
     directory = surviving(Path(directory))
     if not directory.is_dir():
-        raise CheckpointError(f"{directory}: expected the directory of an agent, found none")
+        directory = named_agent(named) or directory
+    if not directory.is_dir():
+        raise CheckpointError(
+            f"{named}: there is no such directory, nor a bundled agent of this name; "
+            f"{agent_hint(named, SCRIPTED)}"
+        )
     if is_peer_checkpoint(directory):
         return Agent(*read_peer_checkpoint(directory, accept))
     checkpoint = newest_checkpoint(directory)

@@ -13,9 +13,9 @@ class Eval:
     """How often a player solves each of some levels."""
 
     agent: Annotated[str, tyro.conf.arg(metavar="DIR|noop|random")]
-    """Directory of an agent or of a training run, or noop, or random."""
+    """Directory of an agent or of a training run, a bundled agent (general), or noop, or random."""
     levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
-    """Folders of levels, level files, names of bundled levels, level sets."""
+    """Folders of levels, level files, level sets; names of bundled ones (s/…, levels/s, sets/s)."""
     attempts: int = 20
     """Independent episodes a level."""
     seed: int = 0

@@ -14,7 +14,7 @@ class Play:
     level: Annotated[str, tyro.conf.Positional]
     """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
     agent: str = "noop"
-    """Directory of an agent, or noop, or random."""
+    """Directory of an agent, a bundled agent (general), or noop, or random."""
     seed: int = 0
     """Seed of the agent's draws."""
     physics: str | None = None

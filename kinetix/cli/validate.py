@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import tyro
 from tyro.conf import Positional
 
+from kinetix.bundled import named_levels
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
@@ -64,8 +65,9 @@ def run(command: Validate) -> int:
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
     """The files that the command line means: folders stand for every JSON file below them."""
     for file in files:
-        if Path(file).is_dir():
-            yield from map(str, sorted(Path(file).rglob("*.json")))
+        folder = Path(file) if Path(file).exists() else named_levels(file)
+        if folder is not None and folder.is_dir():
+            yield from map(str, sorted(folder.rglob("*.json")))
         else:
             yield file
 

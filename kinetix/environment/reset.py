@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 from jaxtyping import Array
 
+from kinetix.bundled import named_levels
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.params import (
     EnvParams,
@@ -251,7 +252,8 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
 
 
 def _names_set(path: str | Path) -> bool:
-    return Path(path).is_file() and is_set_file(Path(path))
+    file = Path(path) if Path(path).is_file() else named_levels(path)
+    return file is not None and file.is_file() and is_set_file(file)
 
 
 def _static_of(loaded: LoadedLevel) -> StaticEnvParams:

@@ -9,6 +9,7 @@ from typing import Any, Final, Literal
 
 import msgspec
 
+from kinetix.bundled import level_hint, named_levels
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_atomically
 from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text, unsayable_paths
@@ -21,7 +22,6 @@ from kinetix.level.kinetix_env_import import to_level
 from kinetix.level.migrations import migrate
 from kinetix.level.model import Level
 from kinetix.level.schema import check_tree
-from kinetix.paths import levels_dir
 
 LevelFormat = Literal["kinetix-level", "kinetix-env"]
 LEVELSET_FORMAT: Final = "kinetix-levelset"
@@ -53,21 +53,14 @@ def resolve_path(name: str | Path) -> Path:
         LevelError: There is no such file.
     """
     plain = Path(_PERMUTATION.sub("", str(name)))
-    candidates = [plain]
-    if not plain.is_absolute() and not str(name).startswith("."):
-        candidates.append(levels_dir() / plain)
-    try:
-        for candidate in candidates:
-            with_suffix = candidate.with_name(f"{candidate.name}.json")
-            for path in (candidate, with_suffix):
-                if path.is_file():
-                    return path
-    except (OSError, ValueError) as error:  # too long a name, a folder that is closed to us
-        reason = getattr(error, "strerror", None) or error
-        raise LevelError(f"{name}: cannot be read: {reason}") from error
-    if plain.is_dir():
+    for path in (plain, plain.with_name(f"{plain.name}.json"), named_levels(name)):
+        if path is not None and path.is_file():
+            return path
+    if plain.is_dir() or named_levels(name) is not None:
         raise LevelError(f"{name}: expected a level file, got a folder")
-    raise LevelError(f"{name}: there is no such file, nor a bundled level of this name")
+    raise LevelError(
+        f"{name}: there is no such file, nor a bundled level of this name{level_hint(name)}"
+    )
 
 
 def load_document(path: str | Path) -> LoadedLevel:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Final, Literal
 import msgspec
 from msgspec import Meta
 
+from kinetix.bundled import named_levels
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.files.limits import LIMITS, MIB
@@ -268,7 +269,8 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     """The levels that a command line means: folders, files, names of bundled levels, level sets.
 
     Args:
-        sources: Each a folder (every level below it), a level file or name, or a level set.
+        sources: Each a folder (every level below it), a level file or a level set, or the name of
+            one that is bundled: `s/first_flight`, `levels/s`, `sets/s`.
 
     Raises:
         LevelError: Something is missing or bad, or there is no level at all.
@@ -276,6 +278,8 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     levels: list[SetLevel] = []
     for source in sources:
         path = Path(source)
+        if not path.exists():
+            path = named_levels(source) or path
         if path.is_dir():
             levels += [_from_file(file, file.relative_to(path)) for file in level_files(path)]
             continue
