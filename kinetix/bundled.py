@@ -34,7 +34,7 @@ def named_levels(name: str | Path) -> Path | None:
 
 
 def named_agent(name: str | Path) -> Path | None:
-    """Return the folder of a bundled agent: `general`, `checkpoints/general`; None: no such name."""
+    """Return the folder of a bundled agent (`general`, `checkpoints/general`), or None."""
     plain = Path(name)
     if plain.is_absolute() or str(name).startswith("."):
         return None

@@ -39,7 +39,7 @@ class Render:
     out: Annotated[Path, Positional, tyro.conf.arg(metavar="OUT")]
     """Picture (.png) or film (.gif, .mp4) to write."""
     agent: str = "noop"
-    """Who plays: directory or name of an agent, noop, random, or solution (what the level records)."""
+    """Who plays: an agent (directory or name), noop, random, or solution (what is recorded)."""
     steps: int | None = None
     """Environment steps to play: for a picture 0, for a film until the episode ends."""
     pixels: int = 500

@@ -274,7 +274,7 @@ def test_names_of_files(tmp_path, monkeypatch):
     bundled = tmp_path / "bundled"
     (bundled / "s").mkdir(parents=True)
     (bundled / "s" / "cart.json").write_text(EVERYTHING)
-    monkeypatch.setattr("kinetix.level.codec.levels_dir", lambda: bundled)
+    monkeypatch.setattr("kinetix.bundled.levels_dir", lambda: bundled)
     monkeypatch.chdir(tmp_path)
     for name in ("s/cart", "s/cart.json", "s/cart.permute3.json", "s/cart.permute12"):
         assert resolve_path(name) == bundled / "s" / "cart.json"
