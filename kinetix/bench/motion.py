@@ -2,14 +2,15 @@
 
 import dataclasses
 import functools
+import itertools
 from typing import Final
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from kinetix.engine.pairs import collision_matrix
-from kinetix.level.geometry import inverse_mass, referenced_body, to_world
-from kinetix.level.model import Body, BodyReference, Circle, Point, Polygon
+from kinetix.level.geometry import arena_bodies, inverse_mass, referenced_body, to_world
+from kinetix.level.graph import components, may_push
+from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Point, Polygon
 from kinetix.scenes.model import Trial
 
 WILD_DISTANCE: Final = 1e3
@@ -91,33 +92,45 @@ class Motion:
         return np.stack(gaps, axis=1) if gaps else np.zeros((len(self.position), 0))
 
     def penetration(self) -> Float[np.ndarray, " k"]:
-        """Deepest overlap of any two bodies that push each other [m]; 0 where none does."""
-        level = self.trial.level
-        index = {body.id: k for k, body in enumerate(level.bodies)}
-        joints = [(index[j.a], index[j.b]) for j in level.joints if j.a in index and j.b in index]
-        a, b = np.array(joints, dtype=int).reshape(-1, 2).T
-        collides = collision_matrix(len(index), a, b, np.ones(len(joints), bool))
+        """Deepest overlap of any two bodies that push each other [m]; 0 where none does.
+
+        Arena bodies that can be felt count too.
+        """
+        placed = self._placed()
+        component = components(self.trial.level)
         deepest = np.zeros(len(self.position))
-        reach = [_reach(body) for body in level.bodies]
-        for i in range(len(level.bodies)):
-            for j in range(i + 1, len(level.bodies)):
-                first, second = level.bodies[i], level.bodies[j]
-                if not collides[i, j] or not (self.free[i] or self.free[j]):
-                    continue
-                if "ghost" in (first.collision, second.collision):
-                    continue
-                distance = np.linalg.norm(self.position[:, i] - self.position[:, j], axis=-1)
-                near = distance < reach[i] + reach[j]
-                if near.any():
-                    deepest[near] = np.maximum(deepest[near], -self._separation(i, j, near))
+        for first, second in itertools.combinations(placed, 2):
+            if not may_push(
+                (first.reference, first.body), (second.reference, second.body), component
+            ):
+                continue
+            distance = np.linalg.norm(first.position - second.position, axis=-1)
+            near = distance < first.reach + second.reach
+            if near.any():
+                gap = _separation(first.at(near), second.at(near))
+                deepest[near] = np.maximum(deepest[near], -gap)
         return deepest
 
-    def corners(self, body: int) -> Float[np.ndarray, "k v 2"]:
-        """The corners of a polygon in the world [m]."""
-        shape = self.bodies[body].shape
-        assert isinstance(shape, Polygon)
-        local = np.array(shape.vertices)
-        return self.position[:, body, None] + turned(self.rotation[:, body, None], local)
+    def _placed(self) -> list["_Placed"]:
+        """All bodies with their poses at every step, the arena's last."""
+        moments = len(self.position)
+        level = self.trial.level
+        placed = [
+            _Placed(
+                reference=body.id,
+                body=body,
+                position=self.position[:, k],
+                rotation=self.rotation[:, k],
+            )
+            for k, body in enumerate(level.bodies)
+        ]
+        for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True):
+            if body.collision != "ghost":
+                place = np.broadcast_to(np.array(body.position, float), (moments, 2))
+                placed.append(
+                    _Placed(reference=name, body=body, position=place, rotation=np.zeros(moments))
+                )
+        return placed
 
     def _attached(self, body: BodyReference, anchor: Point) -> np.ndarray:
         level = self.trial.level
@@ -126,17 +139,47 @@ class Motion:
                 return self.point(index, anchor)
         return np.array(to_world(referenced_body(level, body), anchor))
 
-    def _separation(self, i: int, j: int, chosen: Bool[np.ndarray, " k"]) -> np.ndarray:
-        first, second = self.bodies[i].shape, self.bodies[j].shape
-        if isinstance(first, Circle) and isinstance(second, Circle):
-            distance = np.linalg.norm(self.position[chosen, i] - self.position[chosen, j], axis=-1)
-            return distance - first.radius - second.radius
-        if isinstance(first, Circle):
-            return outside(self.corners(j)[chosen], self.position[chosen, i]) - first.radius
-        if isinstance(second, Circle):
-            return outside(self.corners(i)[chosen], self.position[chosen, j]) - second.radius
-        a, b = self.corners(i)[chosen], self.corners(j)[chosen]
-        return np.maximum(most_apart(a, b), most_apart(b, a))
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Placed:
+    """A body with its poses."""
+
+    reference: BodyReference
+    body: Body
+    position: Float[np.ndarray, "k 2"]
+    rotation: Float[np.ndarray, " k"]
+
+    @property
+    def reach(self) -> float:
+        """Largest distance of a point of it from its origin [m]."""
+        if isinstance(self.body.shape, Circle):
+            return self.body.shape.radius
+        return float(np.linalg.norm(np.array(self.body.shape.vertices), axis=-1).max())
+
+    def at(self, moments: Bool[np.ndarray, " k"]) -> "_Placed":
+        """The same at some of the moments."""
+        return dataclasses.replace(
+            self, position=self.position[moments], rotation=self.rotation[moments]
+        )
+
+    def corners(self) -> Float[np.ndarray, "k v 2"]:
+        """Of a polygon, in the world [m]."""
+        assert isinstance(self.body.shape, Polygon)
+        local = np.array(self.body.shape.vertices)
+        return self.position[:, None] + turned(self.rotation[:, None], local)
+
+
+def _separation(first: _Placed, second: _Placed) -> Float[np.ndarray, " k"]:
+    a, b = first.body.shape, second.body.shape
+    if isinstance(a, Circle) and isinstance(b, Circle):
+        distance = np.linalg.norm(first.position - second.position, axis=-1)
+        return distance - a.radius - b.radius
+    if isinstance(a, Circle):
+        return outside(second.corners(), first.position) - a.radius
+    if isinstance(b, Circle):
+        return outside(first.corners(), second.position) - b.radius
+    corners = first.corners(), second.corners()
+    return np.maximum(most_apart(*corners), most_apart(*reversed(corners)))
 
 
 def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -144,12 +187,6 @@ def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     x, y = vector[..., :1], vector[..., 1:]
     return np.concatenate([c * x - s * y, s * x + c * y], axis=-1)
-
-
-def _reach(body: Body) -> float:
-    if isinstance(body.shape, Circle):
-        return body.shape.radius
-    return float(np.linalg.norm(np.array(body.shape.vertices), axis=-1).max())
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:

@@ -3,10 +3,12 @@
 import dataclasses
 import functools
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Int
 
 from kinetix.bench.motion import Motion
 from kinetix.engine.pipeline import step
@@ -19,6 +21,9 @@ from kinetix.level.sizes import needed_capacity
 from kinetix.level.slots import body_slots
 from kinetix.scenes.model import Trial
 
+CHUNK: Final = 60
+"""Frames of one compiled scan: runs of any length share it."""
+
 
 def run_trials(
     trials: Sequence[Trial],
@@ -27,6 +32,7 @@ def run_trials(
     binary64: bool = False,
     every: int = 1,
     like: Sequence[Trial] = (),
+    spec: SceneSpec | None = None,
 ) -> list[Motion]:
     """Record every trial; all are padded to one capacity and stepped together.
 
@@ -36,9 +42,11 @@ def run_trials(
         binary64: Whether to compute in binary64 instead of binary32.
         every: Record only each so-manieth step; the motions then have a `dt` as much longer.
         like: Further trials that capacity and features have to cover, for comparing the runs.
+        spec: Capacity and features; by default exactly what all these trials need.
     """
     with precision(binary64):
-        return _run(trials, spec_for([*trials, *like], solver), solver, binary64, every)
+        spec = spec or spec_for([*trials, *like], solver)
+        return _run(trials, spec, solver, binary64, every)
 
 
 def spec_for(trials: Sequence[Trial], solver: AbstractSolver) -> SceneSpec:
@@ -79,9 +87,12 @@ def _run(
     _, given, state = compiled_trials(trials, solver, spec)
     given, state = convert(given), convert(state)
     steps = -(-max(trial.steps for trial in trials) // every)
-    recorded = _record(state, given, spec, solver, steps, every)
     start = (state.position, state.rotation, state.velocity, state.angular_velocity)
-    *moved, overflow = jax.tree.map(np.asarray, recorded)
+    parts = []
+    for _ in range(0, steps, CHUNK):
+        state, part = _record(state, given, jnp.int32(every), spec, solver)
+        parts.append(jax.tree.map(np.asarray, part))
+    *moved, overflow = (np.concatenate(part) for part in zip(*parts, strict=True))
     arrays = [
         np.concatenate([np.asarray(first)[None], rest]).astype(np.float64)
         for first, rest in zip(start, moved, strict=True)
@@ -92,32 +103,35 @@ def _run(
     ]
 
 
-@functools.partial(jax.jit, static_argnames=("spec", "solver", "steps", "every"))
+@functools.partial(jax.jit, static_argnames=("spec", "solver"))
 def _record(
     state: State,
     given: tuple[World, Control, Parameters],
+    every: Int[Array, ""],
     spec: SceneSpec,
     solver: AbstractSolver,
-    steps: int,
-    every: int,
-) -> tuple[Any, ...]:
-    """(step, world, …) of positions, angles, velocities, angular velocities, overflow."""
+) -> tuple[State, tuple[Any, ...]]:
+    """The state after a chunk, and (frame, world, …) of poses, velocities and overflow."""
     world, control, parameters = given
     advance = jax.vmap(functools.partial(step, spec=spec, solver=solver))
 
     def once(state: State, _: None) -> tuple[State, tuple[Any, ...]]:
-        state = jax.lax.fori_loop(
-            0, every, lambda _, state: advance(world, state, control, parameters), state
+        state, overflow = jax.lax.fori_loop(
+            0, every, lambda _, carry: _advanced(carry), (state, jnp.zeros_like(state.overflow))
         )
         return state, (
             state.position,
             state.rotation,
             state.velocity,
             state.angular_velocity,
-            state.overflow,
+            overflow,
         )
 
-    return jax.lax.scan(once, state, None, length=steps)[1]
+    def _advanced(carry: tuple[State, Array]) -> tuple[State, Array]:
+        state = advance(world, carry[0], control, parameters)
+        return state, carry[1] | state.overflow
+
+    return jax.lax.scan(once, state, None, length=CHUNK)
 
 
 def _motion(

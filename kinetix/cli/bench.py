@@ -57,6 +57,27 @@ class MeasureAccuracy:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class MeasureEveryday:
+    """How often things that people build go wrong, in scenes drawn by a seed."""
+
+    count: int = 500
+    """How many scenes."""
+    seed: int = 0
+    """Of the scenes."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    peer: str | None = None
+    """Another engine instead of ours: box2d, pymunk or jax2d; `make bench-peers` installs the first
+    two."""
+    classes: str = "all"
+    """all, or classes such as walls,cars."""
+    save: Path | None = None
+    """Folder for the levels of scenes that go wrong."""
+    json: bool = False
+    """Print one JSON object a class on stdout, and nothing else there."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class MeasurePeers:
     """Speed of other engines and of ours, in turn, on levels; then their part of the chart."""
 
@@ -118,11 +139,20 @@ Bench = (
     Annotated[MeasureSpeed, tyro.conf.subcommand("speed")]
     | Annotated[MeasureRender, tyro.conf.subcommand("render")]
     | Annotated[MeasureAccuracy, tyro.conf.subcommand("accuracy")]
+    | Annotated[MeasureEveryday, tyro.conf.subcommand("everyday")]
     | Annotated[MeasurePeers, tyro.conf.subcommand("peers")]
     | Annotated[MeasureScaling, tyro.conf.subcommand("scaling")]
     | Annotated[DrawChart, tyro.conf.subcommand("chart")]
 )
-Command = MeasureSpeed | MeasureRender | MeasureAccuracy | MeasurePeers | MeasureScaling | DrawChart
+Command = (
+    MeasureSpeed
+    | MeasureRender
+    | MeasureAccuracy
+    | MeasureEveryday
+    | MeasurePeers
+    | MeasureScaling
+    | DrawChart
+)
 
 
 def run(command: Command) -> int:
@@ -133,6 +163,8 @@ def run(command: Command) -> int:
     """
     if isinstance(command, MeasureAccuracy):
         return _accuracy(command)
+    if isinstance(command, MeasureEveryday):
+        return _everyday(command)
     if isinstance(command, DrawChart):
         return _chart(command)
     rows = []
@@ -244,6 +276,28 @@ def _accuracy(command: MeasureAccuracy) -> int:
         print(json_module.dumps(row) if command.json else scene_text(row), flush=True)
     if not command.json:
         print(summary_text(rows))
+    return 0
+
+
+def _everyday(command: MeasureEveryday) -> int:
+    from kinetix.bench.everyday.measure import EverydaySettings, measure_everyday, text_of
+    from kinetix.scenes.everyday.catalogue import CLASSES
+
+    names = tuple(CLASSES) if command.classes == "all" else tuple(command.classes.split(","))
+    settings = EverydaySettings(
+        count=command.count,
+        seed=command.seed,
+        physics=command.physics,
+        peer=command.peer,
+        classes=names,
+        save=command.save,
+    )
+    rows = []
+    for row in measure_everyday(settings):
+        rows.append(row)
+        print(json_module.dumps(row) if command.json else text_of(row), flush=True)
+    if not command.json:
+        print(f"{sum(row['bad'] for row in rows)} of {sum(row['scenes'] for row in rows)} bad")
     return 0
 
 

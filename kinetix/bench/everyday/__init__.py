@@ -1,0 +1,1 @@
+"""Everyday scenes in our engine and in others: how often something goes wrong."""
