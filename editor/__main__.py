@@ -3,8 +3,9 @@
 import dataclasses
 import os
 import sys
+import threading
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import tyro
 
@@ -19,6 +20,9 @@ from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded
 from kinetix.paths import levels_dir
+
+_PARTING_SECONDS: Final = 0.3
+"""How long jobs that were called off get to leave, when the app closes [s]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -89,11 +93,11 @@ def _run(options: Options) -> int:
         sys.stderr.write(f"{error}\n")
         status = 1
     finally:
-        session.worker.stop(0.5)
-        session.evaluator.stop(0.5)
-        session.library.stop(0.5)
         host.close()
-    if not (session.worker.idle and session.evaluator.idle):
+        for each in (session.worker, session.evaluator, session.library):
+            each.stop(0.0)
+        session.worker.stop(_PARTING_SECONDS)
+    if threading.active_count() > 1:
         # A compilation cannot be interrupted, and must not keep the app from closing.
         sys.stdout.flush()
         sys.stderr.flush()
@@ -113,7 +117,9 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
         raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
     else:
         host.ui.warm_up = True
-        if options.record is not None:
+        if options.record is None:
+            session.play_quickly()
+        else:
             # When a level's own step is ready is chance: the replay would play another one.
             host.ui.preparation.tailors = False
             host.recorder = Recorder(session, options.record)

@@ -24,6 +24,7 @@ from editor.playback import Mode
 from editor.recording import Snapshot
 from editor.textures import TextureStore
 from editor.vectors import Painter, Placement, paint_level, poses_of
+from editor.waiting import paint_waiting
 from editor.widgets import font, probe, px
 from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.render.palette import KINETIX, PALETTES
@@ -346,6 +347,7 @@ class Canvas:
             paint_numbers(session, draw, x + width - px(12), y + px(12))
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)
+        paint_waiting(session, draw, self.area)
         outcome = playback.outcome
         if outcome in _OUTCOMES and session.mode is Mode.ENDED:
             self._verdicts(session, draw, outcome)

@@ -1,7 +1,8 @@
-"""The background worker: one thread, the only one that ever imports JAX.
+"""The background worker: its threads are the only ones that ever import JAX.
 
 The interface's thread puts requests in and takes results out once a frame. Requests and results are
-plain frozen values and numpy arrays; every job shows its progress and can be cancelled.
+plain frozen values and numpy arrays; every job shows its progress and can be cancelled. Requests of
+different kinds go through different lanes, so that what is played never waits for anything else.
 """
 
 import dataclasses
@@ -9,22 +10,34 @@ import enum
 import heapq
 import itertools
 import threading
+import time
 import traceback
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Final
 
 from editor.journal import Journal
+from editor.priority import step_back
 from editor.recording import Action, Snapshot
 from editor.requests import (
     Advance,
     Cancelled,
     Casting,
+    CheckDynamics,
+    Evaluate,
+    ExportFilm,
+    GetReady,
+    KeepPrograms,
+    Observe,
     Perform,
     Progress,
     Pull,
+    Rehearse,
+    RenderState,
     Request,
     Restore,
     StartEpisode,
+    Tailor,
+    WarmUp,
 )
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
@@ -47,6 +60,8 @@ class Job:
         self.request = request
         self.title = title
         """What the status bar says: "Compiling the simulator"."""
+        self.since = time.monotonic()
+        """When it was asked for, on the clock of `time.monotonic` [s]."""
         self.state = JobState.QUEUED
         self.fraction: float | None = None
         """How far it is, 0 … 1, or None when unknown."""
@@ -90,9 +105,31 @@ class Job:
 
 def perform_in_simulation(request: Request, progress: Progress) -> Any:
     """Do a request in the simulation; imports JAX on the first call."""
+    progress.report(None, "Starting the simulation")
     from editor import simulation
 
     return simulation.perform(request, progress)
+
+
+PREPARATIONS: Final = "preparations"
+"""The lane of what is compiled ahead."""
+_LANES: Final[dict[type, str]] = {
+    RenderState: "pictures",
+    Observe: "views",
+    ExportFilm: "films",
+    **dict.fromkeys((Evaluate, CheckDynamics), "measurements"),
+    **dict.fromkeys((GetReady, WarmUp, Tailor, Rehearse, KeepPrograms), PREPARATIONS),
+}
+"""Through which lane a request goes; what is not listed are chores, done one after the other."""
+_NICENESS: Final = {"pictures": 5, "films": 10, "measurements": 10}
+"""Lanes that leave the processor to the others."""
+
+
+def lane_of(request: Request) -> str:
+    """The lane of a request: requests of one lane wait for each other, those of two never do."""
+    if isinstance(request, StartEpisode | Advance | Restore):
+        return f"episode {request.slot}"
+    return _LANES.get(type(request), "chores")
 
 
 @dataclasses.dataclass(order=True)
@@ -102,33 +139,50 @@ class _Waiting:
     done: Callable[[Job], None] | None = dataclasses.field(compare=False)
 
 
+class _Lane:
+    """A thread's queue."""
+
+    def __init__(self) -> None:
+        self.queue: list[_Waiting] = []
+        self.running: Job | None = None
+        self.thread: threading.Thread | None = None
+
+    @property
+    def idle(self) -> bool:
+        return self.running is None and not self.queue
+
+
 class Worker:
-    """A thread and its queue. Urgent jobs go before others; a running job is never interrupted."""
+    """A thread with a queue for each lane. Urgent jobs go before others; none is interrupted."""
 
     def __init__(self, perform: Perform = perform_in_simulation) -> None:
         self._perform = perform
-        self._queue: list[_Waiting] = []
+        self._lanes: dict[str, _Lane] = {}
         self._finished: list[_Waiting] = []
         self._condition = threading.Condition()
-        self._running: Job | None = None
         self._numbers = itertools.count()
-        self._thread: threading.Thread | None = None
         self._stopping = False
         self.log = Journal()
         """Tracebacks of jobs that failed unexpectedly, for the log panel."""
 
     @property
     def jobs(self) -> tuple[Job, ...]:
-        """The running job, then the waiting ones."""
+        """The running jobs, then the waiting ones."""
         with self._condition:
-            running = () if self._running is None else (self._running,)
-            return (*running, *(waiting.job for waiting in sorted(self._queue)))
+            lanes = self._lanes.values()
+            running = [lane.running for lane in lanes if lane.running is not None]
+            waiting = sorted(waiting for lane in lanes for waiting in lane.queue)
+            return (*running, *(each.job for each in waiting))
 
     @property
     def idle(self) -> bool:
         """Whether no job is running, waiting or untaken."""
         with self._condition:
-            return self._running is None and not self._queue and not self._finished
+            return self._resting and not self._finished
+
+    @property
+    def _resting(self) -> bool:
+        return all(lane.idle for lane in self._lanes.values())
 
     def submit(
         self,
@@ -138,12 +192,12 @@ class Worker:
         urgent: bool = False,
         done: Callable[[Job], None] | None = None,
     ) -> Job:
-        """Queue a request; the thread starts with the first one.
+        """Queue a request; a lane's thread starts with its first one.
 
         Args:
             request: What to do.
             title: What to call it on the screen.
-            urgent: Goes before jobs that are not.
+            urgent: Goes before jobs of its lane that are not.
             done: Called by `poll` on the caller's thread when the job has finished in any way.
 
         Returns:
@@ -151,12 +205,16 @@ class Worker:
         """
         job = Job(request, title)
         with self._condition:
+            name = lane_of(request)
+            lane = self._lanes.setdefault(name, _Lane())
             rank = (0 if urgent else 1, next(self._numbers))
-            heapq.heappush(self._queue, _Waiting(rank=rank, job=job, done=done))
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._work, name="worker", daemon=True)
-                self._thread.start()
-            self._condition.notify()
+            heapq.heappush(lane.queue, _Waiting(rank=rank, job=job, done=done))
+            if lane.thread is None:
+                lane.thread = threading.Thread(
+                    target=self._work, args=(lane, _NICENESS.get(name, 0)), name=name, daemon=True
+                )
+                lane.thread.start()
+            self._condition.notify_all()
         return job
 
     def poll(self) -> list[Job]:
@@ -171,33 +229,36 @@ class Worker:
     def wait(self, seconds: float) -> bool:
         """Block until a result can be taken or nothing is left to do; False after the time."""
         with self._condition:
-            return self._condition.wait_for(
-                lambda: bool(self._finished) or (self._running is None and not self._queue), seconds
-            )
+            return self._condition.wait_for(lambda: bool(self._finished) or self._resting, seconds)
 
     def stop(self, seconds: float = 2.0) -> None:
-        """Cancel everything and end the thread; wait so long for what is under way."""
+        """Cancel everything and end the threads; wait so long for what is under way."""
         with self._condition:
             self._stopping = True
-            for waiting in self._queue:
-                waiting.job.cancel()
-            if self._running is not None:
-                self._running.cancel()
-            self._condition.notify()
-        if self._thread is not None:
-            self._thread.join(seconds)
+            for lane in self._lanes.values():
+                for waiting in lane.queue:
+                    waiting.job.cancel()
+                if lane.running is not None:
+                    lane.running.cancel()
+            self._condition.notify_all()
+            threads = [lane.thread for lane in self._lanes.values() if lane.thread is not None]
+        until = time.monotonic() + seconds
+        for thread in threads:
+            thread.join(max(until - time.monotonic(), 0.0))
 
-    def _work(self) -> None:
+    def _work(self, lane: _Lane, niceness: int) -> None:
+        if niceness:
+            step_back(niceness)
         while True:
             with self._condition:
-                self._condition.wait_for(lambda: self._queue or self._stopping)
+                self._condition.wait_for(lambda: lane.queue or self._stopping)
                 if self._stopping:
                     return
-                waiting = heapq.heappop(self._queue)
-                self._running = waiting.job
+                waiting = heapq.heappop(lane.queue)
+                lane.running = waiting.job
             self._run(waiting.job)
             with self._condition:
-                self._running = None
+                lane.running = None
                 self._finished.append(waiting)
                 self._condition.notify_all()
 
@@ -233,6 +294,9 @@ class WorkerSimulator:
         self._error = ""
         self.keep_contacts = False
         """Whether the snapshots to come carry contact points."""
+        self.quick = False
+        """Whether an episode may begin in a step that was compiled quickly, where no better one is
+        ready. What is recorded as a script plays the same again only without."""
         self.job: Job | None = None
         """The job that starts the episode, for its progress."""
 
@@ -251,8 +315,9 @@ class WorkerSimulator:
             keep_contacts=self.keep_contacts,
             casting=casting,
             slot=self._slot,
+            quick=self.quick,
         )
-        self.job = self._submit(request, "Preparing the simulation")
+        self.job = self._submit(request, "Preparing Play")
 
     def advance(self, actions: tuple[Action | None, ...], pull: Pull | None = None) -> None:
         """Play one environment step for each action."""

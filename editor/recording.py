@@ -96,6 +96,8 @@ class Snapshot:
     """What the step took to compute."""
     tailored: bool = False
     """Whether that was the step compiled for this level alone, not the one of its size."""
+    quick: bool = False
+    """Whether that step was compiled quickly: the other tier rounds differently."""
     action: tuple[float, ...] = ()
     """What was played in the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     mind: Mind | None = None

@@ -113,6 +113,8 @@ class Rehearse:
     level: Level
     physics: str
     casting: Casting
+    quick: bool = False
+    """Compile it quickly, unless there is a better one."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -251,6 +253,25 @@ class WarmUp:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class GetReady:
+    """Have a step that a level can be played in, soon. Gives the names of all presets and solvers.
+
+    It is compiled quickly, unless there is a better one in memory or on disk.
+    """
+
+    level: Level
+    physics: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class KeepPrograms:
+    """Write what was compiled to the cache on disk, which stops all threads for a moment.
+
+    What nobody has used for long is thrown away there. Gives nothing.
+    """
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Tailor:
     """Compile a step for what one level can ever do, which costs less than the one of its size.
 
@@ -276,6 +297,8 @@ class StartEpisode:
     """Who plays; None: hands alone, through `Advance`."""
     slot: str = "a"
     """Episodes of different slots run beside each other."""
+    quick: bool = False
+    """Whether a step that was compiled quickly will do where no better one is ready."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -377,6 +400,8 @@ class ExportFilm:
 
 Request: TypeAlias = (
     WarmUp
+    | GetReady
+    | KeepPrograms
     | Tailor
     | LoadAgent
     | Rehearse

@@ -150,6 +150,10 @@ class Session:
         """The agents, and how they are watched."""
         self.trial = Trial(self.evaluator)
         """What becomes of the level without a plan."""
+        self.quick = False
+        """Whether Play may begin in a step that was compiled quickly; see `play_quickly`."""
+        self.touched = 0.0
+        """When the person did something last, on the clock of `time.monotonic` [s]."""
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]
@@ -401,10 +405,21 @@ class Session:
         if self.tab_index > index or self.tab_index >= len(self.tabs):
             self.tab_index = max(self.tab_index - 1, 0)
 
+    def play_quickly(self) -> None:
+        """Let episodes begin in a step that was compiled quickly, until a better one is ready.
+
+        Which of the two an episode gets is chance, and they round differently: what has to come
+        out the same again (scripts, films of them) does without.
+        """
+        self.quick = True
+        for simulator in (self.playback.simulator, self.viewer.rival.simulator):
+            if isinstance(simulator, WorkerSimulator):
+                simulator.quick = True
+
     def leave_play(self) -> None:
         """Drop gestures and stop playing."""
         self.driver.cancel()
-        self.pull = None
+        self.pull = self.viewer.eager = None
         if self.playback.active:
             self.playback.stop()
         self.viewer.rival.stop()

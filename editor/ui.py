@@ -36,6 +36,7 @@ from editor.panels.toasts import Toasts
 from editor.panels.toolbar import Toolbar
 from editor.panels.training import TrainingPanel
 from editor.preparing import Preparation
+from editor.requests import WarmUp
 from editor.textures import TextureStore
 from editor.widgets import px
 
@@ -245,7 +246,7 @@ class Ui:
     def _compiled(self, job: Job) -> None:
         if job.state is JobState.DONE:
             self._toolbar.physics = job.result
-            self.canvas.images.enabled = self.session.worker.idle
+            self.canvas.images.enabled |= isinstance(job.request, WarmUp)
         elif job.state is JobState.FAILED:
             self.session.toast(f"Play could not be prepared: {job.error}", "error")
 

@@ -5,7 +5,7 @@ from typing import Final, Literal, TypeAlias
 
 from editor.evaluation import Evaluation
 from editor.follower import Follower
-from editor.jobs import Worker
+from editor.jobs import Job, Worker
 from editor.playback import Simulator
 from editor.requests import AgentSummary, AgentView, Casting
 from editor.run_watch import RunWatch
@@ -31,7 +31,8 @@ class AgentSlot:
     summary: AgentSummary | None = None
     error: str = ""
     """Why it could not be loaded; one sentence."""
-    loading: bool = False
+    loading: Job | None = None
+    """What loads it, until it is there."""
 
 
 class Viewer:
@@ -52,6 +53,8 @@ class Viewer:
         self.run = RunWatch(worker)
         self.follow_run = True
         """Whether the newest checkpoint of the watched run is played as soon as it is there."""
+        self.eager: Job | None = None
+        """The loading of agent A, where it is to play as soon as it is there."""
         self.eye_open = False
         """Whether the panel with the agent's view is on the screen."""
         self.timeline_open = False

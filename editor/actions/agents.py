@@ -69,19 +69,29 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
     """
     path = str(path)
     place = session.viewer.slots[slot]
-    place.path, place.error, place.loading = path, "", True
-    session.worker.submit(
+    place.path, place.error = path, ""
+    place.loading = session.worker.submit(
         LoadAgent(path=path),
         title="Loading the agent",
-        done=functools.partial(_loaded, session, slot, path),
+        done=functools.partial(_arrived, session, slot, path),
     )
+
+
+def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
+    """Take a loaded agent; where somebody waits for it to play, it does."""
+    viewer = session.viewer
+    _loaded(session, slot, path, job)
+    if viewer.eager is job:
+        viewer.eager = None
+        if job.state is JobState.DONE and session.editing:
+            play_agent(session)
 
 
 def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     place = session.viewer.slots[slot]
     if place.path != path:
         return
-    place.loading = False
+    place.loading = None
     if job.state is JobState.FAILED:
         # The agent that was there stays: a run may be caught while it writes.
         place.error = job.error
@@ -114,7 +124,10 @@ def _rehearse(session: Session) -> None:
     if casting is not None and session.document.level.bodies:
         session.worker.submit(
             Rehearse(
-                level=session.document.level, physics=session.playback.physics, casting=casting
+                level=session.document.level,
+                physics=session.playback.physics,
+                casting=casting,
+                quick=session.quick,
             ),
             title="Preparing the agent",
         )
@@ -176,8 +189,12 @@ def _folder(session: Session) -> Path:
 
 
 def play_agent(session: Session) -> None:
-    """Let agent A play the level; without one, ask which."""
+    """Let agent A play the level, as soon as it is loaded; without one, ask which."""
     viewer = session.viewer
+    loading = viewer.slots["a"].loading
+    if loading is not None:
+        viewer.eager = loading
+        return
     casting, summary = viewer.casting("a"), viewer.slots["a"].summary
     if casting is None or summary is None:
         choose("a")(session)

@@ -136,7 +136,9 @@ def cancel(session: Session) -> None:
     """Leave what is under way; again: back to Select; again: select nothing."""
     if session.driver.cancel():
         return
-    if session.tool is not TOOLS["select"]:
+    if session.viewer.eager is not None:
+        session.viewer.eager = None
+    elif session.tool is not TOOLS["select"]:
         session.choose_tool("select")
     else:
         session.selection = ()

@@ -1,6 +1,7 @@
 """What every host shares: a Dear ImGui context, the input feeder, one frame after the other."""
 
 import abc
+import time
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -76,6 +77,8 @@ class Host(abc.ABC):
         io.delta_time = max(dt, 1e-5)
         if self.recorder is not None:
             self.recorder.take(batch, dt)
+        if batch:
+            self.session.touched = time.monotonic()
         self._feeder.feed(batch)
         for event in batch:
             if isinstance(event, _NOT_FOR_WIDGETS):

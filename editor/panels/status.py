@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import widgets
+from editor.jobs import PREPARATIONS, lane_of
 from editor.look import COLOURS, SMALL, Icons
 from editor.modes import MODE_LOOK
 from editor.playback import Mode
-from editor.requests import Tailor
 from editor.widgets import px
 
 if TYPE_CHECKING:
@@ -70,11 +70,12 @@ class StatusBar:
         c = COLOURS
         parts = []
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
-        jobs += [job for job in session.evaluator.jobs if isinstance(job.request, Tailor)]
         if jobs:
             job = jobs[0]
             share = f" {job.fraction:.0%}" if job.fraction is not None else ""
-            parts.append((f"{Icons.gear} {job.message or job.title}{share}", c.accent))
+            ahead = lane_of(job.request) == PREPARATIONS
+            words = job.title if ahead else job.message or job.title
+            parts.append((f"{Icons.gear} {words}{share}", c.accent))
         if session.cursor is not None:
             x, y = session.cursor
             parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
@@ -89,8 +90,9 @@ class StatusBar:
         parts.append((f"{session.camera.zoom:.0%}", c.muted))
         snapshot = session.playback.snapshot
         if session.playback.active and snapshot is not None:
-            tailored = ", compiled for this level" if snapshot.tailored else ""
-            parts.append((f"{snapshot.milliseconds:.1f} ms/step{tailored}", c.muted))
+            kind = ", compiled for this level" if snapshot.tailored else ""
+            kind = ", compiled quickly" if snapshot.quick else kind
+            parts.append((f"{snapshot.milliseconds:.1f} ms/step{kind}", c.muted))
             parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
         parts.append((f"{session.fps:.0f} fps", c.faint))
         document = session.document

@@ -1,6 +1,7 @@
 """Agents on the worker: load them once, tell what they are, let them drive an episode."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,9 @@ import numpy as np
 from jaxtyping import Array
 
 from editor.recording import Action, Mind
-from editor.requests import SCRIPTED, AgentRef, AgentSummary, Casting
+from editor.requests import SCRIPTED, AgentRef, AgentSummary, Casting, Progress, Rehearse
+from editor.simulation.compiling import FULL, QUICK, Recipe
+from editor.simulation.stepping import PROGRAMS, first_state
 from kinetix.agents.agent import load_agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import newest_checkpoint
@@ -22,12 +25,12 @@ from kinetix.agents.kinetix_env import is_peer_checkpoint
 from kinetix.agents.live import play_step
 from kinetix.agents.player import Player
 from kinetix.agents.scripted import ScriptedPlayer
-from kinetix.engine.spec import Capacity
 from kinetix.environment.actions import MultiDiscreteActions
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.errors import CheckpointError, KinetixError
 from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
 from kinetix.pytree import pytree
 
 _MEMORY: dict[AgentRef, Player] = {}
@@ -134,22 +137,34 @@ class Step:
 class AgentDriver:
     """An agent that plays one episode, with its memory and its draws.
 
-    It always plays in the step that every level of the size shares: an attempt that is watched is
-    to be the attempt that an evaluation counts, to the bit, and its network outweighs the physics.
+    It always plays in a step that every level of the size shares: an attempt that is watched is to
+    be the attempt that an evaluation counts, to the bit, and its network outweighs the physics.
+    The quick tier alone rounds differently; it says so, and the next attempt has the other one.
     """
 
     tailored = False
 
-    def __init__(self, level: Level, capacity: Capacity, physics: str, casting: Casting) -> None:
+    def __init__(
+        self, level: Level, physics: str, casting: Casting, progress: Progress, *, quick: bool
+    ) -> None:
         """Get ready to play a level.
+
+        Args:
+            level: The level.
+            physics: Preset or solver.
+            casting: Who plays, with which draws.
+            progress: Told how far loading and compiling are.
+            quick: Whether a step that is compiled quickly will do.
 
         Raises:
             CheckpointError: The agent cannot be loaded, or cannot play the level.
+            Cancelled: It is not wanted any more.
         """
+        progress.report(None, "Loading the agent")
         self._player = player_of(casting.agent)
         self._casting = casting
         card = self._player.card
-        self.capacity = capacity_for(card, capacity, level=repr(level.name))
+        self.capacity = capacity_for(card, capacity_of(level), level=repr(level.name))
         self.env: KinetixEnv = environment_for(self._player, self.capacity, physics=physics)
         self.frame_skip = card.environment.frame_skip
         _, number = capacity_and_key(level)
@@ -160,6 +175,41 @@ class AgentDriver:
             thruster_bindings=self.env.actions.thruster_bindings,
         )
         self._hand = hand
+        self.quick = quick and PROGRAMS.get(self._recipe(level, quick=False).key) is None
+        recipe = self._recipe(level, quick=self.quick)
+        self._play: Callable[..., Any] = PROGRAMS.obtain(recipe, progress)
+
+    def _recipe(self, level: Level, *, quick: bool) -> Recipe:
+        """What is compiled for a step."""
+        player, tier = self._player, QUICK if quick else FULL
+        deterministic = self._casting.deterministic
+
+        def trace() -> Any:
+            state = first_state(level, self.env.static_env_params)
+            arguments = self._arguments(state, 0, None)
+            return play_step.trace(self.env, player.policy, *arguments, deterministic=deterministic)
+
+        # The parameters are an argument: agents of one form share the program.
+        shapes = jax.tree.map(lambda x: (jnp.shape(x), str(jnp.result_type(x))), player.params)
+        form = jax.tree.structure(shapes), tuple(jax.tree.leaves(shapes))
+        key = (self.env, player.policy, form, deterministic, tier)
+        return Recipe(key=key, tier=tier, trace=trace, stored=not quick)
+
+    def _arguments(self, state: EnvState, step: int, hand: Action | None) -> tuple[Any, ...]:
+        """What the compiled step takes."""
+        width = self.env.actions.motor_bindings + self.env.actions.thruster_bindings
+        driven = np.zeros(width, np.float32)
+        if hand is not None:
+            driven = np.asarray(self._hand.unified(jnp.asarray(hand, jnp.int32)))
+        return (
+            self._player.params,
+            state,
+            self._carry,
+            jnp.asarray(step == 0),
+            jax.random.fold_in(self._key, step),
+            jnp.asarray(driven),
+            jnp.asarray(hand is not None),
+        )
 
     @property
     def memory(self) -> Any:
@@ -181,22 +231,8 @@ class AgentDriver:
             step: How many steps there were before.
             hand: What a person drives, or None to let the agent.
         """
-        width = self.env.actions.motor_bindings + self.env.actions.thruster_bindings
-        driven = np.zeros(width, np.float32)
-        if hand is not None:
-            driven = np.asarray(self._hand.unified(jnp.asarray(hand, jnp.int32)))
-        state, self._carry, thought, info = play_step(
-            self.env,
-            self._player.policy,
-            self._player.params,
-            state,
-            self._carry,
-            jnp.asarray(step == 0),
-            jax.random.fold_in(self._key, step),
-            jnp.asarray(driven),
-            jnp.asarray(hand is not None),
-            deterministic=self._casting.deterministic,
-        )
+        taken = self._play(*self._arguments(state, step, hand))
+        state, self._carry, thought, info = taken
         return Step(state=state, info=info, unified=thought.action, thought=thought)
 
     def mind(self, thought: Any, *, by_hand: bool, step: int) -> Mind:
@@ -219,6 +255,17 @@ class AgentDriver:
             by_hand=by_hand,
             scripted=not self._player.params,
         )
+
+
+def rehearse(request: Rehearse, progress: Progress) -> None:
+    """Compile what an agent needs to play a level; see `Rehearse`.
+
+    Raises:
+        CheckpointError: The agent cannot be loaded, or cannot play the level.
+        Cancelled: It is not wanted any more.
+    """
+    level, physics, casting = request.level, request.physics, request.casting
+    AgentDriver(level, physics, casting, progress, quick=request.quick)
 
 
 def mind_of(

@@ -11,7 +11,15 @@ import numpy as np
 from editor.commands.rigid import component
 from editor.controls import NOOP
 from editor.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Trace
-from editor.requests import Advance, Opened, PlaySolution, Progress, Pull, StartEpisode
+from editor.requests import (
+    Advance,
+    Opened,
+    PlaySolution,
+    Progress,
+    Pull,
+    Restore,
+    StartEpisode,
+)
 from editor.simulation.cast import AgentDriver, Step
 from editor.simulation.contacts import contact_points, deepest, pushing_pairs, touching_bodies
 from editor.simulation.stepping import (
@@ -20,13 +28,14 @@ from editor.simulation.stepping import (
     best_stepper,
     first_state,
     generic_stepper,
+    on_device,
+    own_stepper,
 )
 from kinetix.engine.spec import Capacity
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.geometry import body_mass
 from kinetix.level.model import THRUSTER_BINDINGS, Level
-from kinetix.level.sizes import capacity_of
 from kinetix.level.slots import body_slots
 
 PULL_RATE: Final = 8.0
@@ -50,7 +59,7 @@ class HandDriver:
     def __init__(self, stepper: Stepper) -> None:
         self.env = stepper.env
         self.capacity = stepper.env.static_env_params.capacity
-        self.tailored = stepper.tailored
+        self.tailored, self.quick = stepper.tailored, stepper.quick
         self._stepper = stepper
 
     def remember(self, memory: Any) -> None:
@@ -59,7 +68,7 @@ class HandDriver:
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
         """One environment step; see `AgentDriver.step`."""
         del step
-        action = jnp.asarray(NOOP if hand is None else hand, jnp.int32)
+        action = jax.device_put(np.asarray(NOOP if hand is None else hand, np.int32))
         state, info = self._stepper.step(state, action)
         return Step(state=state, info=info, unified=info["unified"])
 
@@ -67,11 +76,12 @@ class HandDriver:
 class Episode:
     """A level being played, from its first step to its last in one and the same compiled step."""
 
-    def __init__(self, request: StartEpisode, *, judges: bool = False) -> None:
+    def __init__(self, request: StartEpisode, progress: Progress, *, judges: bool = False) -> None:
         """Go to the first state.
 
         Args:
             request: What is played.
+            progress: Told how far the compiler is, where something has to be compiled.
             judges: Whether the outcome is to hold elsewhere too: then the step is the one that
                 every level of the size shares, as in commands, level sets and evaluations. The one
                 for this level alone rounds differently, and what is won by a hair may be lost.
@@ -79,22 +89,28 @@ class Episode:
         self.run = request.run
         self._level = request.level
         self._physics = request.physics
+        self._quick = request.quick
         self._contacts = request.keep_contacts
-        self._driver = self._cast(request, judges=judges)
+        self._driver = self._cast(request, progress, judges=judges)
         self._view = LevelView(request.level, self._driver.capacity)
         self._state = first_state(request.level, self._driver.env.static_env_params)
         self._ended = False
         first = self._view.first(jax.device_get(self._state), self._driver.frame_skip)
-        self.snapshot = dataclasses.replace(first, tailored=self._driver.tailored)
-        # The first step of a new size compiles here, behind the progress bar, not in the game.
+        driver = self._driver
+        self.snapshot = dataclasses.replace(first, tailored=driver.tailored, quick=driver.quick)
+        # What is still to be compiled for a first step is compiled here, not in the game.
         jax.block_until_ready(self._driver.step(self._state, 0, NOOP).state)
         self._driver.remember(None)
 
-    def _cast(self, request: StartEpisode, *, judges: bool) -> "HandDriver | AgentDriver":
+    def _cast(
+        self, request: StartEpisode, progress: Progress, *, judges: bool
+    ) -> "HandDriver | AgentDriver":
         level, physics = request.level, request.physics
         if request.casting is not None:
-            return AgentDriver(level, capacity_of(level), physics, request.casting)
-        return HandDriver((generic_stepper if judges else best_stepper)(level, physics))
+            return AgentDriver(level, physics, request.casting, progress, quick=request.quick)
+        if judges:
+            return HandDriver(generic_stepper(level, physics, progress))
+        return HandDriver(best_stepper(level, physics, progress, quick=request.quick))
 
     def advance(self, request: Advance) -> tuple[Snapshot, ...]:
         """Play steps until the episode ends; a snapshot each.
@@ -139,12 +155,20 @@ class Episode:
             )
         return mind
 
-    def restore(self, snapshot: Snapshot) -> None:
+    def restore(self, request: Restore, progress: Progress) -> None:
         """Go on from an earlier snapshot, in the kind of step that it was made with."""
-        self._state = jax.tree.map(jnp.asarray, snapshot.state)
-        if self._driver.tailored and not snapshot.tailored:
-            # It is from a recorded solution: what is played on from there belongs to the same run.
-            self._driver = HandDriver(generic_stepper(self._level, self._physics))
+        snapshot = request.snapshot
+        self._state = on_device(snapshot.state)
+        of_hand = isinstance(self._driver, HandDriver)
+        if of_hand and self._driver.tailored != snapshot.tailored:
+            # It is from a recorded solution, or from an episode that began before this step was
+            # ready: what is played on from there belongs to the same run.
+            level, physics = self._level, self._physics
+            self._driver = HandDriver(
+                own_stepper(level, physics, progress, quick=self._quick)
+                if snapshot.tailored
+                else generic_stepper(level, physics, progress)
+            )
         self._driver.remember(snapshot.memory)
         self._ended = snapshot.outcome is not None
         self.snapshot = snapshot
@@ -175,7 +199,7 @@ def play_solution(request: PlaySolution, progress: Progress) -> Opened:
         )
     progress.report(None, "Compiling the level")
     start = StartEpisode(run=0, level=level, physics=solution.physics, keep_contacts=True)
-    episode = Episode(start, judges=True)
+    episode = Episode(start, progress, judges=True)
     snapshots, actions = [episode.snapshot], tuple(solution.unrolled())
     for first in range(0, len(actions), _AT_ONCE):
         progress.report(first / len(actions), f"Step {first}")
@@ -241,6 +265,7 @@ class LevelView:
             outcome=outcome_of(info),
             milliseconds=milliseconds,
             tailored=before.tailored,
+            quick=before.quick,
             mind=mind,
             memory=memory,
         )

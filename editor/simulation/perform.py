@@ -13,6 +13,8 @@ from editor.requests import (
     Evaluate,
     ExportFilm,
     ExportPicture,
+    GetReady,
+    KeepPrograms,
     LoadAgent,
     Mutate,
     Observe,
@@ -29,14 +31,13 @@ from editor.requests import (
     Tailor,
     WarmUp,
 )
-from editor.simulation.cast import load
+from editor.simulation.cast import load, rehearse
 from editor.simulation.episode import Episode, play_solution
 from editor.simulation.evaluating import open_episode, read_run, run_evaluation
 from editor.simulation.levels import check_dynamics, drawn, mutated
 from editor.simulation.observing import observe
 from editor.simulation.pictures import export_film, export_picture, render_state
-from editor.simulation.quiet import without_pauses
-from editor.simulation.stepping import tailor, warm_up
+from editor.simulation.stepping import get_ready, keep_programs, tailor, warm_up
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 from kinetix.errors import KinetixError
@@ -57,6 +58,8 @@ class _Bridge:
         self._episodes: dict[str, Episode] = {}
         self._does: dict[type, Callable[[Any, Progress], Any]] = {
             WarmUp: self._warm_up,
+            GetReady: self._get_ready,
+            KeepPrograms: lambda request, _: keep_programs(),
             Tailor: tailor,
             StartEpisode: self._start,
             Advance: self._advance,
@@ -82,31 +85,29 @@ class _Bridge:
 
     def _warm_up(self, request: WarmUp, progress: Progress) -> tuple[str, ...]:
         """Compile the named sizes; the result is the names of all presets and solvers."""
-        for k, size in enumerate(request.sizes):
-            progress.report(k / len(request.sizes), f"Compiling size {size}")
-            with without_pauses():
-                warm_up(parse_capacity(size), request.physics)
+        for size in request.sizes:
+            progress.report(None, f"Compiling size {size}")
+            warm_up(parse_capacity(size), request.physics, progress)
+        return (*PRESETS, *SOLVERS)
+
+    def _get_ready(self, request: GetReady, progress: Progress) -> tuple[str, ...]:
+        get_ready(request, progress)
         return (*PRESETS, *SOLVERS)
 
     def _start(self, request: StartEpisode, progress: Progress) -> Any:
-        progress.report(None, "Compiling the level")
-        episode = self._episodes[request.slot] = Episode(request)
+        episode = Episode(request, progress)
+        self._episodes[request.slot] = episode
         return episode.snapshot
 
     def _rehearse(self, request: Rehearse, progress: Progress) -> None:
-        progress.report(None, "Compiling the agent")
-        start = StartEpisode(
-            run=0, level=request.level, physics=request.physics, casting=request.casting
-        )
-        Episode(start)
+        rehearse(request, progress)
 
     def _advance(self, request: Advance, progress: Progress) -> Any:
         del progress
         return self._of(request).advance(request)
 
     def _restore(self, request: Restore, progress: Progress) -> None:
-        del progress
-        self._of(request).restore(request.snapshot)
+        self._of(request).restore(request, progress)
 
     def _of(self, request: Advance | Restore) -> Episode:
         episode = self._episodes.get(request.slot)

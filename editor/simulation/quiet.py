@@ -9,7 +9,8 @@ compiled program to the cache on disk.
 import contextlib
 import gc
 import math
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from typing import Final
 
 import jax
@@ -20,26 +21,50 @@ _CACHED: Final = "jax_persistent_cache_min_compile_time_secs"
 """Programs that took longer to compile than this are written to the cache on disk."""
 
 
-@contextlib.contextmanager
-def without_pauses() -> Iterator[None]:
-    """Leave full collections out; the small ones go on and find what tracing leaves behind."""
+class _Meanwhile:
+    """A setting of the whole process that several threads want changed for a while."""
+
+    def __init__(self, change: Callable[[], Callable[[], None]]) -> None:
+        self._change = change
+        self._lock = threading.Lock()
+        self._count = 0
+        self._undo: Callable[[], None] = lambda: None
+
+    @contextlib.contextmanager
+    def __call__(self) -> Iterator[None]:
+        """The first one changes it, the last one changes it back."""
+        with self._lock:
+            self._count += 1
+            if self._count == 1:
+                self._undo = self._change()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._count -= 1
+                if self._count == 0:
+                    self._undo()
+
+
+def _no_full_collections() -> Callable[[], None]:
     young, middle, old = gc.get_threshold()
     gc.set_threshold(young, middle, _NEVER)
-    try:
-        yield
-    finally:
+
+    def undo() -> None:
         # What is left makes up the compiled step: later collections need not walk through it.
         gc.freeze()
-        # Of two workers the one that ends last must not keep the other one's setting.
-        gc.set_threshold(young, middle, old if old != _NEVER else 10)
+        gc.set_threshold(young, middle, old)
+
+    return undo
 
 
-@contextlib.contextmanager
-def not_stored() -> Iterator[None]:
-    """Keep programs out of the cache on disk: those of one level, which would only pile up."""
+def _nothing_stored() -> Callable[[], None]:
     before = getattr(jax.config, _CACHED)
     jax.config.update(_CACHED, math.inf)
-    try:
-        yield
-    finally:
-        jax.config.update(_CACHED, before)
+    return lambda: jax.config.update(_CACHED, before)
+
+
+without_pauses: Final = _Meanwhile(_no_full_collections)
+"""Leave full collections out; the small ones go on and find what tracing leaves behind."""
+not_stored: Final = _Meanwhile(_nothing_stored)
+"""Keep programs out of JAX's cache on disk: `editor.simulation.disk` keeps those of the steps."""

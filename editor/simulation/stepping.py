@@ -2,24 +2,25 @@
 
 A step that is made for a level computes only what that level can ever do (which shapes can meet,
 whether there are motors, limits, thrusters, bouncing), so it costs less and plays alike but for
-rounding. It is compiled ahead, on request, and looked up when an episode begins.
+rounding. Either kind comes in two tiers: one that is compiled quickly, so that somebody who waits
+for Play waits for seconds, and one that is compiled in the background. An episode keeps the step
+that it began with.
 """
 
-import collections
 import dataclasses
 import functools
 import inspect
-import threading
 from collections.abc import Callable
 from typing import Any, Final, TypeAlias
 
 import jax
-import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array
 
-from editor.requests import Progress, Tailor
-from editor.simulation.quiet import not_stored, without_pauses
-from kinetix.engine.spec import Capacity
+from editor.requests import GetReady, Progress, Tailor
+from editor.simulation import disk
+from editor.simulation.compiling import FULL, QUICK, Programs, Recipe, Tier
+from kinetix.engine.spec import Capacity, Features
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
@@ -29,15 +30,32 @@ from kinetix.level.compile import features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
 
-KEPT: Final = 12
-"""Steps for single levels that are kept, the last ones used: each holds some megabytes."""
-
 MOVING: Final = ("physics", "timestep", "last_distance")
 """Fields of a state that a step changes. The others, which the level fixes, are neither returned by
 a compiled step nor fetched after it: that would take about as long as the physics of one world."""
+_TOLD: Final = ("GoalR", "distance", "terminated", "nan")
+"""What is wanted of the environment's `info`."""
 
 Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str, Array]]]
 """From a state and a multi-discrete action to the fields that moved and the step's `info`."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class StepKey:
+    """Which compiled step is meant."""
+
+    static: StaticEnvParams
+    tier: Tier
+
+    @property
+    def tailored(self) -> bool:
+        """Whether it is made for one level alone."""
+        return self.static.features != Features()
+
+    @property
+    def quick(self) -> bool:
+        """Whether it is the tier that is compiled quickly."""
+        return self.tier is QUICK
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -48,6 +66,8 @@ class Stepper:
     compiled: Compiled
     tailored: bool
     """Whether it was made for one level alone."""
+    quick: bool = False
+    """Whether it was compiled quickly."""
 
     def step(self, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
         """The next state and the environment's `info`, with `reward`, `done` and `unified`."""
@@ -55,32 +75,8 @@ class Stepper:
         return dataclasses.replace(state, **moved), info
 
 
-class Shelf:
-    """Steps for single levels, the last used ones; two workers share it."""
-
-    def __init__(self) -> None:
-        self._steppers: collections.OrderedDict[StaticEnvParams, Stepper] = (
-            collections.OrderedDict()
-        )
-        self._lock = threading.Lock()
-
-    def get(self, static: StaticEnvParams) -> Stepper | None:
-        """The step that was made for these parameters, or None."""
-        with self._lock:
-            stepper = self._steppers.get(static)
-            if stepper is not None:
-                self._steppers.move_to_end(static)
-            return stepper
-
-    def put(self, static: StaticEnvParams, stepper: Stepper) -> None:
-        """Keep a step; the one that was used least recently goes when there are too many."""
-        with self._lock:
-            self._steppers[static] = stepper
-            while len(self._steppers) > KEPT:
-                self._steppers.popitem(last=False)
-
-
-_SHELF: Final = Shelf()
+PROGRAMS: Final = Programs()
+"""The compiled steps; all threads share them."""
 
 
 @functools.cache
@@ -133,12 +129,9 @@ def _advanced(
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     _, after, reward, done, info = _TRACED(env, jax.random.key(0), state, action)
     moved = {name: getattr(after, name) for name in MOVING}
-    wanted = {name: info[name] for name in ("GoalR", "distance", "terminated", "nan")}
+    wanted = {name: info[name] for name in _TOLD}
     unified = env.actions.unified(action)
     return moved, wanted | {"reward": reward, "done": done, "unified": unified}
-
-
-_step = functools.partial(jax.jit, static_argnums=0)(_advanced)
 
 
 def first_state(level: Level, static: StaticEnvParams) -> EnvState:
@@ -147,7 +140,12 @@ def first_state(level: Level, static: StaticEnvParams) -> EnvState:
     Raises:
         KinetixError: The level does not fit, or the preset does not exist.
     """
-    return jax.tree.map(jnp.asarray, level_state(level, static))
+    return on_device(level_state(level, static))
+
+
+def on_device(state: EnvState) -> EnvState:
+    """A state whose arrays are JAX's; `jnp.asarray` would compile something for every shape."""
+    return jax.device_put(state)
 
 
 def start_state(level: Level, physics: str) -> EnvState:
@@ -167,55 +165,118 @@ def without_memory(state: EnvState) -> EnvState:
     return dataclasses.replace(state, physics=dataclasses.replace(state.physics, cache=()))
 
 
-def generic_stepper(level: Level, physics: str) -> Stepper:
-    """The step that every level of the size shares; the first one of a size compiles it."""
-    env = environment(capacity_of(level), physics)
-    return Stepper(env=env, compiled=functools.partial(_step, env), tailored=False)
+def best_stepper(level: Level, physics: str, progress: Progress, *, quick: bool) -> Stepper:
+    """The best step for a level that is ready, otherwise one that is compiled now.
 
-
-def best_stepper(level: Level, physics: str) -> Stepper:
-    """The step that was made for this level where it is ready, otherwise the shared one.
-
-    Raises:
-        KinetixError: The level does not fit, or the preset does not exist.
-    """
-    return _SHELF.get(tailored_params(level, physics)) or generic_stepper(level, physics)
-
-
-def warm_up(capacity: Capacity, physics: str) -> None:
-    """Compile the step of a size by playing one step of an empty level."""
-    env = environment(capacity, physics)
-    state = first_state(Level(name="empty"), env.static_env_params)
-    jax.block_until_ready(_step(env, state, _no_action()))
-
-
-def tailor(request: Tailor, progress: Progress) -> None:
-    """Compile the step of one level, unless it is there already; see `Tailor`.
+    Args:
+        level: The level.
+        physics: Preset or solver.
+        progress: Told how far the compiler is.
+        quick: Whether the quick tier will do.
 
     Raises:
         KinetixError: The level does not fit, or the preset does not exist.
         Cancelled: It is not wanted any more.
     """
-    static = tailored_params(request.level, request.physics)
-    if _SHELF.get(static) is not None:
-        return
-    env = _environment(static)
-    # A function of its own, so that a step which is dropped leaves nothing behind.
-    step: Any = jax.jit(functools.partial(_advanced, env))
+    own, shared = tailored_params(level, physics), static_params(capacity_of(level), physics)
+    keys = [StepKey(static=own, tier=FULL), StepKey(static=shared, tier=FULL)]
+    if quick:
+        # On disk the step of the size is likelier, and it is as good as at once.
+        ready = next((key for key in keys if PROGRAMS.get(key) is not None), None)
+        stored = next((key for key in keys if disk.has(key)), None)
+        key = ready or stored or StepKey(static=own, tier=QUICK)
+    else:
+        key = keys[0] if PROGRAMS.get(keys[0]) is not None else keys[1]
+    return stepper(level, key, progress)
 
-    def going_on() -> None:
-        """No part can be interrupted: between two of them, ask whether Play has begun."""
-        progress.report(None, "Compiling for this level")
 
-    with without_pauses(), not_stored():
-        going_on()
-        traced = step.trace(first_state(request.level, static), _no_action())
-        going_on()
-        lowered = traced.lower()
-        going_on()
-        compiled = lowered.compile()
-    _SHELF.put(static, Stepper(env=env, compiled=compiled, tailored=True))
+def generic_stepper(level: Level, physics: str, progress: Progress) -> Stepper:
+    """The step that every level of the size shares; the first one of a size compiles it."""
+    static = static_params(capacity_of(level), physics)
+    return stepper(level, StepKey(static=static, tier=FULL), progress)
+
+
+def own_stepper(level: Level, physics: str, progress: Progress, *, quick: bool) -> Stepper:
+    """The step for this level alone: the quick tier where it will do and the other is not ready."""
+    static = tailored_params(level, physics)
+    full = StepKey(static=static, tier=FULL)
+    other = quick and PROGRAMS.get(full) is None
+    return stepper(level, StepKey(static=static, tier=QUICK) if other else full, progress)
+
+
+def stepper(level: Level, key: StepKey, progress: Progress, *, background: bool = False) -> Stepper:
+    """One of a level's steps: from memory, from disk, or when it has been compiled.
+
+    Raises:
+        KinetixError: The level does not fit, or the preset does not exist.
+        Cancelled: It is not wanted any more.
+    """
+    env = _environment(key.static)
+    compiled = PROGRAMS.get(key) or _loaded(level, key, progress)
+    if compiled is None:
+        # A function of its own, so that a step which is dropped leaves nothing behind.
+        step: Any = jax.jit(functools.partial(_advanced, env))
+        state = first_state(level, key.static)
+        recipe = Recipe(key=key, tier=key.tier, trace=lambda: step.trace(state, _no_action()))
+        compiled = PROGRAMS.obtain(recipe, progress, background=background)
+    return Stepper(env=env, compiled=compiled, tailored=key.tailored, quick=key.quick)
+
+
+def _loaded(level: Level, key: StepKey, progress: Progress) -> Compiled | None:
+    """A step from disk, or None."""
+    progress.report(None, "Compiling the level")
+    state = first_state(level, key.static)
+    compiled = disk.load(key, (state, _no_action()), _results(state))
+    if compiled is not None:
+        PROGRAMS.put(key, compiled)
+    return compiled
+
+
+def _results(state: EnvState) -> Any:
+    """A tree like what `_advanced` gives."""
+    moved = {name: getattr(state, name) for name in MOVING}
+    return moved, dict.fromkeys((*_TOLD, "reward", "done", "unified"), 0)
+
+
+def warm_up(capacity: Capacity, physics: str, progress: Progress) -> None:
+    """Compile the step of a size in the background, or load it.
+
+    Raises:
+        KinetixError: The preset does not exist.
+        Cancelled: It is not wanted any more.
+    """
+    key = StepKey(static=static_params(capacity, physics), tier=FULL)
+    stepper(Level(name="empty"), key, progress, background=True)
+
+
+def get_ready(request: GetReady, progress: Progress) -> None:
+    """Have a step for a level, soon; see `GetReady`.
+
+    Raises:
+        KinetixError: The level does not fit, or the preset does not exist.
+        Cancelled: It is not wanted any more.
+    """
+    best_stepper(request.level, request.physics, progress, quick=True)
+
+
+def tailor(request: Tailor, progress: Progress) -> None:
+    """Compile the step of one level in the background, unless it is there already; see `Tailor`.
+
+    Raises:
+        KinetixError: The level does not fit, or the preset does not exist.
+        Cancelled: It is not wanted any more.
+    """
+    key = StepKey(static=tailored_params(request.level, request.physics), tier=FULL)
+    stepper(request.level, key, progress, background=True)
+
+
+def keep_programs() -> None:
+    """Write the steps that were compiled to disk, and make room there."""
+    for key, program in PROGRAMS.taken_fresh():
+        if isinstance(key, StepKey):
+            disk.save(key, program)
+    disk.tidy()
 
 
 def _no_action() -> Array:
-    return jnp.zeros(6, jnp.int32)
+    return jax.device_put(np.zeros(6, np.int32))

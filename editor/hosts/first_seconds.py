@@ -1,0 +1,147 @@
+"""The first seconds of the app, measured in a process of its own: `python -m` this, see `main`.
+
+Space is pressed in the first frame; then the level is played in real time while everything else is
+compiled in the background, with restarts where an episode ends.
+"""
+
+import dataclasses
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Final
+
+_FRAME: Final = 1 / 60
+_LONGEST: Final = 120.0
+"""The measurement ends after this, however much there is to compile [s]."""
+_LEAST: Final = 6.0
+"""… and lasts this long where nothing is left to compile [s]."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class FirstSeconds:
+    """What a person meets after starting the app."""
+
+    window: float
+    """From the start of the process to the first frame [s]."""
+    moving: float
+    """From Space, pressed in that frame, to the first frame with a simulated step [s]."""
+    processor: float
+    """Processor time of the process until then [s]."""
+    real_time: float
+    """Simulated time over wall time while the rest was compiled."""
+    frame_median: float
+    """[ms]"""
+    frame_longest: float
+    """[ms]"""
+    compiling: float
+    """How long the rest took [s]."""
+
+
+def main() -> None:
+    """Measure once; print one JSON object. Arguments: when the process was started, the level."""
+    started, level = float(sys.argv[1]), sys.argv[2]
+    from editor.actions import file
+    from editor.hosts.offscreen import OffscreenHost
+    from editor.jobs import PREPARATIONS, lane_of
+    from editor.playback import Mode
+    from editor.results import Results
+    from editor.session import Session
+    from editor.settings import Settings
+
+    session = Session(settings=Settings(), results=Results(stored=False))
+    session.play_quickly()
+    host = OffscreenHost(session, size=(1280, 800))
+    host.ui.warm_up = True
+    file.open_path(session, level)
+    host.step((), _FRAME)
+    window = time.time() - started
+
+    walls: list[float] = []
+    last = time.perf_counter()
+
+    def frame() -> float:
+        """A frame at its time; its wall time, the sleep left out."""
+        nonlocal last
+        begin = time.perf_counter()
+        host.step((), begin - last)
+        last = begin
+        took = time.perf_counter() - begin
+        time.sleep(max(_FRAME - took, 0))
+        return took
+
+    pressed = time.perf_counter()
+    session.queue("run.play_human")
+    while session.playback.step_count < 1 and time.perf_counter() - pressed < _LONGEST:
+        walls.append(frame())
+    moving, processor = time.perf_counter() - pressed, time.process_time()
+
+    begun, simulated, wall = time.perf_counter(), 0.0, 0.0
+    while (spent := time.perf_counter() - begun) < _LONGEST:
+        if spent > _LEAST and not any(lane_of(job.request) == PREPARATIONS for job in session.worker.jobs):
+            break
+        playback = session.playback
+        before, at = playback.engine_step, time.perf_counter()
+        episode, going = playback.episode, session.mode is Mode.PLAYING and not playback.waiting
+        walls.append(frame())
+        if going and playback.episode == episode:
+            simulated += (playback.engine_step - before) * _FRAME
+            wall += time.perf_counter() - at
+        if session.mode is Mode.ENDED:
+            session.queue("run.reset")
+    told = FirstSeconds(
+        window=window,
+        moving=moving,
+        processor=processor,
+        real_time=simulated / wall,
+        frame_median=1000 * statistics.median(walls),
+        frame_longest=1000 * max(walls),
+        compiling=spent,
+    )
+    if "--keep" in sys.argv:
+        session.queue("run.stop")
+        _rest(frame, session)
+    sys.stdout.write(json.dumps(dataclasses.asdict(told)) + "\n")
+    sys.stdout.flush()
+    os._exit(0)  # a compilation may be under way
+
+
+def _rest(frame, session) -> None:
+    """Let the app stand until it has written what it compiled."""
+    until = time.perf_counter() + 60
+    while time.perf_counter() < until:
+        frame()
+        time.sleep(0.05)
+        if session.editing and session.worker.idle and any(_written()):
+            return
+
+
+def _written():
+    from editor.simulation.disk import folder
+
+    return list(folder().glob("*.step"))
+
+
+def measure(level: str = "l/rover_ridge") -> tuple[FirstSeconds, FirstSeconds]:
+    """The first day, with an empty cache, and the second."""
+    with tempfile.TemporaryDirectory() as cache:
+        variables = os.environ | {"XDG_CACHE_HOME": cache}
+        variables.pop("JAX_COMPILATION_CACHE_DIR", None)
+
+        def once(*more: str) -> FirstSeconds:
+            command = [sys.executable, "-m", __name__, str(time.time()), level, *more]
+            done = subprocess.run(
+                command, capture_output=True, text=True, check=True, env=variables
+            )
+            return FirstSeconds(**json.loads(done.stdout.splitlines()[-1]))
+
+        cold = once("--keep")
+        return cold, once()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,140 @@
+"""Compiled steps on disk: on the second day nothing is traced, lowered or compiled.
+
+JAX's own cache saves the compiling alone, and it is tracing and lowering that take the time then.
+The files are machine code of this computer, like those of JAX's cache beside them: they lie in the
+user's cache folder, are never exchanged, and a file that is not whole is thrown away.
+"""
+
+import functools
+import hashlib
+import os
+import platform
+import time
+import zlib
+from pathlib import Path
+from typing import Any, Final
+
+import jax
+import jaxlib.version
+from jax.experimental import serialize_executable
+
+import kinetix
+from kinetix.errors import KinetixError
+from kinetix.level.atomic import write_atomically
+from kinetix.paths import cache_dir
+
+_SUFFIX: Final = ".step"
+_STEPS_BYTES: Final = 64 * 2**20
+"""Room for about a hundred steps."""
+_JAX_BYTES: Final = 1024 * 2**20
+_YOUNG_SECONDS: Final = 60.0
+"""Files that another process may be writing just now."""
+
+
+def folder() -> Path:
+    """Where the steps lie."""
+    return cache_dir() / "steps"
+
+
+def _file(key: object) -> Path:
+    words = f"{key!r} {_stamp()}"
+    return folder() / (hashlib.sha256(words.encode()).hexdigest() + _SUFFIX)
+
+
+@functools.cache
+def _stamp() -> str:
+    """What a compiled step depends on besides its parameters."""
+    package = Path(kinetix.__file__).parent
+    sources = hashlib.sha256()
+    for path in [*sorted(package.rglob("*.py")), Path(__file__).with_name("stepping.py")]:
+        sources.update(path.read_bytes())
+    parts = (
+        jax.__version__,
+        jaxlib.version.__version__,
+        sources.hexdigest(),
+        os.environ.get("XLA_FLAGS", ""),
+        len(jax.devices()),
+        _processor(),
+    )
+    return repr(parts)
+
+
+def _processor() -> str:
+    """What the processor is and can do."""
+    listed = Path("/proc/cpuinfo")
+    if listed.is_file():
+        told = listed.read_text(encoding="utf-8", errors="replace").splitlines()
+        kinds = ("model name", "flags", "Features")
+        return "\n".join(sorted({line for line in told if line.startswith(kinds)}))
+    return f"{platform.machine()} {platform.processor()}"
+
+
+def has(key: object) -> bool:
+    """Whether a step lies on disk."""
+    return _file(key).is_file()
+
+
+def load(key: object, arguments: Any, results: Any) -> Any | None:
+    """A step from disk, or None.
+
+    Args:
+        key: Its parameters; what they are called (`repr`) has to say all.
+        arguments: A tree like the positional arguments.
+        results: A tree like the results.
+    """
+    path = _file(key)
+    try:
+        code = zlib.decompress(path.read_bytes())
+        takes = jax.tree.structure((arguments, {}))
+        program = serialize_executable.deserialize_and_load(
+            code, takes, jax.tree.structure(results), execution_devices=jax.devices()[:1]
+        )
+    except FileNotFoundError:
+        return None
+    except Exception:  # whatever is wrong with it, it is compiled anew
+        path.unlink(missing_ok=True)
+        return None
+    os.utime(path)
+    return program
+
+
+def save(key: object, program: Any) -> None:
+    """Write a step; where that cannot be done, it is compiled again another day.
+
+    All threads stand for a tenth of a second.
+    """
+    try:
+        folder().mkdir(parents=True, exist_ok=True)
+        code, _, _ = serialize_executable.serialize(program)
+        write_atomically(_file(key), zlib.compress(code, 1))
+    except (KinetixError, OSError, ValueError, RuntimeError):
+        return
+
+
+def tidy() -> None:
+    """Throw away the programs that were used longest ago where there are too many."""
+    bound(folder(), _STEPS_BYTES)
+    bound(cache_dir() / "jax", _JAX_BYTES)
+
+
+def bound(folder: Path, size: int) -> None:
+    """Delete the files of a folder that were used longest ago, until the rest is small enough.
+
+    Args:
+        folder: Which; it need not exist.
+        size: How much may stay [bytes].
+    """
+    if not folder.is_dir():
+        return
+    told = []
+    for path in folder.iterdir():
+        try:
+            about = path.stat()
+        except OSError:
+            continue  # another process was faster
+        told.append((max(about.st_atime, about.st_mtime), about.st_size, path))
+    left = size
+    for used, each, path in sorted(told, reverse=True):
+        left -= each
+        if left < 0 and used < time.time() - _YOUNG_SECONDS:
+            path.unlink(missing_ok=True)
