@@ -31,8 +31,9 @@ class AgentSlot:
     summary: AgentSummary | None = None
     error: str = ""
     """Why it could not be loaded; one sentence."""
-    loading: Job | None = None
-    """What loads it, until it is there."""
+    loading: bool = False
+    job: Job | None = None
+    """What loads it, or has loaded it."""
 
 
 class Viewer:

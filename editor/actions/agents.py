@@ -69,8 +69,8 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
     """
     path = str(path)
     place = session.viewer.slots[slot]
-    place.path, place.error = path, ""
-    place.loading = session.worker.submit(
+    place.path, place.error, place.loading = path, "", True
+    place.job = session.worker.submit(
         LoadAgent(path=path),
         title="Loading the agent",
         done=functools.partial(_arrived, session, slot, path),
@@ -91,7 +91,7 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     place = session.viewer.slots[slot]
     if place.path != path:
         return
-    place.loading = None
+    place.loading = False
     if job.state is JobState.FAILED:
         # The agent that was there stays: a run may be caught while it writes.
         place.error = job.error
@@ -191,9 +191,8 @@ def _folder(session: Session) -> Path:
 def play_agent(session: Session) -> None:
     """Let agent A play the level, as soon as it is loaded; without one, ask which."""
     viewer = session.viewer
-    loading = viewer.slots["a"].loading
-    if loading is not None:
-        viewer.eager = loading
+    if viewer.slots["a"].loading:
+        viewer.eager = viewer.slots["a"].job
         return
     casting, summary = viewer.casting("a"), viewer.slots["a"].summary
     if casting is None or summary is None:

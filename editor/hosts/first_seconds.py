@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 from typing import Final
 
 _FRAME: Final = 1 / 60
@@ -82,7 +81,8 @@ def main() -> None:
 
     begun, simulated, wall = time.perf_counter(), 0.0, 0.0
     while (spent := time.perf_counter() - begun) < _LONGEST:
-        if spent > _LEAST and not any(lane_of(job.request) == PREPARATIONS for job in session.worker.jobs):
+        lanes = [lane_of(job.request) for job in session.worker.jobs]
+        if spent > _LEAST and PREPARATIONS not in lanes:
             break
         playback = session.playback
         before, at = playback.engine_step, time.perf_counter()
@@ -104,26 +104,20 @@ def main() -> None:
     )
     if "--keep" in sys.argv:
         session.queue("run.stop")
-        _rest(frame, session)
+        until = time.perf_counter() + _LONGEST
+        while time.perf_counter() < until and not (session.worker.idle and _written()):
+            frame()
+            time.sleep(0.05)
     sys.stdout.write(json.dumps(dataclasses.asdict(told)) + "\n")
     sys.stdout.flush()
     os._exit(0)  # a compilation may be under way
 
 
-def _rest(frame, session) -> None:
-    """Let the app stand until it has written what it compiled."""
-    until = time.perf_counter() + 60
-    while time.perf_counter() < until:
-        frame()
-        time.sleep(0.05)
-        if session.editing and session.worker.idle and any(_written()):
-            return
+def _written() -> bool:
+    """Whether there are compiled steps on disk."""
+    from kinetix.paths import cache_dir
 
-
-def _written():
-    from editor.simulation.disk import folder
-
-    return list(folder().glob("*.step"))
+    return any((cache_dir() / "steps").glob("*.step"))
 
 
 def measure(level: str = "l/rover_ridge") -> tuple[FirstSeconds, FirstSeconds]:

@@ -8,6 +8,7 @@ XLA is finished and kept, as it may be wanted again.
 import collections
 import contextlib
 import dataclasses
+import os
 import threading
 import time
 from collections.abc import Callable, Hashable
@@ -40,6 +41,8 @@ QUICK: Final = Tier(name="quick", options=(("xla_backend_optimization_level", 0)
 """A third of the time to compile; a step takes 2.5 times as long, still far from a sixtieth."""
 FULL: Final = Tier(name="full", options=(), compiling=5.0)
 
+_OWN_CACHE: Final = "JAX_COMPILATION_CACHE_DIR" in os.environ
+"""Whoever names a folder for JAX's cache wants everything in it."""
 _TRACING: Final = 0.18
 """Share of tracing in tracing and lowering."""
 
@@ -102,7 +105,7 @@ class Compilation:
 
     def _run(self) -> None:
         try:
-            cached = contextlib.nullcontext() if self.recipe.stored else not_stored()
+            cached = contextlib.nullcontext() if self.recipe.stored or _OWN_CACHE else not_stored()
             with _Turn(self, background=self._background), without_pauses(), cached:
                 start = time.monotonic()
                 self._enter(0)

@@ -33,7 +33,7 @@ def test_results_come_back_on_the_callers_thread():
         asked(1), title="x", done=lambda job: threads.append(threading.current_thread().name)
     )
     settle(worker)
-    assert (job.state, job.result) == (JobState.DONE, "worker")
+    assert (job.state, job.result) == (JobState.DONE, "chores")
     assert threads == [threading.current_thread().name]
     worker.stop()
 

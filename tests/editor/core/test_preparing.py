@@ -11,7 +11,7 @@ from editor.commands.level import ReplaceLevel
 from editor.jobs import Worker
 from editor.panels.evaluate import scripted_summary
 from editor.preparing import Preparation
-from editor.requests import CheckDynamics, Tailor, WarmUp
+from editor.requests import CheckDynamics, GetReady, Rehearse, Tailor, WarmUp
 from editor.session import Session
 from editor.settings import Settings
 from kinetix.level.model import Level
@@ -32,32 +32,44 @@ def clock(monkeypatch):
     return clock
 
 
-class SecondWorker:
-    """What the second worker is asked for; it may be held up in the middle of a job."""
+class Compiler:
+    """What the worker is asked for; it may be held up in the middle of a job."""
 
     def __init__(self):
-        self.tailored = []
+        self.requests = []
         self.begun, self.going_on = threading.Event(), threading.Event()
         self.going_on.set()
 
     def __call__(self, request, progress):
-        if isinstance(request, Tailor):
-            self.tailored.append((request.level, request.physics))
+        self.requests.append(request)
         self.begun.set()
         self.going_on.wait(5)
         progress.report(None, "")
 
+    @property
+    def tailored(self):
+        return [(r.level, r.physics) for r in self.requests if isinstance(r, Tailor)]
+
 
 @pytest.fixture
-def second():
-    return SecondWorker()
+def compiler():
+    return Compiler()
+
+
+def told(request):
+    match request:
+        case WarmUp():
+            return request.sizes, request.physics
+        case Rehearse():
+            return request.casting.agent.path, request.physics
+        case GetReady():
+            return "first", request.physics
 
 
 @pytest.fixture
-def asked(clock, second):
+def asked(clock, compiler):
     """A session, its preparation, and what is asked of the worker."""
-    requests = []
-    worker, evaluator = Worker(lambda request, progress: requests.append(request)), Worker(second)
+    worker, evaluator = Worker(compiler), Worker(lambda request, progress: None)
     session = Session(
         settings=Settings(),
         worker=worker,
@@ -67,25 +79,28 @@ def asked(clock, second):
     )
     preparation = Preparation(session, lambda job: None)
 
+    def settle():
+        evaluator.wait(1)
+        evaluator.poll()
+        while compiler.going_on.is_set() and not worker.idle:
+            worker.wait(5)
+            worker.poll()
+
     def pass_time(seconds):
-        for _ in range(2):
-            clock.now += seconds / 2
+        """Let time pass; what was asked for meanwhile but for the steps of single levels."""
+        before, seen = len(compiler.requests), -1
+        clock.now += seconds / 2
+        preparation.tick()
+        settle()
+        clock.now += seconds / 2
+        while seen != len(compiler.requests):
+            seen = len(compiler.requests)
             preparation.tick()
-        for one in (worker, evaluator) if second.going_on.is_set() else (worker,):
-            while not one.idle:
-                one.wait(5)
-                one.poll()
-        told = [
-            (request.sizes, request.physics)
-            if isinstance(request, WarmUp)
-            else (request.casting.agent.path, request.physics)
-            for request in requests
-        ]
-        requests.clear()
-        return told
+            settle()
+        return [words for request in compiler.requests[before:] if (words := told(request))]
 
     yield session, preparation, pass_time
-    second.going_on.set()
+    compiler.going_on.set()
     worker.stop()
     evaluator.stop()
 
@@ -94,7 +109,7 @@ def test_the_size_in_front_comes_first(asked):
     _, preparation, pass_time = asked
     assert pass_time(10) == []  # before the window stands nothing is
     preparation.begin()
-    assert pass_time(0) == [(("m",), "balanced"), (("l",), "balanced"), (("s",), "balanced")]
+    assert pass_time(0) == [(("m",), "balanced"), (("s",), "balanced"), (("l",), "balanced")]
     assert pass_time(10) == []
 
 
@@ -135,32 +150,32 @@ def test_the_agent_is_prepared_for_another_level_too(asked):
     assert pass_time(4) == [("random", "balanced")]
 
 
-def test_the_step_of_the_level_alone_comes_last_and_waits_for_its_parts(asked, second):
+def test_the_step_of_the_level_alone_comes_last_and_waits_for_its_parts(asked, compiler):
     session, preparation, pass_time = asked
     preparation.begin()
     assert len(pass_time(0)) == 3
     assert pass_time(2) == []
-    assert second.tailored == []
+    assert compiler.tailored == []
     session.execute(Move(ids=(1,), shift=(0.1, 0.0)))
     pass_time(3)
     first = session.document.level
-    assert second.tailored == [(first, "balanced")], "moving a shape must not make it wait anew"
+    assert compiler.tailored == [(first, "balanced")], "moving a shape must not make it wait anew"
     session.execute(Move(ids=(1,), shift=(0.1, 0.0)))
     pass_time(20)
-    assert len(second.tailored) == 1, "nor compile anew"
+    assert len(compiler.tailored) == 1, "nor compile anew"
     session.execute(SetField(ids=(3,), field="fixed", value=True))
     pass_time(3)
-    assert len(second.tailored) == 1
+    assert len(compiler.tailored) == 1
     pass_time(4)
-    assert second.tailored[1:] == [(session.document.level, "balanced")]
+    assert compiler.tailored[1:] == [(session.document.level, "balanced")]
     session.playback.physics = "fast"
     assert pass_time(5) == [(("m",), "fast")], "first the step that every level can play in"
     pass_time(5)
-    assert second.tailored[2:] == [(session.document.level, "fast")]
+    assert compiler.tailored[2:] == [(session.document.level, "fast")]
 
 
 @pytest.mark.parametrize("reason", ["gallery", "gesture", "empty", "recorded", "unbegun"])
-def test_no_level_gets_a_step_of_its_own_while_something_else_goes_on(asked, second, reason):
+def test_no_level_gets_a_step_of_its_own_while_something_else_goes_on(asked, compiler, reason):
     session, preparation, pass_time = asked
     if reason != "unbegun":
         preparation.begin()
@@ -178,10 +193,10 @@ def test_no_level_gets_a_step_of_its_own_while_something_else_goes_on(asked, sec
     elif reason == "recorded":
         preparation.tailors = False
     pass_time(30)
-    assert second.tailored == []
+    assert compiler.tailored == []
 
 
-def test_who_has_played_may_play_again_before_anything_is_compiled(asked, second):
+def test_who_has_played_may_play_again_before_anything_is_compiled(asked, compiler):
     session, preparation, pass_time = asked
     preparation.begin()
     pass_time(0)
@@ -189,20 +204,21 @@ def test_who_has_played_may_play_again_before_anything_is_compiled(asked, second
     pass_time(30)
     session.playback.stop()
     pass_time(3)
-    assert second.tailored == []
+    assert compiler.tailored == []
     pass_time(4)
-    assert len(second.tailored) == 1
+    assert len(compiler.tailored) == 1
 
 
 @pytest.mark.parametrize("reason", ["play", "evaluation", "change"])
-def test_the_step_of_the_level_gives_way_and_comes_again(asked, second, reason):
+def test_the_step_of_the_level_gives_way_and_comes_again(asked, compiler, reason):
     session, preparation, pass_time = asked
     preparation.begin()
-    pass_time(0)
-    second.going_on.clear()
+    pass_time(3)
+    compiler.begun.clear()
+    compiler.going_on.clear()
     pass_time(10)
-    assert second.begun.wait(5)
-    (job,) = session.evaluator.jobs
+    assert compiler.begun.wait(5)
+    (job,) = session.worker.jobs
     if reason == "play":
         session.playback.play(session.document.level)
     elif reason == "change":
@@ -211,9 +227,9 @@ def test_the_step_of_the_level_gives_way_and_comes_again(asked, second, reason):
         session.evaluator.submit(CheckDynamics(level=session.document.level), title="Trying")
     pass_time(1)
     assert job.cancelled
-    second.going_on.set()
+    compiler.going_on.set()
     pass_time(1)
     session.playback.stop()
     pass_time(10)
-    assert len(second.tailored) == 2
-    assert second.tailored[1] == (session.document.level, "balanced")
+    assert len(compiler.tailored) == 2
+    assert compiler.tailored[1] == (session.document.level, "balanced")

@@ -1,6 +1,5 @@
 """A level's own step: what it is made for, who plays in it; it plays like the shared one."""
 
-import contextlib
 import dataclasses
 import gc
 import threading
@@ -138,19 +137,16 @@ def test_each_physics_has_its_own_step():
 
 
 def test_the_steps_that_were_used_last_are_kept():
-    from editor.simulation.stepping import KEPT, Shelf, generic_stepper, tailored_params
+    from editor.simulation.compiling import KEPT, Programs
 
-    shelf, stepper = Shelf(), generic_stepper(LEVEL, "fast")
-    keys = [
-        dataclasses.replace(tailored_params(LEVEL, "fast"), frame_skip=k + 1)
-        for k in range(KEPT + 1)
-    ]
+    programs, program = Programs(), object()
+    keys = range(KEPT + 1)
     for key in keys[:-1]:
-        shelf.put(key, stepper)
-    assert shelf.get(keys[0]) is stepper
-    shelf.put(keys[-1], stepper)
-    assert shelf.get(keys[1]) is None
-    assert all(shelf.get(key) is stepper for key in (keys[0], *keys[2:]))
+        programs.put(key, program)
+    assert programs.get(keys[0]) is program
+    programs.put(keys[-1], program)
+    assert programs.get(keys[1]) is None
+    assert all(programs.get(key) is program for key in (keys[0], *keys[2:]))
 
 
 def test_nothing_that_compiling_changes_stays_changed():
@@ -186,7 +182,7 @@ def test_the_status_line_says_which_step_plays():
 def test_the_status_line_says_when_a_step_is_being_made():
     going_on = threading.Event()
     worker = Worker(perform=lambda request, progress: going_on.wait(5))
-    session = Session(settings=Settings(), simulator=FakeSimulator(), evaluator=worker)
+    session = Session(settings=Settings(), simulator=FakeSimulator(), worker=worker)
     worker.submit(Tailor(level=LEVEL, physics="fast"), title="Compiling for this level")
     words = [words for words, _ in StatusBar().numbers(session)]
     going_on.set()
@@ -215,13 +211,8 @@ def shared(perform):
 @pytest.fixture(scope="module")
 def own(perform, shared):
     """The same in the level's own step; the episode that was under way goes on as it began."""
-    from editor.simulation import stepping
-
     perform(StartEpisode(run=2, level=LEVEL, physics="fast", slot="b"))
-    with pytest.MonkeyPatch.context() as patch:
-        # The tests' own cache may have it: that saves the next run some seconds.
-        patch.setattr(stepping, "not_stored", contextlib.nullcontext)
-        perform(Tailor(level=LEVEL, physics="fast"))
+    perform(Tailor(level=LEVEL, physics="fast"))
     (under_way,) = perform(Advance(run=2, actions=(LEFT,), slot="b"))
     assert not under_way.tailored
     assert np.array_equal(under_way.position, shared[1].position)
