@@ -7,6 +7,7 @@ user's cache folder, are never exchanged, and a file that is not whole is thrown
 
 import functools
 import hashlib
+import importlib.resources
 import os
 import platform
 import time
@@ -18,7 +19,6 @@ import jax
 import jaxlib.version
 from jax.experimental import serialize_executable
 
-import kinetix
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import write_atomically
 from kinetix.paths import cache_dir
@@ -44,7 +44,7 @@ def _file(key: object) -> Path:
 @functools.cache
 def _stamp() -> str:
     """What a compiled step depends on besides its parameters."""
-    package = Path(kinetix.__file__).parent
+    package = Path(str(importlib.resources.files("kinetix")))
     sources = hashlib.sha256()
     for path in [*sorted(package.rglob("*.py")), Path(__file__).with_name("stepping.py")]:
         sources.update(path.read_bytes())
