@@ -1,11 +1,7 @@
 """A large batch of random levels, spread over all cores, played with random actions."""
 
 import argparse
-import os
 import time
-
-# One CPU device does little work in parallel, so JAX is given one a core, before it starts.
-os.environ.setdefault("JAX_NUM_CPU_DEVICES", str(os.cpu_count() or 1))
 
 import jax
 
@@ -14,8 +10,9 @@ from kinetix import (
     make_kinetix_env,
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
+    use_all_cores,
+    vectorize,
 )
-from kinetix.environment.devices import place, spread
 
 
 def main() -> None:
@@ -24,6 +21,9 @@ def main() -> None:
     parser.add_argument("--worlds", type=int, default=512)
     parser.add_argument("--steps", type=int, default=128)
     arguments = parser.parse_args()
+    use_all_cores()  # before the first array: one CPU device does little work in parallel
+    devices = jax.local_device_count()
+    worlds = -(-arguments.worlds // devices) * devices
 
     env_params = EnvParams()
     static_env_params = static_env_params_from_size("s")
@@ -35,25 +35,23 @@ def main() -> None:
         static_env_params=static_env_params,
     )
 
-    def rollout(keys):
-        """Works on whatever share of the batch a device gets."""
-        _, states = jax.vmap(env.reset, in_axes=(0, None))(keys, env_params)
+    many = vectorize(env)
+
+    @jax.jit
+    def run(keys):
+        """Every device steps its share of the worlds."""
+        _, states = many.reset(keys)
 
         def step(states, index):
             now = jax.vmap(lambda key: jax.random.fold_in(key, index))(keys)
             actions = jax.vmap(env.action_space(env_params).sample)(now)
-            _, states, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
-                now, states, actions, env_params
-            )
+            _, states, reward, done, _ = many.step(now, states, actions)
             return states, (reward, done)
 
         rewards, dones = jax.lax.scan(step, states, jax.numpy.arange(arguments.steps))[1]
         return rewards.sum(axis=0), dones.sum(axis=0)
 
-    devices = jax.local_device_count()
-    worlds = -(-arguments.worlds // devices) * devices
-    keys = place(jax.random.split(jax.random.PRNGKey(0), worlds))
-    run = spread(rollout)
+    keys = jax.random.split(jax.random.PRNGKey(0), worlds)
     jax.block_until_ready(run(keys))
     start = time.perf_counter()
     returns, episodes = jax.block_until_ready(run(keys))

@@ -11,6 +11,7 @@ from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.agents.agent import load_agent, save_agent
+    from kinetix.cores import use_all_cores
     from kinetix.environment.env import make_kinetix_env
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from kinetix.environment.runs import simulate
     from kinetix.environment.spaces import ActionType, ObservationType
     from kinetix.environment.state import EnvState
+    from kinetix.environment.vector import VectorEnv, vectorize
     from kinetix.environment.wrappers import LogWrapper
     from kinetix.errors import CheckpointError, KinetixError, LevelError
     from kinetix.level.builder import LevelBuilder
@@ -45,6 +47,7 @@ _HOME = {
     "ObservationType": "kinetix.environment.spaces",
     "StaticEnvParams": "kinetix.environment.params",
     "UEDParams": "kinetix.environment.generators.params",
+    "VectorEnv": "kinetix.environment.vector",
     "load_agent": "kinetix.agents.agent",
     "load_from_json_file": "kinetix.environment.reset",
     "load_level": "kinetix.level.codec",
@@ -59,6 +62,8 @@ _HOME = {
     "simulate": "kinetix.environment.runs",
     "static_env_params_from_size": "kinetix.environment.params",
     "__version__": "kinetix.version",
+    "use_all_cores": "kinetix.cores",
+    "vectorize": "kinetix.environment.vector",
 }
 
 __all__ = [
@@ -74,6 +79,7 @@ __all__ = [
     "ObservationType",
     "StaticEnvParams",
     "UEDParams",
+    "VectorEnv",
     "__version__",
     "load_agent",
     "load_from_json_file",
@@ -88,6 +94,8 @@ __all__ = [
     "save_level",
     "simulate",
     "static_env_params_from_size",
+    "use_all_cores",
+    "vectorize",
 ]
 
 ask_for_options()

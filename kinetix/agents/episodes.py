@@ -1,8 +1,8 @@
 """A batch of episodes on their way: the one way in which players are measured and recorded.
 
-The batch always has the same number of rows and one compiled function advances it by any number of
-steps, so an episode is the same to the bit whoever asks for it: alone, among others, all at once or
-step by step.
+Every device always has the same number of rows and one compiled function advances them by any
+number of steps, so an episode is the same to the bit whoever asks for it: alone, among others, all
+at once or step by step.
 """
 
 import dataclasses
@@ -16,13 +16,14 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.agents.player import Policy
+from kinetix.environment.devices import in_shares
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
-BATCH: Final = 128
-"""Episodes that run at once. Always the same number, so that rounding does not depend on how many
-levels are asked for."""
+BATCH: Final = 64
+"""Episodes that run at once on each device: one tile of worlds. Always the same number, so that
+rounding depends neither on how many levels are asked for nor on how many devices there are."""
 
 
 @pytree
@@ -58,6 +59,11 @@ class Episodes:
     last: LastStep
 
 
+def rows() -> int:
+    """Count the episodes that run at once on all devices of this process."""
+    return BATCH * jax.local_device_count()
+
+
 def start(
     env: KinetixEnv,
     policy: Policy,
@@ -72,7 +78,7 @@ def start(
         env: Where.
         policy: Who chooses.
         params: The player's.
-        states: `BATCH` first states, as numpy arrays.
+        states: `rows()` first states, as numpy arrays.
         keys: A key a row, from `episode_keys`.
         over: Rows that shall not count.
     """
@@ -82,6 +88,18 @@ def start(
 
 @functools.partial(jax.jit, static_argnums=(0, 1))
 def _start(
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    state: EnvState,
+    keys: Array,
+    over: Bool[Array, " n"],
+) -> Episodes:
+    begin = functools.partial(_begin, env, policy)
+    return in_shares(begin, replicated=(0,), devices=jax.local_devices())(params, state, keys, over)
+
+
+def _begin(
     env: KinetixEnv,
     policy: Policy,
     params: Any,
@@ -130,36 +148,49 @@ def advance(
         deterministic: Take the likeliest action instead of drawing one.
     """
 
-    def step(_: Array, episodes: Episodes) -> Episodes:
-        keys = jax.vmap(jax.random.fold_in)(episodes.keys, episodes.lengths)
-        action, carry, said = policy.decide(
-            params,
-            episodes.carry,
-            episodes.observation,
-            keys,
-            episodes.begins,
-            deterministic=deterministic,
-        )
-        stepped = jax.vmap(env.step)(keys, episodes.state, action)
-        observation, state, reward, done, info = stepped
-        running = ~episodes.over
-        ended = running & done
-        return dataclasses.replace(
-            episodes,
-            state=state,
-            observation=observation,
-            carry=carry,
-            begins=jnp.zeros_like(episodes.begins),
-            over=episodes.over | done,
-            solved=episodes.solved | (ended & info["GoalR"]),
-            lost=episodes.lost | (ended & info["terminated"] & ~info["GoalR"]),
-            broken=episodes.broken | (ended & info["nan"]),
-            returns=episodes.returns + jnp.where(running, reward, 0.0),
-            lengths=episodes.lengths + running,
-            last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),
-        )
+    def play(params: Any, steps: Int[Array, ""], episodes: Episodes) -> Episodes:
+        step = functools.partial(_step, env, policy, params, deterministic)
+        return jax.lax.fori_loop(0, steps, step, episodes)
 
-    return jax.lax.fori_loop(0, jnp.asarray(steps, jnp.int32), step, episodes)
+    shares = in_shares(play, replicated=(0, 1), devices=jax.local_devices())
+    return shares(params, jnp.asarray(steps, jnp.int32), episodes)
+
+
+def _step(
+    env: KinetixEnv,
+    policy: Policy,
+    params: Any,
+    deterministic: bool,
+    _: Array,
+    episodes: Episodes,
+) -> Episodes:
+    keys = jax.vmap(jax.random.fold_in)(episodes.keys, episodes.lengths)
+    action, carry, said = policy.decide(
+        params,
+        episodes.carry,
+        episodes.observation,
+        keys,
+        episodes.begins,
+        deterministic=deterministic,
+    )
+    stepped = jax.vmap(env.step)(keys, episodes.state, action)
+    observation, state, reward, done, info = stepped
+    running = ~episodes.over
+    ended = running & done
+    return dataclasses.replace(
+        episodes,
+        state=state,
+        observation=observation,
+        carry=carry,
+        begins=jnp.zeros_like(episodes.begins),
+        over=episodes.over | done,
+        solved=episodes.solved | (ended & info["GoalR"]),
+        lost=episodes.lost | (ended & info["terminated"] & ~info["GoalR"]),
+        broken=episodes.broken | (ended & info["nan"]),
+        returns=episodes.returns + jnp.where(running, reward, 0.0),
+        lengths=episodes.lengths + running,
+        last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),
+    )
 
 
 def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from kinetix.agents.environments import capacity_for, environment_for
-from kinetix.agents.episodes import BATCH, Episodes, advance, episode_keys, start
+from kinetix.agents.episodes import Episodes, advance, episode_keys, rows, start
 from kinetix.agents.identity import digest_of
 from kinetix.agents.live import Reading, read_policy
 from kinetix.agents.player import Player
@@ -142,10 +142,10 @@ def evaluate(
         env = environment_for(player, capacity, physics=settings.physics_for(player))
         states = {i: _numpy(level_state(levels[i].source, env.static_env_params)) for i in members}
         jobs = [(index, attempt) for index in members for attempt in range(settings.attempts)]
-        for first in range(0, len(jobs), BATCH):
-            chosen = jobs[first : first + BATCH]
-            rows = [(states[index], prepared[index].key, attempt) for index, attempt in chosen]
-            episodes = _begin(env, player, rows, settings.seed)
+        for first in range(0, len(jobs), rows()):
+            chosen = jobs[first : first + rows()]
+            asked = [(states[index], prepared[index].key, attempt) for index, attempt in chosen]
+            episodes = _begin(env, player, asked, settings.seed)
             while not bool(jnp.all(episodes.over)):
                 over = int(jnp.sum(episodes.over[: len(chosen)]))
                 yield progress(finished + over)
@@ -219,14 +219,14 @@ def record(
 
 
 def _begin(
-    env: KinetixEnv, player: Player, rows: Sequence[tuple[EnvState, int, int]], seed: int
+    env: KinetixEnv, player: Player, asked: Sequence[tuple[EnvState, int, int]], seed: int
 ) -> Episodes:
     """A batch of (first state, the level's number, attempt); rows that are left over are over."""
     # They repeat the first row, which costs nothing extra: the batch has its size anyway.
-    filled = [*rows, *[rows[0]] * (BATCH - len(rows))]
+    filled = [*asked, *[asked[0]] * (rows() - len(asked))]
     states, levels, attempts = zip(*filled, strict=True)
     keys = episode_keys(levels, attempts, seed)
-    over = np.arange(BATCH) >= len(rows)
+    over = np.arange(rows()) >= len(asked)
     return start(env, player.policy, player.params, states, keys, over)
 
 

@@ -10,8 +10,9 @@ import os
 import sys
 from collections.abc import Sequence
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
+from kinetix.cores import use_all_cores
 from kinetix.failures import guarded, plain_streams
 from kinetix.paths import cache_dir
 
@@ -70,10 +71,12 @@ def _run(name: str, words: Sequence[str]) -> int:
     except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
         return stop.code if isinstance(stop.code, int) else 2
     with plain_streams():
+        if hasattr(command, "cores"):
+            use_all_cores(command.cores, unless_started=command.cores is None)
         return module.run(command)
 
 
-def _parse(module: ModuleType, name: str, words: Sequence[str]) -> object:
+def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
     import tyro  # here, so that the overview and the completion of names stay instant
 
     return tyro.cli(

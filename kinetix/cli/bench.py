@@ -30,6 +30,8 @@ class MeasureSpeed:
     """Compile each level for itself alone; the median over the levels counts."""
     scenes: bool = False
     """Time the bare step in scenes of the accuracy suite instead of levels."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
     json: bool = False
     """Print one JSON object a figure on stdout, and nothing else there."""
 

@@ -26,6 +26,8 @@ class Eval:
     """Take the likeliest action instead of drawing one."""
     json: bool = False
     """Print JSON lines."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 def run(command: Eval) -> int:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json as json_module
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -48,6 +49,8 @@ class Verify:
     """A folder of levels, a level set, or a level file."""
     json: bool = False
     """Print one JSON object a level on stdout, and nothing else there."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -143,11 +146,14 @@ class Verdict:
 
 
 def _verify(command: Verify) -> int:
+    import jax  # only playing needs it
+
     ok = True
-    for each in _levels(command.source):
-        verdict = verdict_on(each)
-        ok = ok and verdict.ok
-        print(_json_line(verdict) if command.json else _text(verdict), flush=True)
+    # A level is one world, which keeps one core busy.
+    with ThreadPoolExecutor(jax.local_device_count()) as threads:
+        for verdict in threads.map(verdict_on, _levels(command.source)):
+            ok = ok and verdict.ok
+            print(_json_line(verdict) if command.json else _text(verdict), flush=True)
     return 0 if ok else 1
 
 

@@ -41,6 +41,8 @@ class Solve:
     """Record the actions in the level's file; a recorded solution that wins no more is dropped."""
     unsolved: bool = False
     """Leave out levels whose recorded solution wins."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 def run(command: Solve) -> int:

@@ -5,7 +5,7 @@ On a CPU, ask JAX for as many host devices as there are cores before it starts (
 `jax_num_cpu_devices`), since one device does little work in parallel.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import jax
@@ -18,9 +18,9 @@ from kinetix.errors import KinetixError
 _AXIS: Final = "worlds"
 
 
-def worlds_mesh() -> Mesh:
-    """All devices of all processes in one row."""
-    return Mesh(np.array(jax.devices()), (_AXIS,))
+def worlds_mesh(devices: Sequence[jax.Device] | None = None) -> Mesh:
+    """Put devices in one row: by default all devices of all processes."""
+    return Mesh(np.array(jax.devices() if devices is None else devices), (_AXIS,))
 
 
 def spread(function: Callable[..., Any], *, replicated: tuple[int, ...] = ()) -> Callable[..., Any]:
@@ -35,15 +35,35 @@ def spread(function: Callable[..., Any], *, replicated: tuple[int, ...] = ()) ->
         The compiled function. The number of worlds must be a multiple of the number of devices;
         with several processes, arguments come from `place`.
     """
-    mesh = worlds_mesh()
+    return jax.jit(in_shares(function, replicated=replicated))
 
-    @jax.jit
-    def compiled(*arguments: Any) -> Any:
+
+def in_shares(
+    function: Callable[..., Any],
+    *,
+    replicated: tuple[int, ...] = (),
+    devices: Sequence[jax.Device] | None = None,
+) -> Callable[..., Any]:
+    """Split a function of a batch over devices, as a part of a larger program.
+
+    Args:
+        function: As for `spread`.
+        replicated: As for `spread`.
+        devices: Which; None: all devices of all processes.
+
+    Returns:
+        A function to be called under `jit`.
+    """
+    mesh = worlds_mesh(devices)
+    if mesh.size == 1:
+        return function
+
+    def shares(*arguments: Any) -> Any:
         specs = tuple(
             PartitionSpec() if index in replicated else PartitionSpec(_AXIS)
             for index in range(len(arguments))
         )
-        shares = jax.shard_map(
+        split = jax.shard_map(
             function,
             mesh=mesh,
             in_specs=specs,
@@ -51,9 +71,16 @@ def spread(function: Callable[..., Any], *, replicated: tuple[int, ...] = ()) ->
             # Loops inside start from constants, which the check takes for replicated values.
             check_vma=False,
         )
-        return shares(*arguments)
+        return split(*arguments)
 
-    return compiled
+    return shares
+
+
+def devices_for(worlds: int) -> list[jax.Device]:
+    """Choose as many of this process's devices as can have equal shares of some worlds."""
+    devices = jax.local_devices()
+    count = max(n for n in range(1, len(devices) + 1) if worlds % n == 0)
+    return devices[:count]
 
 
 def place(batch: Any) -> Any:

@@ -25,7 +25,7 @@ from kinetix.environment.replay import play_actions
 from kinetix.environment.reset import level_state, static_env_params_for_levels
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
-from kinetix.environment.stretches import BATCH, Round, Task, stretches
+from kinetix.environment.stretches import BATCH, Round, Task, steps_of, stretches
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
@@ -227,7 +227,7 @@ def _rollout(
     """
     count, limit = plans.shape[:2]
     key = jax.random.key(0)  # nothing in a step of one level is random
-    step = jax.vmap(env.step, in_axes=(None, 0, 0))
+    step = steps_of(env, count)
 
     def going_on(carry: tuple[Any, ...]) -> Array:
         t, _, done, won, *_ = carry

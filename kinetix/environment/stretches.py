@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
+from kinetix.environment.devices import devices_for, in_shares
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.plans import Plans, random_plans
 from kinetix.environment.state import EnvState
@@ -112,7 +113,7 @@ def _stretch(
         The states after it; per attempt: won, over, steps played, distance [m].
     """
     key = jax.random.key(0)  # nothing in a step of one level is random
-    step = jax.vmap(env.step, in_axes=(None, 0, 0))
+    step = steps_of(env, len(plans))
 
     def advance(carry: tuple[Any, ...], actions: Array) -> tuple[tuple[Any, ...], None]:
         state, over, won, steps, _ = carry
@@ -126,3 +127,17 @@ def _stretch(
     states = jax.tree.map(lambda x: x[parents], states)
     carry = (states, no, no, zero, jnp.zeros(count, jnp.float32))
     return jax.lax.scan(advance, carry, jnp.swapaxes(plans, 0, 1))[0]
+
+
+def steps_of(env: KinetixEnv, count: int) -> Callable[..., Any]:
+    """Step so many attempts at once, on all devices that can have equal shares.
+
+    Args:
+        env: Where.
+        count: How many attempts.
+
+    Returns:
+        A function of one key, the states and the actions.
+    """
+    step = jax.vmap(env.step, in_axes=(None, 0, 0))
+    return in_shares(step, replicated=(0,), devices=devices_for(count))

@@ -1,0 +1,76 @@
+"""All cores of a processor: JAX computes on one of them unless it is told, before it starts.
+
+JAX sees a processor as so many devices as it was asked for. One device does little work in
+parallel, so each core gets one. On a GPU or a TPU none of this matters.
+"""
+
+import os
+from collections.abc import Mapping
+from typing import Final
+
+from kinetix.errors import KinetixError
+
+CORES: Final = "KINETIX_CORES"
+"""Variable that says how many cores to use; 1 leaves everything on one."""
+_FLAG: Final = "--xla_force_host_platform_device_count"
+_UNSET: Final = -1
+
+
+def available_cores() -> int:
+    """Count the cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def wanted_cores(variables: Mapping[str, str] = os.environ) -> int:
+    """Read how many cores to use: what the variable `KINETIX_CORES` says, else all of them.
+
+    Args:
+        variables: The variables of the process.
+
+    Raises:
+        KinetixError: That is no number of cores.
+    """
+    text = variables.get(CORES, "").strip()
+    return available_cores() if not text else _checked(text, CORES)
+
+
+def use_all_cores(cores: int | None = None, *, unless_started: bool = False) -> None:
+    """Let JAX compute on all cores of the processor; to be called before the first array is made.
+
+    Batches are then spread by `kinetix.vectorize`, and by whatever trains, evaluates or searches. A
+    number of devices that was set in one of JAX's own ways stays, unless `cores` is given.
+
+    Args:
+        cores: How many; None: what the variable `KINETIX_CORES` says, else all of them.
+        unless_started: Whether a JAX that has started already goes on as it is.
+
+    Raises:
+        KinetixError: JAX has started already with another number of devices, or there is no such
+            number of cores.
+    """
+    import jax  # here, so that the package stays free of JAX until somebody wants it
+
+    count = wanted_cores() if cores is None else _checked(str(cores), "cores")
+    if cores is None and (_set_by_user(jax.config.jax_num_cpu_devices)):
+        return
+    try:
+        jax.config.update("jax_num_cpu_devices", count)
+    except RuntimeError:
+        if unless_started or jax.local_device_count() == count:
+            return
+        raise KinetixError(
+            f"JAX has started already, with {jax.local_device_count()} × {jax.default_backend()}: "
+            "call kinetix.use_all_cores() before the first array is made"
+        ) from None
+
+
+def _set_by_user(devices: int) -> bool:
+    return devices != _UNSET or _FLAG in os.environ.get("XLA_FLAGS", "")
+
+
+def _checked(text: str, source: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise KinetixError(f"{source} = {text}: expected a number of cores, at least 1")
+    return int(text)

@@ -1,0 +1,119 @@
+"""An environment of many worlds, spread over all devices: `vectorize` in place of `vmap`."""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from kinetix.environment.devices import in_shares
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class VectorEnv:
+    """Many worlds at once: every argument and result has a leading axis of worlds.
+
+    Each device steps its share. Results are the same as those of `vmap` up to rounding. All of it
+    works under `jit` and `scan`; what is computed from the results world by world is computed where
+    they are.
+    """
+
+    env: Any
+    """For one world."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Spaces, parameters and names are those of the environment for one world."""
+        if name.startswith("__") or name == "env":
+            raise AttributeError(name)
+        return getattr(self.env, name)
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def reset(
+        self, key: Array, env_params: Any = None, override_reset_state: EnvState | None = None
+    ) -> Any:
+        """Start an episode in every world.
+
+        Args:
+            key: A key a world.
+            env_params: Parameters of all worlds; by default those of the environment.
+            override_reset_state: The states to start in, instead of those from `reset_fn`: one a
+                world, or one for all.
+
+        Returns:
+            Observations and states.
+
+        Raises:
+            KinetixError: The number of worlds is no multiple of the number of devices.
+        """
+        axes = (0, None, _axis(override_reset_state))
+        return _spread(self.env.reset, axes, (key, env_params, override_reset_state))
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def step(
+        self,
+        key: Array,
+        state: Any,
+        action: Any,
+        env_params: Any = None,
+        override_reset_state: EnvState | None = None,
+    ) -> Any:
+        """Play an action in every world.
+
+        Args:
+            key: A key a world.
+            state: From `reset` or `step`.
+            action: An action a world.
+            env_params: Parameters of all worlds; by default those of the environment.
+            override_reset_state: Where the next episodes start, instead of `reset_fn`: one a world,
+                or one for all.
+
+        Returns:
+            Observations, states, rewards, dones and info.
+
+        Raises:
+            KinetixError: The number of worlds is no multiple of the number of devices.
+        """
+        axes = (0, 0, 0, None, _axis(override_reset_state))
+        arguments = (key, state, action, env_params, override_reset_state)
+        return _spread(self.env.step, axes, arguments)
+
+    @functools.partial(jax.jit, static_argnums=0)
+    def get_obs(self, state: Any) -> Any:
+        """Observe every world."""
+        return _spread(self.env.get_obs, (0,), (state,))
+
+
+def vectorize(env: Any) -> VectorEnv:
+    """Make an environment of many worlds that works on all devices.
+
+    Call `kinetix.use_all_cores()` before the first array, so that a processor's cores are devices.
+
+    Args:
+        env: An environment for one world, or a wrapper around one.
+    """
+    return VectorEnv(env=env)
+
+
+def _axis(levels: EnvState | None) -> int | None:
+    """The axis of worlds of some levels; one level for all has none."""
+    return None if levels is None or jnp.ndim(levels.timestep) == 0 else 0
+
+
+def _spread(
+    function: Callable[..., Any], axes: tuple[int | None, ...], arguments: tuple[Any, ...]
+) -> Any:
+    worlds = jax.tree.leaves(arguments[0])[0].shape[0]
+    devices = jax.device_count()
+    if worlds % devices:
+        more = -(-worlds // devices) * devices
+        raise KinetixError(
+            f"{worlds} worlds: expected a multiple of the {devices} devices, such as {more}"
+        )
+    replicated = tuple(index for index, axis in enumerate(axes) if axis is None)
+    shares = in_shares(jax.vmap(function, in_axes=axes), replicated=replicated)
+    return shares(*arguments)
