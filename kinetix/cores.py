@@ -53,7 +53,7 @@ def use_all_cores(cores: int | None = None, *, unless_started: bool = False) -> 
     import jax  # here, so that the package stays free of JAX until somebody wants it
 
     count = wanted_cores() if cores is None else _checked(str(cores), "cores")
-    if cores is None and (_set_by_user(jax.config.jax_num_cpu_devices)):
+    if cores is None and _set_by_user(jax.config.values["jax_num_cpu_devices"]):
         return
     try:
         jax.config.update("jax_num_cpu_devices", count)

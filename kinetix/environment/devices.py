@@ -18,7 +18,7 @@ from kinetix.errors import KinetixError
 _AXIS: Final = "worlds"
 
 
-def worlds_mesh(devices: Sequence[jax.Device] | None = None) -> Mesh:
+def worlds_mesh(devices: Sequence[Any] | None = None) -> Mesh:
     """Put devices in one row: by default all devices of all processes."""
     return Mesh(np.array(jax.devices() if devices is None else devices), (_AXIS,))
 
@@ -42,7 +42,7 @@ def in_shares(
     function: Callable[..., Any],
     *,
     replicated: tuple[int, ...] = (),
-    devices: Sequence[jax.Device] | None = None,
+    devices: Sequence[Any] | None = None,
 ) -> Callable[..., Any]:
     """Split a function of a batch over devices, as a part of a larger program.
 
@@ -76,7 +76,7 @@ def in_shares(
     return shares
 
 
-def devices_for(worlds: int) -> list[jax.Device]:
+def devices_for(worlds: int) -> list[Any]:
     """Choose as many of this process's devices as can have equal shares of some worlds."""
     devices = jax.local_devices()
     count = max(n for n in range(1, len(devices) + 1) if worlds % n == 0)
