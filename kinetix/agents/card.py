@@ -88,8 +88,11 @@ class NormalisationCard(_Part, frozen=True, kw_only=True):
     """Running statistics of the observation's columns, by field (one field `""` for flat forms)."""
 
     count: float
+    """Rows seen, of the field that has most."""
     mean: dict[str, list[float]]
     variance: dict[str, list[float]]
+    counts: dict[str, float] = {}
+    """Rows seen, by field; empty in older files, where all fields have `count`."""
 
 
 class AgentCard(_Part, frozen=True, kw_only=True):

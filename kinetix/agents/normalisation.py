@@ -14,12 +14,16 @@ EPSILON = 1e-4
 """Keeps the division finite, and is the weight of the prior (mean 0, variance 1)."""
 
 
+LIMIT = 10.0
+"""Normalised values end here: a column that was all but constant would give enormous ones."""
+
+
 @pytree
 class Normalisation:
     """Statistics by field; observations that are one array have the single field ""."""
 
-    count: Float[Array, ""]
-    """Rows seen so far."""
+    count: dict[str, Float[Array, ""]]
+    """Rows seen so far; empty slots are none."""
     mean: dict[str, Float[Array, " f"]]
     variance: dict[str, Float[Array, " f"]]
 
@@ -48,7 +52,7 @@ def start(observation: Any) -> Normalisation:
     """
     fields = fields_of(observation)
     return Normalisation(
-        count=jnp.asarray(EPSILON),
+        count={name: jnp.asarray(EPSILON) for name in fields},
         mean={name: jnp.zeros(value.shape[-1]) for name, value in fields.items()},
         variance={name: jnp.ones(value.shape[-1]) for name, value in fields.items()},
     )
@@ -67,25 +71,39 @@ def update(statistics: Normalisation, observation: Any) -> Normalisation:
     Source: Chan, Golub & LeVeque, "Updating Formulae and a Pairwise Algorithm for Computing Sample
     Variances" (1979).
     """
-    fields = fields_of(observation)
-    batch = jnp.asarray(max(np.prod(v.shape[:-1]) for v in fields.values()), jnp.float32)
-    total = statistics.count + batch
-    mean, variance = {}, {}
-    for name, value in fields.items():
+    count, mean, variance = {}, {}, {}
+    for name, value in fields_of(observation).items():
+        rows = _weights(observation, name, value)
         axes = tuple(range(value.ndim - 1))
-        difference = jnp.mean(value, axes) - statistics.mean[name]
+        batch = jnp.sum(rows)
+        share = rows / jnp.maximum(batch, 1.0)
+        batch_mean = jnp.sum(value * share, axes)
+        batch_variance = jnp.sum((value - batch_mean) ** 2 * share, axes)
+        before = statistics.count[name]
+        total = before + batch
+        difference = batch_mean - statistics.mean[name]
+        count[name] = total
         mean[name] = statistics.mean[name] + difference * batch / total
         squares = (
-            statistics.variance[name] * statistics.count
-            + jnp.var(value, axes) * batch
-            + difference**2 * statistics.count * batch / total
+            statistics.variance[name] * before
+            + batch_variance * batch
+            + difference**2 * before * batch / total
         )
         variance[name] = squares / total
-    return Normalisation(count=total, mean=mean, variance=variance)
+    return Normalisation(count=count, mean=mean, variance=variance)
+
+
+def _weights(observation: Any, name: str, value: Array) -> Float[Array, "*n 1"]:
+    """1 for rows that hold something, 0 for empty slots."""
+    # The mask of `circles` is `circle_mask`.
+    mask = getattr(observation, f"{name.removesuffix('s')}_mask", None)
+    if mask is None:
+        return jnp.ones((*value.shape[:-1], 1), value.dtype)
+    return mask[..., None].astype(value.dtype)
 
 
 def normalise(statistics: Normalisation | None, observation: Any) -> Any:
-    """Shift and scale every column to mean 0 and variance 1.
+    """Shift and scale every column to mean 0 and variance 1, within ±`LIMIT`.
 
     Args:
         statistics: What was seen in training; None leaves the observation as it is.
@@ -94,7 +112,11 @@ def normalise(statistics: Normalisation | None, observation: Any) -> Any:
     if statistics is None:
         return observation
     changed = {
-        name: (value - statistics.mean[name]) / jnp.sqrt(statistics.variance[name] + EPSILON)
+        name: jnp.clip(
+            (value - statistics.mean[name]) / jnp.sqrt(statistics.variance[name] + EPSILON),
+            -LIMIT,
+            LIMIT,
+        )
         for name, value in fields_of(observation).items()
     }
     return observation._replace(**changed) if hasattr(observation, "_replace") else changed[""]
@@ -105,7 +127,12 @@ def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
     if statistics is None:
         return None
     as_lists: Any = jax.tree.map(lambda x: np.asarray(x).tolist(), statistics)
-    return NormalisationCard(count=as_lists.count, mean=as_lists.mean, variance=as_lists.variance)
+    return NormalisationCard(
+        count=max(as_lists.count.values()),
+        counts=as_lists.count,
+        mean=as_lists.mean,
+        variance=as_lists.variance,
+    )
 
 
 def from_card(card: NormalisationCard | None) -> Normalisation | None:
@@ -113,7 +140,9 @@ def from_card(card: NormalisationCard | None) -> Normalisation | None:
     if card is None:
         return None
     return Normalisation(
-        count=jnp.asarray(card.count, jnp.float32),
+        count={
+            name: jnp.asarray(card.counts.get(name, card.count), jnp.float32) for name in card.mean
+        },
         mean={name: jnp.asarray(x, jnp.float32) for name, x in card.mean.items()},
         variance={name: jnp.asarray(x, jnp.float32) for name, x in card.variance.items()},
     )

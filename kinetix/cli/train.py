@@ -104,9 +104,10 @@ def run(command: Common) -> int:
         algorithm, preset=command.preset, file=command.config, values=values, run=command.out
     )
     if is_leader():
-        _announce(
-            algorithm, config, estimate(make_setup(config, gradient_steps=1, teacher=teacher))
-        )
+        setup = make_setup(config, gradient_steps=1, teacher=teacher)
+        _announce(algorithm, config, estimate(setup))
+        if setup.cut_short():
+            _say(f"warning: {setup.cut_short()}")
     last = train(algorithm, config, command.out, teacher=teacher, report=_report, say=_say)
     if is_leader():
         print(last)

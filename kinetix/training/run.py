@@ -294,6 +294,13 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
         raise KinetixError(f"{out}: this run was started with {name}, not {algorithm}")
     for field in dataclasses.fields(config):
         old, new = getattr(before, field.name), getattr(config, field.name)
+        scheduled = config.anneal_lr or config.warmup_lr
+        if field.name == "total_timesteps" and old != new and scheduled:
+            raise KinetixError(
+                f"{path}: total_timesteps = {old} sets the learning rate of this run, which would "
+                f"jump under {new}; choose another directory, with --from {out} to start from its "
+                "newest agent"
+            )
         if field.name not in RESUMABLE and old != new:
             raise KinetixError(
                 f"{path}: this run was started with {field.name} = {json.dumps(_plain(old))}, now "

@@ -41,7 +41,7 @@ from kinetix.environment.reset import (
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.sets import SetLevel, gather_levels, part_of
-from kinetix.training.config import PpoConfig
+from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.devices import check_divisible
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
 from kinetix.training.ppo.update import Learner, learn
@@ -57,6 +57,8 @@ class Setup:
     optimiser: optax.GradientTransformation
     card: AgentCard
     """Describes the agent that is being trained; without name and results yet."""
+    longest_episode: int
+    """Environment steps of the longest episode that a level allows."""
     ued: UEDParams
     """Options of random levels and mutations."""
 
@@ -70,6 +72,26 @@ class Setup:
         """Draws the level of an episode."""
         assert self.game.env.reset_fn is not None
         return self.game.env.reset_fn
+
+    def cut_short(self) -> str:
+        """Return why long episodes are not scored or learnt from to their end; else nothing."""
+        config, longest = self.config, self.longest_episode
+        if isinstance(config, ReplayConfig):
+            played = config.num_steps * config.outer_rollout_steps
+            if played < longest:
+                return (
+                    f"num_steps × outer_rollout_steps = {played} is less than the "
+                    f"{longest} steps of the longest episode: later ones are never learnt from, and "
+                    "levels that last so long have no score"
+                )
+        if isinstance(config, SflConfig) and config.learnability_mode == "timesteps":
+            played = config.rollout_steps
+            if played < 2 * longest:
+                return (
+                    f"rollout_steps = {played} is less than two of the longest episodes ({longest} "
+                    "steps each): levels are scored by their short episodes"
+                )
+        return ""
 
     def fresh_levels(self, key: Array, count: int) -> EnvState:
         """Levels from the reset function, without those that are won by doing nothing.
@@ -214,6 +236,9 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         game=game,
         optimiser=make_optimiser(config, gradient_steps),
         card=card,
+        longest_episode=max(
+            [level.level.max_timesteps for level in listed], default=env_params.max_timesteps
+        ),
         ued=ued,
     )
 

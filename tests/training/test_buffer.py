@@ -11,6 +11,7 @@ import pytest
 from kinetix.training.config import ReplayConfig
 from kinetix.training.curricula.buffer import draw, empty_buffer, insert, revise, weights
 from kinetix.training.curricula.scores import best_return, episode_mean, level_scores
+from kinetix.training.curricula.sfl import count_by_owner
 from kinetix.training.curricula.tally import Tally, count_ends, learnability, sfl_score
 from kinetix.training.ppo.rollout import Rollout, Trajectory
 
@@ -71,6 +72,25 @@ def test_duplicates_stay_out_when_asked():
     assert sorted(_numbers(offered)) == [1, 2, 3, 9]
 
 
+def test_duplicates_stay_out_of_a_buffer_that_is_not_full():
+    config = dataclasses.replace(_CONFIG, buffer_duplicate_check=True)
+    buffer = _filled([0.4, 0.3], config)
+    offered = insert(buffer, _levels(2, 9, 9), jnp.array([0.9, 0.8, 0.7]), jnp.zeros(3), config)
+    assert sorted(_numbers(offered)) == [0, 1, 2, 9]
+    assert int(offered.filled.sum()) == 3
+
+
+def test_no_level_is_drawn_again_before_all_others():
+    buffer = _filled([0.1, 0.9, 0.5, 0.3], capacity=6)
+    config = dataclasses.replace(_CONFIG, temperature=0.1)  # the best has nearly all the weight
+    _, index = draw(buffer, jax.random.PRNGKey(1), 10, config, distinct=True)
+    counts = np.bincount(np.asarray(index), minlength=6)
+    assert sorted(counts.tolist()) == [0, 0, 2, 2, 3, 3]
+    top = dataclasses.replace(_CONFIG, prioritization="topk", topk_k=1)
+    _, index = draw(buffer, jax.random.PRNGKey(1), 4, top, distinct=True)
+    assert len(set(index.tolist())) == 4
+
+
 def test_draws_advance_the_counter_and_favour_what_is_stale():
     config = dataclasses.replace(_CONFIG, staleness_coeff=1.0)
     buffer = _filled([0.4, 0.3, 0.2, 0.1], config)
@@ -97,6 +117,23 @@ def test_replays_update_scores_and_keep_the_best_return():
     assert float(buffer.max_return[0]) == pytest.approx(0.4)
 
 
+def test_a_level_that_was_replayed_several_times_has_the_mean_of_its_scores():
+    buffer = _filled([0.4, 0.3, 0.2])
+    index, score = jnp.array([0, 0, 1, 0, 2]), jnp.array([0.2, 0.6, 0.9, -jnp.inf, -jnp.inf])
+    buffer = revise(buffer, index, score, jnp.zeros(5))
+    np.testing.assert_allclose(buffer.score, [0.4, 0.9, -jnp.inf, -jnp.inf], rtol=1e-6)
+
+
+def test_returns_are_discounted_from_the_start_of_their_episode():
+    done = jnp.array([[False], [True], [False], [True]])
+    # Rewards 1, 2, then 4, 8: the environment tells sums.
+    played = _rollout(
+        jnp.zeros((4, 1)), jnp.zeros((4, 1)), done, returns=jnp.array([[1.0], [3.0], [4.0], [12.0]])
+    )
+    np.testing.assert_allclose(best_return(played), [12.0])
+    np.testing.assert_allclose(best_return(played, gamma=0.5), [4.0 + 0.5 * 8.0])
+
+
 def test_episode_means_leave_out_what_did_not_finish():
     values = jnp.array([[1.0, 1.0], [3.0, 1.0], [5.0, 1.0], [9.0, 1.0]])
     done = jnp.array([[False, False], [True, False], [True, False], [False, False]])
@@ -108,6 +145,7 @@ def _rollout(value, reward, done, solved=None, returns=None):
     trajectory = Trajectory(
         observation=(),
         action=zeros,
+        live=jnp.ones((*value.shape, 1), bool),
         log_prob=zeros,
         value=value,
         reward=reward,
@@ -144,6 +182,20 @@ def test_learnability_and_its_correction():
     np.testing.assert_allclose(learnability(tally, correction=False), [0, 0, 0.25, 0])
     np.testing.assert_allclose(learnability(tally, correction=True), [0, 0, 0.2, 0])
     np.testing.assert_allclose(sfl_score(tally, correction=True), [0, 0, 0.2005, 0.001], rtol=1e-6)
+
+
+def test_episodes_that_go_on_count_for_the_level_that_they_began_on():
+    tally = Tally(episodes=jnp.array([5, 0, 0]), solved=jnp.array([1, 0, 0]))
+    zeros = jnp.zeros((3, 2))
+    done = jnp.array([[False, True], [True, False], [True, False]])
+    solved = jnp.array([[False, True], [True, False], [False, False]])
+    trajectory = _rollout(zeros, zeros, done, solved=solved).trajectory
+    # The first environment is on level 0 and goes on with 2; the second on none, then on 1.
+    owner, following = jnp.array([0, -1]), jnp.array([2, 1])
+    tally, owner = count_by_owner(tally, owner, following, trajectory)
+    assert tally.episodes.tolist() == [6, 0, 1]
+    assert tally.solved.tolist() == [2, 0, 0]
+    assert owner.tolist() == [2, 1]
 
 
 def test_at_most_so_many_episodes_count():

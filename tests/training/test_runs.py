@@ -452,3 +452,27 @@ def test_sfl_keeps_more_learnable_levels_than_it_samples():
     # Means of episodes are NaN here: none ends within so short a rollout.
     losses = [value for name, value in metrics.items() if name.startswith("loss/")]
     assert np.all(np.isfinite(losses))
+
+
+def test_sfl_finishes_episodes_that_are_longer_than_a_rollout(tmp_path):
+    ball = Body(id=1, shape=Circle(radius=0.2), position=(2.5, 0.5), role="green")
+    goal = Body(id=2, shape=Circle(radius=0.2), position=(4.5, 0.5), role="blue")
+    level = Level(name="far", max_timesteps=10, next_id=3, bodies=(ball, goal))
+    save_level(level, tmp_path / "far.json")
+    config = _config("sfl", levels=(str(tmp_path / "far.json"),), level_mode="list")
+    trainer = make_trainer(config)
+    assert trainer.setup.longest_episode == 10
+    assert "rollout_steps = 8" in trainer.setup.cut_short()
+    state, ended = trainer.start(), []
+    for _ in range(3):
+        state, metrics = trainer.update(state)
+        ended.append(float(metrics["episodes"]))
+    assert ended == [0, 0, 8]  # ten steps are over in the third rollout of four
+
+
+def test_a_run_whose_rate_falls_cannot_be_made_longer(tmp_path):
+    steps = _TINY["total_timesteps"] // 3
+    train("ppo", _config("ppo", dummy_env=True, anneal_lr=True, total_timesteps=steps), tmp_path)
+    longer = _config("ppo", dummy_env=True, anneal_lr=True)
+    with pytest.raises(KinetixError, match="learning rate of this run, which would jump"):
+        train("ppo", longer, tmp_path)

@@ -56,6 +56,9 @@ class Replay:
         self.setup = make_setup(
             config, gradient_steps=config.num_updates * per_update, teacher=teacher
         )
+        # kinetix-env draws with replacement, and subtracts values from undiscounted returns.
+        own = config.parity is None
+        self._distinct, self._gamma = own, config.gamma if own else 1.0
         self._teacher = teacher
         self._start = jax.jit(self._first_state)
         self._steps = {
@@ -133,7 +136,7 @@ class Replay:
         """Play levels that are not in the buffer, and offer them to it."""
         learning = self.config.exploratory_grad_updates
         state, played, metrics = self._play(state, levels, key, learning=learning)
-        best = best_return(played)
+        best = best_return(played, gamma=self._gamma)
         buffer = insert(state.buffer, levels, self._score(played, best), best, self.config)
         following = dataclasses.replace(
             state, buffer=buffer, just_replayed=jnp.zeros_like(state.just_replayed)
@@ -142,12 +145,13 @@ class Replay:
 
     def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
         key, draw_key, order_key, step_key = jax.random.split(state.key, 4)
-        buffer, index = draw(state.buffer, draw_key, self.config.num_train_envs, self.config)
+        count = self.config.num_train_envs
+        buffer, index = draw(state.buffer, draw_key, count, self.config, distinct=self._distinct)
         stored = jax.tree.map(lambda x: x[index], buffer.levels)
         levels = self.setup.arranged(stored, order_key)
         state = dataclasses.replace(state, key=key)
         state, played, metrics = self._play(state, levels, step_key, learning=True)
-        best = jnp.maximum(best_return(played), buffer.max_return[index])
+        best = jnp.maximum(best_return(played, gamma=self._gamma), buffer.max_return[index])
         buffer = revise(buffer, index, self._score(played, best), best)
         following = dataclasses.replace(
             state,

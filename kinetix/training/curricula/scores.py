@@ -10,10 +10,30 @@ from kinetix.training.ppo.losses import generalised_advantages
 from kinetix.training.ppo.rollout import Rollout
 
 
-def best_return(rollout: Rollout) -> Float[Array, " n"]:
-    """The largest return of the finished episodes; −∞ where none finished."""
+def best_return(rollout: Rollout, *, gamma: float = 1.0) -> Float[Array, " n"]:
+    """Return the largest return of the finished episodes; −∞ where none finished.
+
+    Args:
+        rollout: What was played; the first step of each environment begins an episode.
+        gamma: Discount per step, from an episode's start. Values are discounted, so what they are
+            subtracted from should be.
+    """
     trajectory = rollout.trajectory
-    returns = jnp.where(trajectory.done, trajectory.episode_return, -jnp.inf)
+
+    def step(
+        carry: tuple[Array, Array, Array], inputs: tuple[Array, Array]
+    ) -> tuple[tuple[Array, Array, Array], Array]:
+        before, discounted, factor = carry
+        total, done = inputs
+        discounted = discounted + factor * (total - before)
+        over = jnp.where(done, discounted, -jnp.inf)
+        goes_on = 1.0 - done
+        following = (total * goes_on, discounted * goes_on, jnp.where(done, 1.0, factor * gamma))
+        return following, over
+
+    zero = jnp.zeros_like(rollout.last_value)
+    start = (zero, zero, jnp.ones_like(zero))
+    _, returns = jax.lax.scan(step, start, (trajectory.episode_return, trajectory.done))
     return jnp.max(returns, axis=0)
 
 

@@ -9,19 +9,19 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
-from kinetix.environment.params import EnvParams
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
 from kinetix.training.config import SflConfig
-from kinetix.training.curricula.tally import Tally, count_ends, learnability, play_tally, sfl_score
+from kinetix.training.curricula.tally import Tally, learnability, play_tally, sfl_score
+from kinetix.training.devices import over_devices
 from kinetix.training.evaluation import evaluation_levels
-from kinetix.training.ppo.rollout import Trajectory, begin, episode_means, rollout
+from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
 
@@ -48,6 +48,11 @@ class SflState:
     """Updates since the buffer was filled."""
     pool: EnvState | None
     """What all levels are drawn from, where that is a fixed set."""
+    playing: Playing
+    """The environments: episodes go on over updates, else nothing after the last step of a rollout
+    would ever be learnt from."""
+    owner: Int[Array, " n"]
+    """Which level of the buffer each environment's episode is on; −1: none that still counts."""
 
 
 class Sfl:
@@ -78,7 +83,8 @@ class Sfl:
 
     def _first_state(self) -> SflState:
         config = self.config
-        key, learner_key, level_key, pool_key = jax.random.split(jax.random.PRNGKey(config.seed), 4)
+        keys = jax.random.split(jax.random.PRNGKey(config.seed), 5)
+        key, learner_key, level_key, pool_key, playing_key = keys
         size = config.num_to_save
         levels = jax.vmap(self.setup.reset_fn)(jax.random.split(level_key, size))
         none = jnp.zeros(size, jnp.int32)
@@ -96,6 +102,8 @@ class Sfl:
             ),
             age=jnp.asarray(config.buffer_update_frequency, jnp.int32),
             pool=pool,
+            playing=self.setup.start_playing(playing_key),
+            owner=jnp.full(config.num_train_envs, -1, jnp.int32),
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
@@ -164,7 +172,8 @@ class Sfl:
         if self._extra is not None:
             chosen = self._include(chosen, self._extra)
         age = jnp.zeros_like(state.age)
-        return dataclasses.replace(state, key=key, chosen=chosen, age=age), report
+        nobody = jnp.full_like(state.owner, -1)
+        return dataclasses.replace(state, key=key, chosen=chosen, age=age, owner=nobody), report
 
     def _with_evaluation_levels(self, chosen: Chosen, extra: EnvState) -> Chosen:
         """The buffer with these levels in its last places; what is scored least lies there."""
@@ -192,7 +201,7 @@ class Sfl:
             learner.params,
             levels,
             key,
-            EnvParams().max_timesteps if by_episodes else config.rollout_steps,
+            self.setup.longest_episode if by_episodes else config.rollout_steps,
             statistics=statistics,
             episodes=config.rollout_episodes if by_episodes else None,
         )
@@ -223,8 +232,15 @@ class Sfl:
         )
         picked = jax.random.randint(pick_key, (self._drawn,), 0, config.num_to_save)
         levels = setup.arranged(self._levels(state, picked, fresh_key), order_key)
-        playing = begin(setup.game, begin_key, config.num_train_envs, levels)
-        _, played = rollout(
+        unscored = jnp.full(config.num_train_envs - self._drawn, -1, jnp.int32)
+        following = jnp.concatenate([picked.astype(jnp.int32), unscored])
+        # Episodes go on; only where one is over the new level begins at once. kinetix-env begins
+        # new ones in every update.
+        anew = state.playing.begins | (config.parity is not None)
+        fresh = begin(setup.game, begin_key, config.num_train_envs, levels)
+        playing = over_devices(_where(anew, fresh, state.playing))
+        owner = jnp.where(anew, following, state.owner)
+        playing, played = rollout(
             setup.game,
             learner.params,
             playing,
@@ -233,17 +249,19 @@ class Sfl:
             levels=levels,
             statistics=state.statistics,
         )
-        tally = _add(state.chosen.tally, picked, played.trajectory)
+        tally, owner = count_by_owner(state.chosen.tally, owner, following, played.trajectory)
         learner, statistics, losses = setup.learn(learner, played, learn_key, state.statistics)
-        following = SflState(
+        after = SflState(
             learner=learner,
             statistics=statistics,
             key=key,
             chosen=dataclasses.replace(state.chosen, tally=tally),
             age=state.age + 1,
             pool=state.pool,
+            playing=playing,
+            owner=owner,
         )
-        return following, episode_means(played.trajectory) | losses
+        return after, episode_means(played.trajectory) | losses
 
     def _levels(self, state: SflState, picked: Array, key: Array) -> EnvState:
         """The picked levels of the buffer, then fresh ones for the other environments."""
@@ -278,17 +296,46 @@ def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
     return jax.tree.map(np.asarray, stack_states(states))
 
 
-def _add(tally: Tally, picked: Int[Array, " d"], trajectory: Trajectory) -> Tally:
-    """Take what happened on the drawn levels (the first environments) into their counts."""
-    drawn = picked.shape[0]
-    start = Tally(episodes=jnp.zeros(drawn, jnp.int32), solved=jnp.zeros(drawn, jnp.int32))
+def _where(chosen: Bool[Array, " n"], these: Any, those: Any) -> Any:
+    """Rows of one batch where chosen, of another elsewhere."""
 
-    def step(counts: Tally, ends: tuple[Array, Array]) -> tuple[Tally, None]:
-        return count_ends(counts, *ends), None
+    def pick(a: Array, b: Array) -> Array:
+        return jnp.where(chosen.reshape(-1, *[1] * (a.ndim - 1)), a, b)
 
-    ends = (trajectory.done[:, :drawn], trajectory.solved[:, :drawn])
-    counts, _ = jax.lax.scan(step, start, ends)
-    return Tally(
-        episodes=tally.episodes.at[picked].add(counts.episodes),
-        solved=tally.solved.at[picked].add(counts.solved),
-    )
+    return jax.tree.map(pick, these, those)
+
+
+def count_by_owner(
+    tally: Tally,
+    owner: Int[Array, " n"],
+    following: Int[Array, " n"],
+    trajectory: Trajectory,
+) -> tuple[Tally, Int[Array, " n"]]:
+    """Take the episodes that ended into the counts of the levels that they were played on.
+
+    Args:
+        tally: The buffer's counts.
+        owner: Which level of the buffer each environment's running episode is on; −1: none.
+        following: Which one its next episodes are on.
+        trajectory: What was played.
+
+    Returns:
+        The counts, and the owners of the episodes that run at the end.
+    """
+    size = tally.episodes.shape[0]
+
+    def step(
+        carry: tuple[Tally, Array], ends: tuple[Array, Array]
+    ) -> tuple[tuple[Tally, Array], None]:
+        tally, owner = carry
+        done, solved = ends
+        # Beyond the end nothing is counted.
+        at = jnp.where(done & (owner >= 0), owner, size)
+        counted = Tally(
+            episodes=tally.episodes.at[at].add(1, mode="drop"),
+            solved=tally.solved.at[at].add(solved.astype(tally.solved.dtype), mode="drop"),
+        )
+        return (counted, jnp.where(done, following, owner)), None
+
+    ends = (trajectory.done, trajectory.solved)
+    return jax.lax.scan(step, (tally, owner), ends)[0]
