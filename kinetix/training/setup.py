@@ -80,9 +80,9 @@ class Setup:
             played = config.num_steps * config.outer_rollout_steps
             if played < longest:
                 return (
-                    f"num_steps × outer_rollout_steps = {played} is less than the {longest} steps of "
-                    "the longest episode: later ones are never learnt from, and levels that last so "
-                    "long have no score"
+                    f"num_steps × outer_rollout_steps = {played} is less than the longest episode "
+                    f"({longest} steps): later steps are never learnt from, and levels that last "
+                    "so long have no score"
                 )
         if isinstance(config, SflConfig) and config.learnability_mode == "timesteps":
             played = config.rollout_steps
