@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kinetix.level.builder import LevelBuilder
     from kinetix.level.codec import load_level, save_level
     from kinetix.level.model import Level
+    from kinetix.pages.show import show
     from kinetix.render.pixels import make_render_pixels
     from kinetix.version import __version__
 
@@ -59,6 +60,7 @@ _HOME = {
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
     "save_level": "kinetix.level.codec",
+    "show": "kinetix.pages.show",
     "simulate": "kinetix.environment.runs",
     "static_env_params_from_size": "kinetix.environment.params",
     "__version__": "kinetix.version",
@@ -92,6 +94,7 @@ __all__ = [
     "sample_kinetix_level",
     "save_agent",
     "save_level",
+    "show",
     "simulate",
     "static_env_params_from_size",
     "use_all_cores",

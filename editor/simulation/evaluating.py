@@ -31,12 +31,12 @@ from kinetix.agents.evaluate import (
 )
 from kinetix.agents.player import Player
 from kinetix.agents.results import LevelFailure
-from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.state import EnvState
+from kinetix.environment.state import document_slots
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
-from kinetix.level.model import Level, Polygon
+from kinetix.level.model import Level
 from kinetix.training.logging import read_metrics
 
 _SEGMENT = 4
@@ -148,7 +148,7 @@ class _Recorder:
     def take(self, step: RecordedStep) -> None:
         """Add a moment."""
         if self._view is None:
-            slots = slots_in(step.state, self._level, self._capacity)
+            slots = document_slots(step.state, self._level, self._capacity)
             self._view = LevelView(self._level, self._capacity, slots)
             self.snapshots.append(self._view.first(step.state, self._frame_skip))
             return
@@ -181,21 +181,6 @@ class _Recorder:
             entropy=float(said.entropy),
             chances=said.chances,
         )
-
-
-def slots_in(state: EnvState, level: Level, capacity: Capacity) -> np.ndarray:
-    """Where the bodies of a document are in a state that came from its file.
-
-    A kinetix-env file may leave slots empty; reading it as a document closes the gaps and keeps
-    the order of each kind.
-    """
-    active = np.asarray(state.world.bodies.active)
-    polygons = [k for k in range(ARENA_BODIES, capacity.polygons) if active[k]]
-    circles = [k for k in range(capacity.polygons, capacity.bodies) if active[k]]
-    slots = []
-    for body in level.bodies:
-        slots.append((polygons if isinstance(body.shape, Polygon) else circles).pop(0))
-    return np.array(slots, np.int32)
 
 
 def read_run(request: ReadRun) -> RunNews:

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, TypeAlias
 OutcomeName: TypeAlias = Literal["won", "lost", "timeout", "broken"]
 """Green touched blue; green touched red; neither in time; the physics gave no numbers any more."""
 
-_WILSON_Z: Final = 1.959964
+WILSON_Z: Final = 1.959964
 """Standard normal quantile of a 95 % interval."""
 
 
@@ -145,10 +145,10 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
 
     Source: Wilson, "Probable Inference, the Law of Succession, and Statistical Inference" (1927).
     """
-    share, z2 = successes / trials, _WILSON_Z**2
+    share, z2 = successes / trials, WILSON_Z**2
     centre = (share + z2 / (2 * trials)) / (1 + z2 / trials)
     variance = share * (1 - share) / trials + z2 / (4 * trials**2)
-    half = _WILSON_Z * math.sqrt(variance) / (1 + z2 / trials)
+    half = WILSON_Z * math.sqrt(variance) / (1 + z2 / trials)
     return max(centre - half, 0.0), min(centre + half, 1.0)
 
 

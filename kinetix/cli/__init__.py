@@ -24,6 +24,7 @@ COMMANDS: Final[dict[str, str]] = {
     "solve": "search for actions that win a level",
     "sample": "make random levels",
     "eval": "measure an agent on levels",
+    "compare": "measure several agents on the same levels and seeds",
     "levelset": "build, check and split level sets",
     "train": "train an agent",
     "bench": "measure speed, scaling, accuracy and rendering",

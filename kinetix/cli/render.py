@@ -1,4 +1,4 @@
-"""Draw a level as a picture (PNG), or as a film of an episode (GIF, MP4)."""
+"""Draw a level as a picture (PNG), film an episode (GIF, MP4) or make a page that plays it (HTML)."""
 
 import dataclasses
 import itertools
@@ -11,6 +11,7 @@ from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
+from kinetix.level.model import Level
 from kinetix.render.captions import caption, write_caption
 from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film
 
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
     from kinetix.agents.player import Player
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.state import EnvState
+    from kinetix.pages.film import Film
 
+PAGE: Final = ".html"
 SMALLEST, LARGEST = 16, 4096
 """Sides of a picture [px]."""
 TAIL: Final = 15
@@ -37,9 +40,11 @@ class Render:
     level: Annotated[str, Positional, tyro.conf.arg(metavar="LEVEL")]
     """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
     out: Annotated[Path, Positional, tyro.conf.arg(metavar="OUT")]
-    """Picture (.png) or film (.gif, .mp4) to write."""
+    """Picture (.png), film (.gif, .mp4) or page to play it on (.html) to write."""
     agent: str = "noop"
     """Who plays: an agent (directory or name), noop, random, or solution (what is recorded)."""
+    rival: str | None = None
+    """A second player of the same level beside the first, on a page."""
     steps: int | None = None
     """Environment steps to play: for a picture 0, for a film until the episode ends."""
     pixels: int = 500
@@ -79,8 +84,10 @@ def run(command: Render) -> int:
         CheckpointError: The agent is bad.
     """
     kind = command.out.suffix.lower()
-    if kind not in (".png", *FILM_SUFFIXES):
-        raise KinetixError(f"{command.out}: expected a file that ends in .png, .gif or .mp4")
+    if kind not in (".png", PAGE, *FILM_SUFFIXES):
+        raise KinetixError(f"{command.out}: expected a file that ends in .png, .gif, .mp4 or .html")
+    if command.rival is not None and kind != PAGE:
+        raise KinetixError(f"{command.out}: --rival needs a page, a file that ends in .html")
     if not SMALLEST <= command.pixels <= LARGEST:
         raise KinetixError(
             f"--pixels {command.pixels}: expected a number from {SMALLEST} to {LARGEST}"
@@ -89,8 +96,12 @@ def run(command: Render) -> int:
         raise KinetixError(f"--steps {command.steps}: expected a number from 0")
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
-    moments = _moments(command)
     command.out.parent.mkdir(parents=True, exist_ok=True)
+    if kind == PAGE:
+        _write_page(command)
+        print(command.out)
+        return 0
+    moments = _showing(command, command.agent).moments
     if kind in FILM_SUFFIXES:
         with replacing(command.out) as path:
             write_film(path, _frames(moments, command), kind=kind, per_second=FRAME_RATE)
@@ -101,37 +112,103 @@ def run(command: Render) -> int:
     return 0
 
 
-def _moments(command: Render) -> Iterator[Moment]:
-    """The episode as far as it is asked for, its start included."""
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Showing:
+    """Who plays what, and the episode as far as it is asked for, its start included."""
+
+    level: Level
+    slots: "np.ndarray"
+    """Where the level's bodies are in the states."""
+    player: str
+    facts: tuple[tuple[str, str], ...]
+    moments: Iterator[Moment]
+
+
+def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.agent import load_agent
     from kinetix.agents.environments import capacity_for, environment_for
+    from kinetix.agents.identity import digest_of
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.environment.reset import level_state
-    from kinetix.level.codec import load_document
+    from kinetix.environment.state import document_slots
+    from kinetix.level.codec import level_hash, load_document
     from kinetix.level.sizes import capacity_of
 
     document = load_document(command.level)
     source, solution = document.source, document.level.solution
     recorded: Iterator[Any] | None = None
     player: Player
-    if command.agent == "solution":
+    if agent == "solution":
         if solution is None:
             raise KinetixError(f"{command.level}: this level records no solution")
         recorded, player = solution.unrolled(), ScriptedPlayer("noop")
-    elif command.agent in SCRIPTED:
-        player = ScriptedPlayer(command.agent)
+    elif agent in SCRIPTED:
+        player = ScriptedPlayer(agent)
     else:
-        player = load_agent(command.agent)
+        player = load_agent(agent)
     capacity = capacity_of(document.level) if source is None else source.capacity
     capacity = capacity_for(player.card, capacity, level=document.level.name)
     own = solution.physics if recorded and solution else player.card.environment.physics
-    env = environment_for(player, capacity, physics=command.physics or own)
+    physics = command.physics or own
+    env = environment_for(player, capacity, physics=physics)
     steps = command.steps
     if steps is None:
-        steps = document.level.max_timesteps if command.out.suffix.lower() in FILM_SUFFIXES else 0
+        film = command.out.suffix.lower() in (*FILM_SUFFIXES, PAGE)
+        steps = document.level.max_timesteps if film else 0
     start = level_state(command.level, env.static_env_params)
     moments = _episode(env, start, player, seed=command.seed, recorded=recorded or iter(()))
-    return itertools.islice(moments, steps + 1)
+    name = "solution" if recorded else player.card.name
+    facts = (
+        ("level", f"{document.level.name}, {level_hash(document.level)[:12]}"),
+        ("player", f"{name} {digest_of(player)[:12]}".strip()),
+        ("physics", physics),
+        ("seed", str(command.seed)),
+    )
+    return Showing(
+        level=document.level,
+        slots=document_slots(start, document.level, capacity),
+        player=name,
+        facts=facts,
+        moments=itertools.islice(moments, steps + 1),
+    )
+
+
+def _film_of(command: Render, agent: str) -> "Film":
+    """An episode for a page."""
+    import numpy as np
+
+    from kinetix.pages.film import Film
+
+    showing = _showing(command, agent)
+    moments = list(showing.moments)
+    nothing = float("nan")
+
+    def curve(values: list[float | None]) -> "np.ndarray":
+        return np.array([nothing if value is None else value for value in values])
+
+    return Film(
+        level=showing.level,
+        title=showing.player,
+        seconds=np.arange(len(moments)) / FRAME_RATE,
+        position=np.stack([np.asarray(m.state.physics.position) for m in moments])[
+            :, showing.slots
+        ],
+        angle=np.stack([np.asarray(m.state.physics.rotation) for m in moments])[:, showing.slots],
+        actions=np.array([m.action or (0.0,) * 6 for m in moments]),
+        value=curve([m.value for m in moments]),
+        entropy=curve([m.entropy for m in moments]),
+        outcome=moments[-1].outcome,
+        facts=showing.facts,
+    )
+
+
+def _write_page(command: Render) -> None:
+    from kinetix.pages.page import page_of
+
+    agents = [command.agent] if command.rival is None else [command.agent, command.rival]
+    page = page_of([_film_of(command, agent) for agent in agents])
+    with replacing(command.out) as path:
+        path.write_text(page, encoding="utf-8")
 
 
 def _episode(

@@ -8,9 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import State, World
 from kinetix.environment.fields import FieldsOfKinetixEnv
 from kinetix.level.compile import Labels, Scene
+from kinetix.level.model import Level, Polygon
 from kinetix.pytree import pytree
 
 NO_DISTANCE = -1.0
@@ -89,3 +91,23 @@ def stack_states(states: list[EnvState]) -> Any:
     return jax.tree.map(
         lambda *leaves: jnp.asarray(np.stack([np.asarray(x) for x in leaves])), *states
     )
+
+
+def document_slots(state: EnvState, level: Level, capacity: Capacity) -> Int[np.ndarray, " b"]:
+    """Return where the bodies of a document are in a state that came from its file.
+
+    A kinetix-env file may leave slots empty; reading it as a document closes the gaps and keeps
+    the order of each kind.
+
+    Args:
+        state: The state.
+        level: The document.
+        capacity: The state's sizes.
+    """
+    active = np.asarray(state.world.bodies.active)
+    polygons = [k for k in range(ARENA_BODIES, capacity.polygons) if active[k]]
+    circles = [k for k in range(capacity.polygons, capacity.bodies) if active[k]]
+    slots = []
+    for body in level.bodies:
+        slots.append((polygons if isinstance(body.shape, Polygon) else circles).pop(0))
+    return np.array(slots, np.int32)

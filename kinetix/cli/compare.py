@@ -1,0 +1,156 @@
+"""Compare policies on the same levels and seeds: rates, paired differences, a leaderboard."""
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from kinetix.agents.compare import Contender, differences, labels_of, leaderboard
+from kinetix.agents.results import LevelFailure
+from kinetix.errors import KinetixError
+
+if TYPE_CHECKING:
+    from kinetix.agents.evaluate import NamedLevel, Settings
+    from kinetix.agents.player import Player
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Compare:
+    """Several policies beside each other."""
+
+    agents: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|NAME|noop|random …")]
+    """Directories or names of agents or training runs, noop, random; each is measured."""
+    levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
+    """Folders of levels, level files, names of bundled levels, level sets."""
+    attempts: int = 20
+    """Independent episodes per level and agent."""
+    seed: int = 0
+    """Equal attempts of all agents have equal draws."""
+    physics: str | None = None
+    """Physics preset or solver for all; by default what each agent was trained under."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
+    checkpoints: bool = False
+    """Measure every checkpoint of training runs instead of the newest one."""
+    out: Path | None = None
+    """Write everything to a file: .json with every attempt, .csv, or .html to look at."""
+    json: bool = False
+    """Print JSON lines."""
+
+
+def run(command: Compare) -> int:
+    """Measure everything, print and write it; 1 if a level could not be played."""
+    # Imported here, so that a wrong command line fails before JAX loads.
+    from kinetix.agents.comparison_files import SUFFIXES, text_of
+    from kinetix.agents.evaluate import NamedLevel, Settings
+    from kinetix.level.atomic import write_atomically
+    from kinetix.level.sets import gather_levels
+
+    if command.attempts < 1:
+        raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
+    if command.out is not None and command.out.suffix.lower() not in SUFFIXES:
+        raise KinetixError(f"{command.out}: expected a name that ends in {', '.join(SUFFIXES)}")
+    found = gather_levels(command.levels)
+    levels = [
+        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
+        for level in found
+    ]
+    settings = Settings(
+        attempts=command.attempts,
+        seed=command.seed,
+        physics=command.physics or "",
+        deterministic=command.deterministic,
+    )
+    players = [player for name in command.agents for player in _players(name, command.checkpoints)]
+    contenders = _measured(players, levels, settings)
+    _print(contenders, [level.name for level in levels], as_json=command.json)
+    if command.out is not None:
+        import importlib.metadata
+
+        hashes = {level.name: level.sha256 for level in found}
+        version = importlib.metadata.version("kinetix-editor")
+        text = text_of(command.out.suffix.lower(), contenders, hashes, version)
+        command.out.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(command.out, text.encode())
+        print(command.out, file=sys.stderr)
+    failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)
+    return 1 if failed else 0
+
+
+def _players(name: str, every_checkpoint: bool) -> "list[Player]":
+    """The players that a name means: one, or all checkpoints of a training run."""
+    from kinetix.agents.agent import load_agent
+    from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run
+    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+
+    if name in SCRIPTED:
+        return [ScriptedPlayer(name)]
+    steps = steps_of_run(Path(name)) if every_checkpoint else []
+    if steps:
+        return [load_agent(Path(name) / RUN_CHECKPOINTS / str(step)) for step in steps]
+    return [load_agent(name)]
+
+
+def _measured(
+    players: "list[Player]", levels: "list[NamedLevel]", settings: "Settings"
+) -> list[Contender]:
+    from kinetix.agents.evaluate import Progress, evaluate
+
+    provenances = [settings.provenance(player) for player in players]
+    contenders = []
+    for player, provenance, label in zip(players, provenances, labels_of(provenances), strict=True):
+        progress = Progress(done=0, total=0, results=())
+        for progress in evaluate(player, levels, settings):
+            if sys.stderr.isatty():
+                end = "\n" if progress.done == progress.total else ""
+                told = f"\r{label}: {progress.done} of {progress.total} episodes"
+                print(told, end=end, file=sys.stderr, flush=True)
+        results = progress.in_order([level.name for level in levels])
+        contenders.append(Contender(label=label, provenance=provenance, results=tuple(results)))
+    return contenders
+
+
+def _print(contenders: list[Contender], levels: list[str], *, as_json: bool) -> None:
+    board, pairs = leaderboard(contenders), differences(contenders)
+    if as_json:
+        for contender in contenders:
+            for one in contender.results:
+                print(json.dumps({"agent": contender.label} | one.as_dict()))
+        for pair in pairs:
+            print(json.dumps(pair.as_dict()))
+        print(json.dumps({"leaderboard": board}))
+        return
+    _print_rates(contenders, levels)
+    print()
+    for row in board:
+        rate = "-" if row["mean_solve_rate"] is None else f"{row['mean_solve_rate']:.3f}"
+        best = "-" if row["best_of_k"] is None else f"{row['best_of_k']:.2f}"
+        print(
+            f"{row['rank']:2}. {row['label']:32} {rate}  solved at least once {best}  "
+            f"over {row['levels']} levels under {row['physics']}"
+        )
+    print()
+    for pair in pairs:
+        if pair.difference is None:
+            print(f"{pair.first} and {pair.second} play no level in common")
+            continue
+        print(
+            f"{pair.first} - {pair.second}: {pair.difference:+.3f}  "
+            f"[{pair.low:+.3f}, {pair.high:+.3f}]  only one won: {pair.better} to {pair.worse}"
+        )
+
+
+def _print_rates(contenders: list[Contender], levels: list[str]) -> None:
+    """A line a level, a column a policy."""
+    width = max(8, *(len(contender.label) for contender in contenders))
+    heads = "  ".join(f"{contender.label:>{width}}" for contender in contenders)
+    print(f"{'':32}  {heads}")
+    tables = [contender.played for contender in contenders]
+    for level in levels:
+        cells = [
+            f"{table[level].solve_rate:.2f}" if level in table else "cannot" for table in tables
+        ]
+        print(f"{level:32}  " + "  ".join(f"{cell:>{width}}" for cell in cells))

@@ -1,0 +1,141 @@
+"""What a page plays: poses over time and what there is to say about each moment, packed small."""
+
+import base64
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from jaxtyping import Float
+
+from kinetix.level.controls import channels_in_use
+from kinetix.level.geometry import arena_bodies
+from kinetix.level.model import Body, Circle, Joint, Level
+from kinetix.render.palette import KINETIX, ROLE_NAMES, Rgb
+
+MILLIMETRES: Final = 1000.0
+"""Positions are whole millimetres in 16 bits: ±32 m."""
+TURN: Final = 65536 / (2 * np.pi)
+"""Angles are 1/65536 of a turn, wrapped."""
+MOST_NUMBERS: Final = 60_000
+"""Of poses in one film; more moments are thinned out, so that a page stays below 200 kB."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Film:
+    """One player's episode. Axis `k` is time with the start, `b` the level's bodies in order."""
+
+    level: Level
+    title: str
+    """Who plays, or what it is."""
+    seconds: Float[np.ndarray, " k"]
+    """[s]"""
+    position: Float[np.ndarray, "k b 2"]
+    """Of the bodies, as snapshots and runs have them [m]."""
+    angle: Float[np.ndarray, "k b"]
+    """[rad]"""
+    actions: Float[np.ndarray, "k 6"] | None = None
+    """What was driven in the step before each moment: −1 … 1 per motor, 0 … 1 per thruster."""
+    value: Float[np.ndarray, " k"] | None = None
+    """What the agent expected; NaN where nothing is known."""
+    entropy: Float[np.ndarray, " k"] | None = None
+    """Of its policy [nat]."""
+    outcome: str = ""
+    """won, lost, timeout, or nothing."""
+    facts: tuple[tuple[str, str], ...] = ()
+    """Physics, seed, mode and the like, to be read below the film."""
+
+
+def scene_of(level: Level) -> dict[str, Any]:
+    """Return what a page draws that does not move: shapes, colours, joints, thrusters."""
+    index = {body.id: k for k, body in enumerate(level.bodies)}
+    return {
+        "name": level.name,
+        "bodies": [_shape(body) for body in level.bodies],
+        "arena": [
+            {**_shape(body), "at": [*body.position, body.angle]}
+            for body in arena_bodies(level.arena)
+            if body.collision != "ghost"
+        ],
+        "joints": [_joint(joint, index) for joint in level.joints],
+        "thrusters": [
+            {
+                "body": index[thruster.body],
+                "at": list(thruster.position),
+                "angle": thruster.angle,
+                "power": thruster.power,
+                "channel": 4 + thruster.binding,
+                "colour": _css(KINETIX.thruster_bindings[thruster.binding]),
+            }
+            for thruster in level.thrusters
+            if thruster.body in index
+        ],
+        "controls": list(channels_in_use(level)),
+    }
+
+
+def packed(film: Film) -> dict[str, Any]:
+    """Return a film as JSON values, its arrays as base64 of small integers."""
+    count, bodies = film.angle.shape
+    stride = max(1, -(-count * max(bodies, 1) * 3 // MOST_NUMBERS))
+    rows = np.unique(np.append(np.arange(0, count, stride), count - 1))
+    poses = np.concatenate(
+        [
+            np.clip(film.position[rows] * MILLIMETRES, -32767, 32767),
+            (film.angle[rows] * TURN % 65536)[..., None],
+        ],
+        axis=-1,
+    )
+    return {
+        "title": film.title,
+        "outcome": film.outcome,
+        "facts": list(film.facts),
+        "count": len(rows),
+        "seconds": _base64(np.rint(film.seconds[rows] * 1000), "<u4"),
+        "poses": _base64(np.rint(poses).astype(np.int64) & 0xFFFF, "<u2"),
+        "actions": None if film.actions is None else _base64(film.actions[rows] * 100, "<i1"),
+        "value": _curve(film.value, rows),
+        "entropy": _curve(film.entropy, rows),
+    }
+
+
+def _curve(values: np.ndarray | None, rows: np.ndarray) -> str | None:
+    if values is None or not np.isfinite(values).any():
+        return None
+    kept = values[rows]
+    # The lowest number means that nothing is known.
+    return _base64(np.where(np.isfinite(kept), np.clip(kept * 1000, -32767, 32767), -32768), "<i2")
+
+
+def _base64(values: Any, kind: str) -> str:
+    return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode()
+
+
+def _shape(body: Body) -> dict[str, Any]:
+    fill = KINETIX.fill(ROLE_NAMES.index(body.role), body.fixed)
+    shape: dict[str, Any] = {"fill": _css(fill)}
+    if isinstance(body.shape, Circle):
+        return shape | {"radius": body.shape.radius}
+    return shape | {"corners": [list(corner) for corner in body.shape.vertices]}
+
+
+def _joint(joint: Joint, index: dict[int, int]) -> dict[str, Any]:
+    motor = joint.motor
+    driven = joint.kind == "revolute" and motor is not None and motor.on
+    colour = KINETIX.uncontrolled
+    if driven and motor is not None and not motor.auto:
+        colour = KINETIX.motor_bindings[motor.binding]
+    side = joint.a if joint.a in index else joint.b
+    return {
+        "body": index.get(side, -1) if isinstance(side, int) else -1,
+        "at": list(joint.anchor_a if side == joint.a else joint.anchor_b),
+        "weld": joint.kind == "fixed",
+        "colour": _css(colour),
+        "channel": motor.binding if driven and motor is not None and not motor.auto else -1,
+        "way": -1 if motor is not None and motor.speed < 0 else 1,
+    }
+
+
+def _css(colour: Rgb | Sequence[int]) -> str:
+    red, green, blue = colour
+    return f"#{red:02x}{green:02x}{blue:02x}"

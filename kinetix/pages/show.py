@@ -1,0 +1,99 @@
+"""Runs and episodes shown in notebooks: the page in a frame."""
+
+import dataclasses
+import html
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from kinetix.errors import KinetixError
+from kinetix.level.atomic import write_atomically
+from kinetix.level.model import Level
+from kinetix.pages.film import Film
+from kinetix.pages.page import MOST_FILMS, page_of
+
+if TYPE_CHECKING:
+    from kinetix.environment.runs import Run
+
+HEIGHT: Final = 760
+"""Of the frame in a notebook [px]."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, repr=False)
+class Page:
+    """A page; notebooks show it, `save` writes it."""
+
+    html: str
+    """The whole document."""
+
+    def save(self, path: str | Path) -> None:
+        """Write the page to a file.
+
+        Raises:
+            LevelError: It cannot be written.
+        """
+        write_atomically(Path(path), self.html.encode())
+
+    def _repr_html_(self) -> str:
+        framed = html.escape(self.html, quote=True)
+        return (
+            f'<iframe srcdoc="{framed}" style="width:100%;height:{HEIGHT}px;border:0" '
+            'sandbox="allow-scripts"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"Page({len(self.html.encode()) // 1000} kB)"
+
+
+def show(*shown: Any) -> Page:
+    """Return a page that plays what `kinetix.simulate` gave: in a notebook it is shown.
+
+    Args:
+        *shown: One run, film or level, or two of the same level to be played side by side.
+
+    Raises:
+        KinetixError: It is something else, or of different levels.
+    """
+    if not 1 <= len(shown) <= MOST_FILMS:
+        raise KinetixError(f"show: expected one run, or two side by side, got {len(shown)}")
+    try:
+        return Page(html=page_of([_film(one) for one in shown]))
+    except ValueError as error:
+        raise KinetixError(str(error)) from None
+
+
+def film_of_run(run: "Run", *, title: str = "") -> Film:
+    """Return the film of a simulated level.
+
+    Args:
+        run: From `kinetix.simulate`.
+        title: What it is called; by default its physics.
+    """
+    return Film(
+        level=run.level,
+        title=title or run.physics,
+        seconds=run.time,
+        position=run.position,
+        angle=run.rotation,
+        facts=(("physics", run.physics),),
+    )
+
+
+def _film(one: Any) -> Film:
+    if isinstance(one, Film):
+        return one
+    if isinstance(one, Level):
+        bodies = one.bodies
+        return Film(
+            level=one,
+            title=one.name,
+            seconds=np.zeros(1),
+            position=np.array([body.position for body in bodies], float).reshape(1, -1, 2),
+            angle=np.array([[body.angle for body in bodies]], float),
+        )
+    if type(one).__name__ == "Run":  # its module imports JAX
+        return film_of_run(one)
+    raise KinetixError(
+        f"show: expected a run of kinetix.simulate, a film or a level, got {type(one).__name__}"
+    )

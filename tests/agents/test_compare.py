@@ -1,0 +1,101 @@
+"""Policies beside each other, against numbers worked out by hand."""
+
+import csv
+import io
+import json
+
+import pytest
+
+from kinetix.agents.compare import (
+    Contender,
+    common_levels,
+    differences,
+    labels_of,
+    leaderboard,
+    paired,
+)
+from kinetix.agents.comparison_files import text_of
+from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
+from kinetix.cli import main
+
+
+def _whence(agent="a", digest="1" * 64, physics="balanced"):
+    return Provenance(
+        agent=agent, digest=digest, physics=physics, seed=0, attempts=4, deterministic=False
+    )
+
+
+def _level(name, outcomes):
+    episodes = [
+        EpisodeResult(outcome="won" if o == "w" else "lost", total_reward=0.0, length=9)
+        for o in outcomes
+    ]
+    return LevelResult.of(name, episodes)
+
+
+def _contender(label, *results):
+    return Contender(label=label, provenance=_whence(label), results=results)
+
+
+A = _contender("a", _level("s/x", "wwww"), _level("s/y", "wwll"))
+B = _contender("b", _level("s/x", "wlll"), LevelFailure(level="s/y", error="too <large>"))
+C = _contender("c", _level("s/x", "wwww"), _level("s/y", "llww"))
+
+
+def test_equal_attempts_are_compared():
+    pair = paired(A, C)
+    assert (pair.levels, pair.difference, pair.better, pair.worse) == (2, 0.0, 2, 2)
+    # x: (0.5 + 0.5)/6 discordant; y: 5/6; variances (1/6)/6 and (5/6)/6; z/2 times their root.
+    half = 1.959964 * ((1 / 6 + 5 / 6) / 6) ** 0.5 / 2
+    assert (pair.low, pair.high) == pytest.approx((-half, half))
+
+
+def test_a_level_that_one_cannot_play_counts_for_nobody():
+    pair = paired(A, B)
+    assert (pair.levels, pair.difference) == (1, 0.75)
+    assert common_levels([A, B, C]) == ["s/x"]
+    board = leaderboard([B, A, C])
+    assert [(row["rank"], row["label"]) for row in board] == [(1, "a"), (2, "c"), (3, "b")]
+    assert [row["mean_solve_rate"] for row in board] == [1.0, 1.0, 0.25]
+    assert [row["played"] for row in board] == [2, 2, 1]
+    assert [(d.first, d.second) for d in differences([A, B, C])] == [
+        ("a", "b"),
+        ("a", "c"),
+        ("b", "c"),
+    ]
+
+
+def test_policies_of_one_name_are_told_apart():
+    same = [_whence(), _whence(digest="2" * 64), _whence("other"), _whence()]
+    assert labels_of(same) == ["a 111111", "a 222222", "other", "a 111111 (4)"]
+
+
+def test_files_have_everything():
+    hashes = {"s/x": "f" * 64, "s/y": "e" * 64}
+    document = json.loads(text_of(".json", [A, B], hashes, "1.2"))
+    assert document["levels"] == hashes
+    first = document["policies"][0]
+    assert (first["digest"], first["physics"], first["seed"]) == ("1" * 64, "balanced", 0)
+    assert first["results"][1]["episodes"][0] == ["won", 9, 0.0]
+    rows = list(csv.DictReader(io.StringIO(text_of(".csv", [A, B], hashes, "1.2"))))
+    assert [(row["label"], row["level"], row["error"]) for row in rows][-1] == (
+        "b",
+        "s/y",
+        "too <large>",
+    )
+    page = text_of(".html", [A, B], hashes, "1.2")
+    assert "too &lt;large&gt;" in page
+    assert ">0.25</td>" in page
+
+
+@pytest.mark.slow
+def test_the_command_measures_prints_and_writes(tmp_path, capsys):
+    command = ["compare", "--agents", "noop", "random", "--levels", "s/first_flight"]
+    out = tmp_path / "a" / "page.html"
+    assert main([*command, "--attempts", "3", "--json", "--out", str(out)]) == 0
+    *lines, pair, board = map(json.loads, capsys.readouterr().out.splitlines())
+    assert [line["agent"] for line in lines] == ["noop", "random"]
+    assert (pair["first"], pair["second"], pair["levels"]) == ("noop", "random", 1)
+    assert len(board["leaderboard"]) == 2
+    assert out.read_text().startswith("<!doctype html>")
+    assert main([*command, "--out", "x.txt"]) == 1

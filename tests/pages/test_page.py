@@ -1,0 +1,112 @@
+"""Pages: small, self-contained, and what they hold is what was played."""
+
+import base64
+import json
+import re
+
+import numpy as np
+import pytest
+
+import kinetix
+from kinetix.cli import main
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
+from kinetix.pages.film import Film, packed, scene_of
+from kinetix.pages.page import page_of
+
+
+def a_film(count=257, name="m/leapfrog", **changes):
+    level = load_level(name)
+    bodies = len(level.bodies)
+    drift = np.linspace(0, 1, count)[:, None, None] * np.array([0.5, 0.25])
+    start = np.array([body.position for body in level.bodies])
+    values = {
+        "level": level,
+        "title": "general",
+        "seconds": np.arange(count) / 30,
+        "position": start + drift,
+        "angle": np.linspace(-4, 4, count)[:, None] + np.zeros(bodies),
+        "actions": np.tile([1.0, -1.0, 0, 0, 0.5, 0], (count, 1)),
+        "value": np.linspace(-0.5, 1.2, count),
+        "entropy": np.full(count, np.nan),
+        "outcome": "won",
+        "facts": (("physics", "balanced"),),
+    }
+    return Film(**(values | changes))
+
+
+def read(page):
+    return json.loads(re.search(r'id="data">(.*?)</script>', page, re.S)[1])
+
+
+def numbers(text, kind):
+    return np.frombuffer(base64.b64decode(text), kind)
+
+
+def test_what_was_played_is_on_the_page():
+    film = a_film()
+    stored = packed(film)
+    bodies = len(film.level.bodies)
+    poses = numbers(stored["poses"], "<u2").reshape(-1, bodies, 3)
+    np.testing.assert_allclose(poses[..., :2].astype("<i2") / 1000, film.position, atol=6e-4)
+    wrapped = poses[..., 2].astype(float) * 2 * np.pi / 65536
+    np.testing.assert_allclose(np.cos(wrapped), np.cos(film.angle), atol=2e-4)
+    np.testing.assert_allclose(np.sin(wrapped), np.sin(film.angle), atol=2e-4)
+    np.testing.assert_allclose(numbers(stored["seconds"], "<u4") / 1000, film.seconds, atol=6e-4)
+    np.testing.assert_allclose(numbers(stored["value"], "<i2") / 1000, film.value, atol=1e-3)
+    assert stored["entropy"] is None
+    assert scene_of(film.level)["controls"]
+
+
+@pytest.mark.parametrize("count", [257, 5000])
+def test_two_players_fit_below_200_kilobytes(count):
+    film = a_film(count, name="l/rover_ridge")
+    page = page_of([film, film])
+    assert len(page.encode()) < 200_000
+    assert "http" not in page.replace("http-equiv", "")
+    content = read(page)
+    assert [stored["outcome"] for stored in content["films"]] == ["won", "won"]
+    first = content["films"][0]
+    assert numbers(first["seconds"], "<u4")[-1] == round(1000 * film.seconds[-1])
+
+
+def test_words_of_a_level_cannot_leave_the_page_s_data():
+    level = load_level("s/wheelie").replace(name="</script><b>{{script}}")
+    page = page_of([a_film(3, level=level, **_poses(level, 3))])
+    assert "</script><b>" not in page
+    assert read(page)["scene"]["name"] == level.name
+
+
+def _poses(level, count):
+    bodies = len(level.bodies)
+    return {"position": np.zeros((count, bodies, 2)), "angle": np.zeros((count, bodies))}
+
+
+def test_what_cannot_be_shown_is_said():
+    with pytest.raises(KinetixError, match="one run, or two"):
+        kinetix.show()
+    with pytest.raises(KinetixError, match="got int"):
+        kinetix.show(7)
+    with pytest.raises(KinetixError, match="same level"):
+        kinetix.show(load_level("s/wheelie"), load_level("m/leapfrog"))
+
+
+def test_a_level_is_shown_in_a_notebook(tmp_path):
+    page = kinetix.show(load_level("s/wheelie"))
+    framed = page._repr_html_()
+    assert framed.startswith("<iframe srcdoc=")
+    assert "<script" not in framed
+    page.save(tmp_path / "a.html")
+    assert (tmp_path / "a.html").read_text() == page.html
+
+
+@pytest.mark.slow
+def test_the_command_writes_an_episode_and_a_comparison(tmp_path, capsys):
+    out = tmp_path / "a.html"
+    assert (
+        main(["render", "s/first_flight", str(out), "--agent", "solution", "--rival", "noop"]) == 0
+    )
+    content = read(out.read_text())
+    assert [film["title"] for film in content["films"]] == ["solution", "noop"]
+    assert content["films"][0]["outcome"] == "won"
+    assert main(["render", "s/first_flight", str(tmp_path / "a.png"), "--rival", "noop"]) == 1
