@@ -1,4 +1,4 @@
-"""Draw a level as a picture (PNG), film an episode (GIF, MP4) or make a page that plays it (HTML)."""
+"""Draw a level as a picture (PNG), film an episode (GIF, MP4) or make a page of it (HTML)."""
 
 import dataclasses
 import itertools

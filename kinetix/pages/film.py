@@ -17,8 +17,11 @@ MILLIMETRES: Final = 1000.0
 """Positions are whole millimetres in 16 bits: ±32 m."""
 TURN: Final = 65536 / (2 * np.pi)
 """Angles are 1/65536 of a turn, wrapped."""
-MOST_NUMBERS: Final = 60_000
-"""Of poses in one film; more moments are thinned out, so that a page stays below 200 kB."""
+MOST_BYTES: Final = 60_000
+"""Of one film before base64; more moments are thinned out, so that a page stays below 200 kB."""
+_ROW_BYTES: Final = 14
+"""Of a moment without its poses: time, six controls, value, entropy."""
+_BODY_BYTES: Final = 6
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -77,7 +80,7 @@ def scene_of(level: Level) -> dict[str, Any]:
 def packed(film: Film) -> dict[str, Any]:
     """Return a film as JSON values, its arrays as base64 of small integers."""
     count, bodies = film.angle.shape
-    stride = max(1, -(-count * max(bodies, 1) * 3 // MOST_NUMBERS))
+    stride = max(1, -(-count * (_ROW_BYTES + _BODY_BYTES * bodies) // MOST_BYTES))
     rows = np.unique(np.append(np.arange(0, count, stride), count - 1))
     poses = np.concatenate(
         [
