@@ -105,5 +105,7 @@ ask_for_options()
 install_names_of_kinetix_env()
 
 __getattr__, __dir__ = lazy_names(
-    __name__, _HOME, ("agents", "engine", "environment", "level", "render", "scenes", "training")
+    __name__,
+    _HOME,
+    ("agents", "engine", "environment", "gymnasium", "level", "render", "scenes", "training"),
 )

@@ -11,7 +11,11 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
+NEEDS = {"sb3_ppo": "stable_baselines3"}
+"""Packages of examples that are no dependency: without them the example is skipped."""
+
 RUNS = {
+    "sb3_ppo": ["--steps", "4096", "--envs", "8"],
     "random_level_replay": ["--steps", "8", "--out", "film.gif"],
     "handmade_level_replay": [],
     "auto_reset": ["--worlds", "4", "--steps", "20"],
@@ -58,6 +62,8 @@ def test_every_example_is_run_here() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(RUNS))
 def test_example(name: str, tmp_path: Path) -> None:
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
     result = subprocess.run(
         [sys.executable, EXAMPLES / f"{name}.py", *RUNS[name]],
         cwd=tmp_path,

@@ -1,0 +1,112 @@
+"""One level at a time, for Gymnasium."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import jax
+import numpy as np
+
+from kinetix.environment.named import FIRST_LEVEL, make_named_env
+from kinetix.environment.reset import level_state
+from kinetix.errors import KinetixError
+from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
+
+RENDER_FPS = 30
+"""Environment steps a second, at two physics steps each."""
+SEEDS = 2**31
+"""Keys are drawn from so many."""
+
+
+class KinetixGymEnv(gymnasium.Env[Any, Any]):
+    """Play levels through `reset`, `step` and `render`.
+
+    The reward is +1 when green touches blue, −1 when green touches red, plus the distance reward; a
+    touch terminates the episode, the time limit truncates it. `info["solved"]` tells a win.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 (Gymnasium's own is one, too)
+        "render_modes": ["rgb_array"],
+        "render_fps": RENDER_FPS,
+    }
+
+    def __init__(
+        self, level: str = FIRST_LEVEL, *, render_mode: str | None = None, **options: Any
+    ) -> None:
+        """Make the environment.
+
+        Args:
+            level: A level file, the name of a bundled level, or `s-random`, `m-random`,
+                `l-random`.
+            render_mode: `rgb_array`, or None.
+            **options: `action_type`, `observation_type`, `physics`, `dense_reward_scale`,
+                `frame_skip`; see `kinetix.environment.named.make_named_env`.
+
+        Raises:
+            KinetixError: A word is unknown; the sentence lists those that are known.
+        """
+        _check_render_mode(render_mode)
+        self.render_mode = render_mode
+        self.kinetix_env = make_named_env(level, auto_reset=False, **options)
+        self.action_space = gymnasium_space(self.kinetix_env.action_space())
+        self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
+        self._state: Any = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: Draws this level and all later ones.
+            options: `{"level": …}`: a level of the same size instead of a drawn one.
+        """
+        super().reset(seed=seed)
+        key = jax.random.key(int(self.np_random.integers(SEEDS)))
+        level = (options or {}).get("level")
+        override = None
+        if level is not None:
+            override = level_state(level, self.kinetix_env.static_env_params)
+        observation, self._state = self.kinetix_env.reset(key, None, override)
+        return numpy_observation(observation), {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Play one action."""
+        if self._state is None:
+            raise KinetixError("step: call reset first")
+        observation, self._state, reward, done, info = self.kinetix_env.step(
+            _NO_KEY, self._state, np.asarray(action)
+        )
+        truncated = bool(info["truncated"])
+        return (
+            numpy_observation(observation),
+            float(reward),
+            bool(done) and not truncated,
+            truncated,
+            _plain(info),
+        )
+
+    def render(self) -> Any:
+        """Return the picture, (height, width, 3); None without a render mode."""
+        if self.render_mode is None or self._state is None:
+            return None
+        return self.kinetix_env.render(self._state)
+
+
+_NO_KEY = jax.random.key(0)
+"""Without auto-reset a step draws nothing."""
+
+
+def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
+    """What a step says, as Python's numbers."""
+    return {
+        "solved": bool(info["GoalR"]),
+        "distance": float(info["distance"]),
+        "nan": bool(info["nan"]),
+    }
+
+
+def _check_render_mode(render_mode: str | None) -> None:
+    known = KinetixGymEnv.metadata["render_modes"]
+    if render_mode is not None and render_mode not in known:
+        raise KinetixError(f"render_mode={render_mode!r}: expected {', '.join(known)} or None")

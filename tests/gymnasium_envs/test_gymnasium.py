@@ -1,0 +1,139 @@
+"""Gymnasium's own checks, its modes of starting anew, its films."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import kinetix
+from kinetix.errors import KinetixError
+from kinetix.gymnasium import KinetixGymEnv, KinetixVectorEnv
+
+LEVEL = {"level": "s/goalkeeper", "physics": "jax2d"}
+
+
+@pytest.fixture(scope="module")
+def same():
+    return KinetixVectorEnv(3, **LEVEL, autoreset_mode="SameStep", render_mode="rgb_array")
+
+
+def noop(env):
+    return np.zeros(env.action_space.shape, int)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("action_type", "observation_type"),
+    [
+        ("multi_discrete", "symbolic_flat"),
+        ("discrete", "symbolic_flat_padded"),
+        ("continuous", "symbolic_entity"),
+        ("multi_discrete", "pixels"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*value is -?infinity")  # positions have no bounds
+def test_the_checker_is_content(action_type, observation_type):
+    env = KinetixGymEnv(
+        **LEVEL,
+        action_type=action_type,
+        observation_type=observation_type,
+        render_mode="rgb_array",
+    )
+    check_env(env, skip_render_check=True)
+    assert env.render().shape == (125, 125, 3)
+
+
+def test_ids_are_registered():
+    assert {f"Kinetix/{size}-random-v0" for size in "sml"} <= set(gymnasium.registry)
+    env = gymnasium.make("Kinetix/level-v0", **LEVEL)
+    assert env.observation_space.shape == (140,)
+    assert kinetix.gymnasium.KinetixGymEnv is KinetixGymEnv
+
+
+def test_equal_seeds_give_equal_episodes():
+    env = KinetixGymEnv(**LEVEL)
+    runs = []
+    for _ in range(2):
+        env.reset(seed=5)
+        env.action_space.seed(5)
+        runs.append([env.step(env.action_space.sample())[1] for _ in range(8)])
+    assert runs[0] == runs[1]
+
+
+def play_to_the_end(env, mode):
+    """Steps until the first end, then one more."""
+    rows = []
+    env.reset(seed=0)
+    for _ in range(300):
+        rows.append(env.step(noop(env)))
+        if (rows[-1][2] | rows[-1][3]).any():
+            rows.append(env.step(noop(env)))
+            return rows
+    raise AssertionError(mode)
+
+
+@pytest.mark.slow
+def test_modes_of_starting_anew(same):
+    first, _ = same.reset(seed=0)
+    rows = play_to_the_end(same, "same")
+    observation, _, terminated, truncated, info = rows[-2]
+    ended = terminated | truncated
+    np.testing.assert_array_equal(info["_final_obs"], ended)
+    np.testing.assert_allclose(observation[ended], first[ended])
+    assert not np.allclose(info["final_obs"][ended], first[ended])
+
+    following = KinetixVectorEnv(3, **LEVEL)
+    assert following.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    rows = play_to_the_end(following, "next")
+    ended = rows[-2][2] | rows[-2][3]
+    np.testing.assert_allclose(rows[-1][0][ended], first[ended])
+    assert (rows[-1][1][ended] == 0).all() and not (rows[-1][2] | rows[-1][3])[ended].any()
+
+    never = KinetixVectorEnv(3, **LEVEL, autoreset_mode=AutoresetMode.DISABLED)
+    rows = play_to_the_end(never, "disabled")
+    assert not np.allclose(rows[-1][0][0], first[0])
+    observation, _ = never.reset(options={"reset_mask": np.array([True, False, False])})
+    np.testing.assert_allclose(observation[0], first[0])
+    assert not np.allclose(observation[1], first[1])
+
+
+@pytest.mark.slow
+def test_a_film_is_recorded(tmp_path):
+    pytest.importorskip("moviepy")
+    from gymnasium.wrappers import RecordVideo
+
+    env = RecordVideo(
+        KinetixGymEnv(**LEVEL, render_mode="rgb_array"), str(tmp_path), video_length=4
+    )
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(env.action_space.sample())
+    env.close()
+    assert list(tmp_path.glob("*.mp4"))
+
+
+def test_pictures_of_all(same):
+    same.reset(seed=1)
+    frames = same.render()
+    assert len(frames) == 3
+    assert frames[0].shape == (125, 125, 3)
+    assert frames[0].dtype == np.uint8
+    # The floor is below: dark at the bottom, white at the top.
+    assert frames[0][-1].mean() < frames[0][20].mean()
+
+
+def test_what_is_wrong_is_said(same):
+    with pytest.raises(KinetixError, match="did you mean 's/goalkeeper'"):
+        KinetixGymEnv(level="s/goalkeper")
+    with pytest.raises(KinetixError, match="'xl-random': expected one of s-random"):
+        KinetixGymEnv(level="xl-random")
+    with pytest.raises(KinetixError, match="'human': expected rgb_array"):
+        KinetixGymEnv(**LEVEL, render_mode="human")
+    with pytest.raises(KinetixError, match="'Never': expected NextStep"):
+        KinetixVectorEnv(2, **LEVEL, autoreset_mode="Never")
+    with pytest.raises(KinetixError, match="call reset first"):
+        KinetixGymEnv(**LEVEL).step(0)
+    same.reset(seed=0)
+    with pytest.raises(KinetixError, match="expected 3 of them"):
+        same.step(np.zeros((2, 6), int))
