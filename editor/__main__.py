@@ -10,12 +10,13 @@ from typing import Annotated, Final
 import tyro
 
 from editor.actions.agents import load_agent
+from editor.autosaves import Autosaves
 from editor.hosts.pygame_host import PygameHost
 from editor.hosts.recorder import Recorder
 from editor.names import Names
 from editor.results import Results
 from editor.session import Session
-from editor.settings import Settings
+from editor.settings import Settings, SettingsKeeper
 from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded
@@ -80,8 +81,11 @@ def _run(options: Options) -> int:
         return 0
     scripted = options.replay is not None
     alone = scripted or options.offscreen
+    settings = Settings() if alone else Settings.load()
     session = Session(
-        settings=Settings() if alone else Settings.load(),
+        settings=settings,
+        keeper=SettingsKeeper(settings, stored=not alone),
+        autosaves=Autosaves(stored=not alone),
         results=Results(stored=not alone),
         names=Names(stored=not alone),
     )
@@ -93,6 +97,7 @@ def _run(options: Options) -> int:
         sys.stderr.write(f"{error}\n")
         status = 1
     finally:
+        session.autosaves.end()
         host.close()
         for each in (session.worker, session.evaluator, session.library):
             each.stop(0.0)
@@ -125,18 +130,18 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
             host.recorder = Recorder(session, options.record)
         host.run()
         host.ui.save_layout()
-        session.settings.save()
+        session.keeper.save()
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import export, file
+    from editor.actions import export, file, recover
 
     if not options.files:
         welcome = _welcome() if options.replay is None else None
         if welcome is not None:
             file.open_path(session, welcome)
         if options.replay is None:
-            file.offer_recovery(session)
+            recover.offer(session)
         return
     mark = session.log.serial
     opened = [
@@ -145,6 +150,8 @@ def _open_files(options: Options, session: Session) -> None:
     ]
     if not any(opened):
         raise KinetixError("\n".join(session.log.since(mark)))
+    if options.replay is None:
+        recover.offer(session)
 
 
 def main() -> int:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import widgets
-from editor.browser import FileBrowser
+from editor.browser import FileBrowser, thumbnail
 from editor.look import COLOURS, FONTS
 from editor.prompts import Choice, FileQuestion, MenuQuestion, Question, TextQuestion
 from editor.widgets import px
@@ -19,6 +19,8 @@ _FLAGS: Final = (
     | imgui.WindowFlags_.no_title_bar.value
     | imgui.WindowFlags_.no_docking.value
 )
+_PICTURE: Final = 205.0
+"""Side of a level's picture in a question [px at 100 %]."""
 
 
 class Dialogs:
@@ -74,6 +76,7 @@ class Dialogs:
         imgui.push_text_wrap_pos(px(430))
         widgets.text(prompt.message, COLOURS.muted)
         imgui.pop_text_wrap_pos()
+        self._pictures(session, prompt)
         imgui.dummy((px(300), px(8)))
         answer = self._buttons(session, prompt)
         if imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
@@ -88,6 +91,16 @@ class Dialogs:
             chosen = answer
             session.queue(lambda: session.answer(prompt, chosen))
         imgui.end_popup()
+
+    def _pictures(self, session: "Session", prompt: Question) -> None:
+        for index, (words, level) in enumerate(prompt.pictures):
+            if index:
+                imgui.same_line(0, px(14))
+            imgui.begin_group()
+            thumbnail(level, px(_PICTURE))
+            widgets.small(words)
+            imgui.end_group()
+            widgets.probe(session, f"question.picture.{index}")
 
     def _buttons(self, session: "Session", prompt: Question) -> str | None:
         answer = None

@@ -2,6 +2,7 @@
 
 import dataclasses
 import datetime
+import hashlib
 import itertools
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
@@ -43,6 +44,19 @@ class Outcome:
     """Sentences about side effects that the user should know."""
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Stamp:
+    """A file as it was read: enough to notice that somebody else changed it."""
+
+    modified_ns: int
+    content: bytes
+
+    @property
+    def digest(self) -> str:
+        """Short name of the content."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
 class Document:
     """A level being edited: immutable snapshots, a preview on top, a counter that only rises."""
 
@@ -59,7 +73,7 @@ class Document:
         """Tells the documents of one run apart."""
         self.source = source
         """The peer's file as it was read, for writing it back byte for byte."""
-        self.stamp: object = None
+        self.stamp: Stamp | None = None
         """What the file looked like on disk when it was last read or written."""
         self.outside = ""
         """What somebody else has done to the file; empty: nothing."""
@@ -77,6 +91,10 @@ class Document:
         """What the autosave last wrote, or the level as opened."""
         self.autosaved_at: datetime.datetime | None = None
         """When a copy of unsaved changes was last made; None: there is none."""
+        self.origin: tuple[Path, ...] = ()
+        """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
+        self.saves = 0
+        """How often it was saved."""
         self._history: History[Level, Selection] = History(level, ())
         self._saved: Level | None = level
         self._next_id = level.next_id
@@ -89,6 +107,11 @@ class Document:
         """The committed level; its `next_id` is the document's counter."""
         level = self._history.current.value
         return level if level.next_id == self._next_id else level.replace(next_id=self._next_id)
+
+    @property
+    def committed(self) -> Level:
+        """The snapshot behind `level`: the same object until something changes."""
+        return self._history.current.value
 
     @property
     def shown(self) -> Level:
@@ -228,6 +251,7 @@ class Document:
         """Remember that the committed level is what the file holds."""
         self._history.seal()
         self._saved = self._history.current.value
+        self.saves += 1
         self.path = path or self.path
         self.format = format or self.format
 

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+from kinetix.level.model import Level
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Choice:
@@ -28,6 +30,8 @@ class Question:
     default: str
     cancel: str
     answer: Callable[[str], None]
+    pictures: tuple[tuple[str, Level], ...] = ()
+    """Levels to show beside each other, with what is said below."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
 from editor import controls
+from editor.autosaves import Autosaves
 from editor.camera import Camera
 from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
@@ -28,7 +29,7 @@ from editor.playback import Mode, Playback, Simulator
 from editor.prompts import Prompt
 from editor.requests import Pull
 from editor.results import Results
-from editor.settings import Settings
+from editor.settings import Settings, SettingsKeeper
 from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.tools import TOOLS
 from editor.tools.base import NOTHING, Driver, Tool
@@ -138,6 +139,8 @@ class Session:
         results: Results | None = None,
         names: Names | None = None,
         evaluator: Worker | None = None,
+        autosaves: Autosaves | None = None,
+        keeper: SettingsKeeper | None = None,
     ) -> None:
         self.settings = settings or Settings()
         self.worker = worker or Worker()
@@ -166,6 +169,10 @@ class Session:
         """The levels that the gallery shows."""
         self.results = results or Results()
         """Who has won which level."""
+        self.autosaves = autosaves or Autosaves(clock=lambda: self.time)
+        """Copies of unsaved levels."""
+        self.keeper = keeper or SettingsKeeper(self.settings, stored=False)
+        """Writes the settings."""
         self.names = names or Names()
         """What the user calls entities, by file."""
         self.prompts: list[Prompt] = []

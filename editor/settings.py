@@ -2,15 +2,13 @@
 
 import contextlib
 import dataclasses
-import json
-import os
 from pathlib import Path
 from typing import Annotated, Final, Self, get_type_hints
 
 import msgspec
 from msgspec import Meta
 
-from editor.kept import read_kept
+from editor.kept import read_kept, write_kept
 from kinetix.paths import config_dir
 
 RECENTS_MAX: Final = 10
@@ -94,23 +92,56 @@ class Settings:
         return settings
 
     def save(self, path: Path | None = None) -> None:
-        """Write the file; a folder that cannot be written is not worth an error."""
-        path = path or settings_path()
-        temporary = path.with_suffix(".tmp")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_text(
-                json.dumps(dataclasses.asdict(self), indent=2, ensure_ascii=False) + "\n",
-                encoding="utf-8",
-            )
-            os.replace(temporary, path)
-        except OSError:
-            return
+        """Write the file.
+
+        Raises:
+            LevelError: It cannot be written.
+        """
+        write_kept(path or settings_path(), dataclasses.asdict(self))
 
     def remember(self, path: Path) -> None:
         """Put a file on top of the recent ones."""
         name = str(path.resolve())
         self.recents = [name, *(other for other in self.recents if other != name)][:RECENTS_MAX]
+
+
+class SettingsKeeper:
+    """Writes settings when they have changed; what another window has changed meanwhile stays."""
+
+    def __init__(
+        self, settings: Settings, path: Path | None = None, *, stored: bool = True
+    ) -> None:
+        """Take the settings as they were read.
+
+        Args:
+            settings: What to keep.
+            path: The file; by default the user's own.
+            stored: Whether to write at all; scripted runs leave no traces.
+        """
+        self._settings = settings
+        self._path = path
+        self._stored = stored
+        self._written = dataclasses.asdict(settings)
+
+    def save(self) -> None:
+        """Write what has changed since it was read or written last.
+
+        Raises:
+            LevelError: It cannot be written; it is not tried again before something else changes.
+        """
+        now = dataclasses.asdict(self._settings)
+        changed = {name: value for name, value in now.items() if value != self._written[name]}
+        if not changed or not self._stored:
+            return
+        self._written = now
+        path = self._path or settings_path()
+        there = read_kept(path)
+        for name in ("recents", "recent_agents"):
+            others = there.get(name)
+            if name in changed and isinstance(others, list):
+                changed[name] = list(dict.fromkeys([*changed[name], *map(str, others)]))
+                del changed[name][RECENTS_MAX:]
+        write_kept(path, there | changed)
 
 
 def settings_path() -> Path:

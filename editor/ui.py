@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, events, keys, layouts, theme
+from editor.actions.dispatch import IDLE
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
@@ -63,6 +64,8 @@ _CANVAS_FLAGS: Final = (
 _CANVAS: Final = "Canvas"
 _WARM_UP_FRAME: Final = 3
 """JAX is imported only after the window can be used."""
+_LAYOUT_FRAMES: Final = 30
+"""So often the settings learn where the panels are."""
 _SETTLED_FRAMES: Final = 30
 """While the layout settles every panel is in front once."""
 
@@ -221,6 +224,9 @@ class Ui:
         if not gallery:
             self._paint_canvas()
         self._toasts.draw(session, _middle() if gallery else self.canvas.area)
+        due = dt >= IDLE or imgui.get_frame_count() % _LAYOUT_FRAMES == 0
+        if due and session.view.settled:
+            self.save_layout()
         if self.warm_up and imgui.get_frame_count() > _WARM_UP_FRAME:
             self.warm_up = False
             self.preparation.begin()

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor import files
 from editor.jobs import Job, JobState
 from editor.playback import Mode
 from editor.prompts import Choice, FileQuestion, MenuQuestion
@@ -202,8 +201,7 @@ def play_agent(session: Session) -> None:
     assert level is not None
     session.leave_play()
     session.gallery.open = False
-    with session.guard():
-        files.autosave(session.document)
+    session.autosaves.keep(session.document)
     viewer.by_hand = False
     session.playback.play(level, casting, player=summary.name)
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Final
 
-from editor import files
 from editor.actions import agents, export, file, outside, play, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.pointer import move_wheel, use_pointer
@@ -25,10 +24,13 @@ from editor.session import Session
 from editor.trace_files import SUFFIX
 from kinetix.errors import CommandError
 
-AUTOSAVE_SECONDS: Final = 30.0
 MODIFIER_KEYS: Final = frozenset(
     f"{side} {name}" for side in ("left", "right") for name in ("ctrl", "shift", "alt", "meta")
 )
+SETTINGS_SECONDS: Final = 1.0
+"""How often changed settings are written."""
+IDLE: Final = 0.2
+"""After a frame that took so long nothing goes on; the next one may be far [s]."""
 OUTSIDE_SECONDS: Final = 2.0
 """How often the file in front is looked at for changes from outside."""
 
@@ -234,10 +236,14 @@ def advance(session: Session, seconds: float) -> None:
     with session.guard():
         watch.update_viewer(session)
         play.note_end(session)
-    if _passed(before, session.time, AUTOSAVE_SECONDS):
+    with session.guard():
+        session.autosaves.follow(tab.document for tab in session.tabs)
+    with session.guard():
+        paths = (tab.document.path for tab in session.tabs)
+        session.autosaves.open_files(path for path in paths if path is not None)
+    if seconds >= IDLE or _passed(before, session.time, SETTINGS_SECONDS):
         with session.guard():
-            for tab in session.tabs:
-                files.autosave(tab.document)
+            session.keeper.save()
     if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
             outside.check(session)

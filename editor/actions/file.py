@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Final
 
 from editor import files
+from editor.actions import conflict
 from editor.document import Document, Format
+from editor.gallery import filing
 from editor.prompts import Choice, FileQuestion, Question
 from editor.session import Session, Tab
 from kinetix.errors import LevelError
@@ -14,6 +16,9 @@ from kinetix.paths import levels_dir
 
 NEW_LEVEL: Final = Level(name="Untitled")
 LEVEL_SUFFIXES: Final = (".json",)
+MOST_NAMES: Final = 12
+"""Of more unsaved levels a question names only so many."""
+_QUIT: Final = "Save before closing?"
 MESSAGE_LENGTH: Final = 600
 """Of a longer message the log has the rest [characters]."""
 
@@ -23,16 +28,19 @@ def new(session: Session) -> None:
     session.open_tab(Document(NEW_LEVEL))
 
 
-def open_path(session: Session, path: str | Path, *, replace: bool = False) -> bool:
+def open_path(
+    session: Session, path: str | Path, *, replace: bool = False, anyway: bool = False
+) -> bool:
     """Open a level file in a tab, or bring the tab that shows it to the front.
 
     Args:
         session: The app.
         path: A file, or the name of a bundled level.
         replace: Show it in the tab in front, when that one has no unsaved changes.
+        anyway: Open it also when another window has it open; otherwise a question comes first.
 
     Returns:
-        Whether it is open now; otherwise a window says why.
+        Whether it is open now, or asked about; otherwise a window says why.
     """
     try:
         document = files.open_document(path)
@@ -45,6 +53,9 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
         index = session.locate(document.path)
         if index is not None:
             session.show_tab(index)
+            return True
+        if not anyway and _open_elsewhere(session, document.path):
+            _ask_elsewhere(session, document, replace=replace)
             return True
         if replace and not session.document.dirty:
             session.leave_play()
@@ -60,6 +71,38 @@ def open_path(session: Session, path: str | Path, *, replace: bool = False) -> b
                 session.log.add(warning)
         return True
     return False
+
+
+def _open_elsewhere(session: Session, path: Path) -> bool:
+    """Whether another window has a file open; those that came with the app are for everybody."""
+    return not filing.bundled(path) and session.autosaves.open_elsewhere(path)
+
+
+def _ask_elsewhere(session: Session, document: Document, *, replace: bool) -> None:
+    """Warn before two windows change one file."""
+    path = document.path
+    assert path is not None
+
+    def answer(choice: str) -> None:
+        if choice == "open":
+            open_path(session, path, replace=replace, anyway=True)
+        elif choice == "copy":
+            session.open_tab(Document(document.level, format=document.format))
+
+    session.ask(
+        Question(
+            title=f"{path.name} is open in another window",
+            message="What both windows save goes to the same file.",
+            choices=(
+                Choice(id="copy", label="Open a Copy", detail="With a file name of its own."),
+                Choice(id="open", label="Open Anyway"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="copy",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
 
 
 def tell(session: Session, title: str, message: str) -> None:
@@ -151,6 +194,24 @@ def save_with_care(
     format: Format,
     then: Callable[[], None] | None = None,
 ) -> None:
+    """Save, after asking when that would lose another program's change or what the format lacks."""
+
+    def save_to(target: Path) -> None:
+        _save_in_format(session, document, target, format, then)
+
+    if files.conflicts(document, path):
+        conflict.ask(session, document, path, save_to, then)
+    else:
+        save_to(path)
+
+
+def _save_in_format(
+    session: Session,
+    document: Document,
+    path: Path,
+    format: Format,
+    then: Callable[[], None] | None,
+) -> None:
     """Save, after asking when the format cannot say everything (IO10)."""
     lost = files.lost_on_save(document.level, path, format)
     if not lost:
@@ -207,7 +268,7 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
             session.show_tab(session.tabs.index(tab))
             save(session, then)
         elif choice == "discard":
-            files.forget_autosave(document)
+            session.autosaves.forget(document)
             then()
 
     session.ask(
@@ -233,43 +294,55 @@ def close_tab(session: Session, tab: Tab | None = None) -> None:
 
 
 def quit_app(session: Session) -> None:
-    """End the app, after asking about every tab with unsaved changes."""
+    """End the app, after asking once about everything that has unsaved changes."""
     session.driver.cancel()
+    unsaved = [tab for tab in session.tabs if tab.document.dirty]
+    if any(isinstance(prompt, Question) and prompt.title == _QUIT for prompt in session.prompts):
+        return
+    if len(unsaved) < 2:
+        if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
+        return
 
-    def next_tab(remaining: list[Tab]) -> None:
-        if not remaining:
-            session.settings.save()
-            session.quitting = True
-            return
-        if_settled(session, remaining[0], lambda: next_tab(remaining[1:]))
+    def answer(choice: str) -> None:
+        if choice == "save":
+            _save_all(session, unsaved)
+        elif choice == "discard":
+            for tab in unsaved:
+                session.autosaves.forget(tab.document)
+            _quit(session)
 
-    next_tab(list(session.tabs))
-
-
-def offer_recovery(session: Session) -> None:
-    """Ask about what an earlier run could not save (IO3)."""
-    for recovery in reversed(files.recoveries()):
-
-        def answer(choice: str, recovery: files.Recovery = recovery) -> None:
-            if choice == "restore":
-                document = files.recovered_document(recovery)
-                if document.path is not None:
-                    document.names = session.names.of(document.path)
-                session.open_tab(document)
-            elif choice == "discard":
-                files.discard_recovery(recovery)
-
-        session.ask(
-            Question(
-                title="Restore unsaved work?",
-                message=f"The app ended without saving {recovery.summary()}.",
-                choices=(
-                    Choice(id="restore", label="Restore"),
-                    Choice(id="discard", label="Discard"),
-                    Choice(id="later", label="Ask again next time"),
-                ),
-                default="restore",
-                cancel="later",
-                answer=answer,
-            )
+    names = [tab.document.title for tab in unsaved]
+    shown = [
+        *names[:MOST_NAMES],
+        *([f"{len(names) - MOST_NAMES} more"] * (len(names) > MOST_NAMES)),
+    ]
+    session.ask(
+        Question(
+            title=_QUIT,
+            message="These have unsaved changes:\n" + "\n".join(shown),
+            choices=(
+                Choice(id="save", label="Save All"),
+                Choice(id="discard", label="Discard All"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="save",
+            cancel="cancel",
+            answer=answer,
         )
+    )
+
+
+def _save_all(session: Session, remaining: list[Tab]) -> None:
+    """Save one after the other, asking what each needs; then quit."""
+    remaining = [tab for tab in remaining if tab in session.tabs and tab.document.dirty]
+    if not remaining:
+        _quit(session)
+        return
+    session.show_tab(session.tabs.index(remaining[0]))
+    save(session, lambda: _save_all(session, remaining[1:]))
+
+
+def _quit(session: Session) -> None:
+    with session.guard():
+        session.keeper.save()
+    session.quitting = True

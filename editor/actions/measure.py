@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from editor import files
 from editor.actions import file
 from editor.evaluation import Plan
 from editor.jobs import Job, JobState
@@ -78,8 +77,7 @@ def start_evaluation(
     names = [level.name for level, _ in levels]
     if len(set(names)) != len(names):
         raise CommandError("Two of the levels have the same name: choose one folder or set.")
-    with session.guard():
-        files.autosave(session.document)
+    session.autosaves.keep(session.document)
     plan = Plan(
         agents=agents,
         levels=tuple(level for level, _ in levels),

@@ -1,6 +1,5 @@
 """What the Run menu does: play, pause, step, reset, stop, edit from here."""
 
-from editor import files
 from editor.actions import agents
 from editor.commands.level import TakePoses
 from editor.document import Document
@@ -14,8 +13,7 @@ from kinetix.level.codec import level_hash
 def play(session: Session) -> None:
     """Play the level by hand."""
     session.leave_play()
-    with session.guard():
-        files.autosave(session.document)
+    session.autosaves.keep(session.document)
     session.playback.play(session.document.level)
 
 

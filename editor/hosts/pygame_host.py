@@ -43,6 +43,8 @@ IDLE_WAIT = 0.25
 """Longest sleep while nothing happens [s]."""
 _IDLE_FRAME = 2.0
 """Even then a frame is drawn this often [s]: copies are saved, files watched."""
+_COPY_FRAME = 0.5
+"""The same while a change waits to be copied [s]."""
 _FRAME = 1 / 60
 _SETTLE_FRAMES = 4
 """Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
@@ -157,7 +159,7 @@ class PygameHost(Host):
             batch = self.poll(IDLE_WAIT if idle else 0.0)
             if batch:
                 self._awake = _SETTLE_FRAMES
-            elif idle and time.perf_counter() - last < _IDLE_FRAME:
+            elif idle and time.perf_counter() - last < self._idle_frame:
                 continue
             now = time.perf_counter()
             self.step(batch, min(now - last, 0.25))
@@ -168,6 +170,11 @@ class PygameHost(Host):
             if spare > 0.002:
                 # Where vsync does not pace the loop, the cores belong to the simulation.
                 time.sleep(spare)
+
+    @property
+    def _idle_frame(self) -> float:
+        """After how long a frame is drawn even though nothing happens [s]."""
+        return _COPY_FRAME if self.session.autosaves.pending else _IDLE_FRAME
 
     def _follow(self) -> None:
         """Let title, cursor and full screen follow the app."""

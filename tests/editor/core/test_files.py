@@ -1,10 +1,6 @@
 """Saving, autosave, recovery and changes from outside."""
 
-import datetime
-import json
 import os
-import subprocess
-import sys
 
 import pytest
 
@@ -78,86 +74,6 @@ def actions_drop(path):
     return DropEvent(path=str(path))
 
 
-def test_autosave_writes_only_what_is_new(path):
-    document = files.open_document(path)
-    assert not files.autosave(document)
-    document.commit(MOVE)
-    assert files.autosave(document)
-    assert not files.autosave(document)
-    assert path.read_bytes() != b""
-    assert len(list(files.autosave_dir().iterdir())) == 1
-    files.save_document(document, path, "kinetix-level")
-    assert list(files.autosave_dir().iterdir()) == []
-
-
-def dead_process():
-    process = subprocess.Popen([sys.executable, "-c", ""])
-    process.wait()
-    return process.pid
-
-
-def left_behind(document):
-    """What the autosave looks like after its process has been killed."""
-    files.autosave(document)
-    (file,) = files.autosave_dir().iterdir()
-    return file.rename(file.with_name(f"{dead_process()}-1.json"))
-
-
-def test_a_killed_run_can_be_restored(path):
-    document = files.open_document(path)
-    document.commit(MOVE)
-    left_behind(document)
-    (recovery,) = files.recoveries()
-    assert recovery.path == path
-    assert "4 shapes, 1 joint, 1 thruster" in recovery.summary()
-    assert datetime.datetime.now(datetime.UTC) - recovery.time < datetime.timedelta(minutes=5)
-    restored = files.recovered_document(recovery)
-    assert restored.hash == document.hash
-    assert restored.dirty
-    assert files.recoveries() == []
-
-
-def test_the_app_offers_what_was_left_behind(path):
-    from editor.actions.file import offer_recovery
-
-    document = files.open_document(path)
-    document.commit(MOVE)
-    file = left_behind(document)
-    session = a_session()
-    offer_recovery(session)
-    session.answer(session.prompts[-1], "later")
-    assert file.exists()
-    offer_recovery(session)
-    session.answer(session.prompts[-1], "restore")
-    assert session.document.hash == document.hash
-    assert not file.exists()
-
-
-def test_copies_of_a_run_that_still_goes_on_are_left_alone(path):
-    document = files.open_document(path)
-    document.commit(MOVE)
-    files.autosave(document)
-    assert files.recoveries() == []
-
-
-@pytest.mark.parametrize("content", ["", "{", "{}", '{"path": 3}', "[]"])
-def test_broken_copies_are_passed_over(content):
-    files.autosave_dir().mkdir(parents=True)
-    (files.autosave_dir() / f"{dead_process()}-1.json").write_text(content)
-    assert files.recoveries() == []
-
-
-def test_the_session_saves_copies_by_itself(path):
-    session = a_session()
-    session.execute(MOVE)
-    for _ in range(32):
-        actions.update(session, 1.0)
-    (file,) = files.autosave_dir().iterdir()
-    record = json.loads(file.read_text())
-    assert record["path"] is None
-    assert session.document.autosaved_at is not None
-
-
 def change_outside(path, level):
     stamp = path.stat().st_mtime_ns
     save_level(level, path)
@@ -211,16 +127,6 @@ def test_the_differences_are_listed_and_select(path):
     actions.run(session, "file.differences")
     session.answer(session.prompts[-1], "9")  # what is not here cannot be selected
     assert session.selection == ()
-
-
-def test_saving_over_a_change_from_outside_keeps_it_beside(path):
-    session = outside_session(path)
-    theirs = MOVE.apply(a_level())
-    change_outside(path, theirs)
-    actions.update(session, 2.1)
-    actions.run(session, "file.save")
-    assert session.document.outside == ""
-    assert load_level(path.with_name(f"{path.name}.bak")).body(3) == theirs.body(3)
 
 
 def test_a_file_that_cannot_be_read_any_more_is_told(path):

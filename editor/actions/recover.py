@@ -1,0 +1,91 @@
+"""What happens to the unsaved work of earlier runs: offered at the start, restored as one edit."""
+
+from editor import files, recovery
+from editor.commands.level import ReplaceLevel
+from editor.document import Document, Stamp
+from editor.prompts import Choice, Question
+from editor.recovery import Recovery
+from editor.session import Session
+from kinetix.errors import LevelError
+
+SHOWN = 8
+"""Of more copies the question names only so many."""
+
+
+def offer(session: Session) -> None:
+    """Ask about what earlier runs could not save (IO3)."""
+    found = recovery.find()
+    for sentence in found.unreadable:
+        session.toast(sentence, "warning")
+    if not found.recoveries:
+        return
+
+    def answer(choice: str) -> None:
+        if choice == "restore":
+            for each in reversed(found.recoveries):
+                with session.guard():
+                    restore(session, each)
+        elif choice == "discard":
+            for each in found.recoveries:
+                recovery.discard(each)
+
+    count = len(found.recoveries)
+    lines = [each.summary() for each in found.recoveries[:SHOWN]]
+    lines += [f"… and {count - SHOWN} more"] if count > SHOWN else []
+    several = count > 1
+    session.ask(
+        Question(
+            title="Restore unsaved work?",
+            message="The app ended without saving\n" + "\n".join(lines),
+            choices=(
+                Choice(id="restore", label="Restore All" if several else "Restore"),
+                Choice(id="discard", label="Discard All" if several else "Discard"),
+                Choice(id="later", label="Ask again next time"),
+            ),
+            default="restore",
+            cancel="later",
+            answer=answer,
+        )
+    )
+
+
+def restore(session: Session, found: Recovery) -> None:
+    """Show what was not saved: as an edit of the level's file, or in a tab of its own.
+
+    The copy stays until the level is saved or given up.
+    """
+    document = _document_of(session, found)
+    if document is None:
+        document = Document(found.level, path=found.path, format=found.format)
+        document.mark_unsaved()
+        session.open_tab(document)
+    else:
+        command = ReplaceLevel(level=found.level, label="Restore unsaved work")
+        document.commit(command, time=session.time)
+        stamp = document.stamp
+        if stamp is not None and found.base not in (None, stamp.digest):
+            # Saving will ask: the file has changed since the work on it began.
+            document.stamp = Stamp(modified_ns=0, content=b"")
+    if document.path is not None:
+        document.names = session.names.of(document.path)
+    document.origin = (*document.origin, found.file, *found.origin)
+
+
+def _document_of(session: Session, found: Recovery) -> Document | None:
+    """The open document of the level's file; opens it where that can be done."""
+    if found.path is None:
+        return None
+    index = session.locate(found.path)
+    if index is not None:
+        document = session.tabs[index].document
+        if document.dirty:
+            return None
+        session.show_tab(index)
+        session.leave_play()
+        return document
+    try:
+        document = files.open_document(found.path)
+    except LevelError:
+        return None
+    session.open_tab(document)
+    return document

@@ -1,0 +1,599 @@
+"""Copies of unsaved work: soon made, offered to the next run, kept until saved or given up."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+from editor import actions, autosaves, files, recovery, run_lock
+from editor.actions import recover
+from editor.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
+from editor.commands.group import Move
+from editor.document import Document
+from editor.session import Session
+from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level, save_level
+from kinetix.level.model import Level
+from tests.editor.core.helpers import a_level, a_session, texts
+
+MOVE = Move(ids=(3,), shift=(0.25, 0.0))
+OLD = Path(__file__).resolve().parents[1] / "stored" / "0.1.0" / "state" / "kinetix-editor"
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "levels" / "mine.json"
+    path.parent.mkdir()
+    save_level(a_level(), path)
+    return path
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def start(clock):
+    """Starts runs; one that is killed leaves what it has written."""
+    runs = []
+
+    def begin(*paths, level=None):
+        session = Session(autosaves=Autosaves(clock=clock), level=level or Level(name="Untitled"))
+        for each in paths:
+            actions.file.open_path(session, each)
+        recover.offer(session)
+        runs.append(session)
+        return session
+
+    yield begin
+    for session in runs:
+        session.autosaves.end()
+
+
+def later(session, clock, seconds):
+    """Let time pass in frames of a quarter of a second."""
+    for _ in range(int(seconds * 4)):
+        clock.now += 0.25
+        actions.update(session, 0.25)
+    session.autosaves.flush()
+
+
+def kill(session):
+    """End a run as SIGKILL does: the system gives its lock back and nothing else happens."""
+    lock = session.autosaves._lock
+    if lock is not None:
+        lock._released.set()
+        lock._file.close()
+    session.autosaves._stored = False
+
+
+def copies():
+    return sorted(autosave_dir().glob("*/*[0-9].json"))
+
+
+def left(start, clock, path):
+    """What a killed run leaves that has moved a shape of a file."""
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 4)
+    kill(session)
+    return session.document.level
+
+
+def test_a_change_is_copied_soon_after_a_pause(start, clock, path):
+    session = start(path)
+    later(session, clock, 10)
+    assert copies() == []
+    session.execute(MOVE)
+    later(session, clock, PAUSE - 0.5)
+    assert copies() == []
+    later(session, clock, 0.75)
+    (file,) = copies()
+    assert recovery._read(file).level == session.document.level
+    assert recovery._read(file).path == path
+
+
+def test_changes_without_a_pause_are_copied_as_well(start, clock, path):
+    session = start(path)
+    for _ in range(round(2 * LONGEST) + 1):
+        assert copies() == []
+        session.execute(Move(ids=(3,), shift=(0.01, 0.0)))
+        later(session, clock, 0.5)
+    assert len(copies()) == 1
+
+
+def test_the_same_is_not_written_twice(start, clock, path):
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 3)
+    (file,) = copies()
+    written = file.stat().st_mtime_ns
+    later(session, clock, 20)
+    session.autosaves.keep(session.document)
+    session.autosaves.flush()
+    assert file.stat().st_mtime_ns == written
+
+
+def test_saving_removes_the_copy(start, clock, path):
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 3)
+    actions.run(session, "file.save")
+    later(session, clock, 0.5)
+    assert copies() == []
+
+
+def test_undoing_to_what_is_saved_removes_it_and_redoing_brings_it_back(start, clock, path):
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 3)
+    actions.run(session, "edit.undo")
+    later(session, clock, 1)
+    assert copies() == []
+    actions.run(session, "edit.redo")
+    later(session, clock, 3)
+    assert len(copies()) == 1
+
+
+def test_a_document_without_its_file_is_copied(start, clock, path):
+    session = start(path)
+    path.unlink()
+    later(session, clock, 6)
+    assert session.document.dirty
+    assert len(copies()) == 1
+
+
+def test_restoring_keeps_the_copy_until_the_level_is_saved(start, clock, path):
+    level = left(start, clock, path)
+    (first,) = copies()
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    assert session.document.level == level
+    assert session.document.dirty and session.document.path == path
+    assert first.exists()
+    kill(session)  # right after restoring: nothing is lost
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    later(session, clock, 4)
+    actions.run(session, "file.save")
+    later(session, clock, 1)
+    assert load_level(path) == level
+    assert copies() == []
+    session.autosaves.end()
+    assert list(autosave_dir().iterdir()) == []
+    assert not start().prompts
+
+
+def test_a_chain_of_killed_runs_offers_the_last_state_once(start, clock, path):
+    left(start, clock, path)
+    for _ in range(3):
+        session = start()
+        session.answer(session.prompts[-1], "restore")
+        session.execute(MOVE)
+        later(session, clock, 4)
+        kill(session)
+    found = recovery.find()
+    assert [each.level for each in found.recoveries] == [session.document.level]
+    assert len(copies()) == 4
+    session = start()
+    assert "mine.json" in session.prompts[-1].message
+    session.answer(session.prompts[-1], "discard")
+    assert copies() == []
+
+
+def test_restored_work_can_be_undone_to_the_file(start, clock, path):
+    left(start, clock, path)
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    actions.run(session, "edit.undo")
+    assert session.document.level.bodies == a_level().bodies
+    later(session, clock, 4)
+    assert len(copies()) == 1  # neither saved nor given up
+
+
+def test_closing_without_saving_gives_it_up(start, clock, path):
+    left(start, clock, path)
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    actions.run(session, "file.close_tab")
+    session.answer(session.prompts[-1], "discard")
+    later(session, clock, 1)
+    assert copies() == []
+
+
+def test_asking_again_next_time_keeps_it(start, clock, path):
+    left(start, clock, path)
+    for _ in range(2):
+        session = start()
+        session.answer(session.prompts[-1], "later")
+        session.autosaves.end()
+    assert len(copies()) == 1
+
+
+def test_it_is_offered_when_a_file_is_named_too(start, clock, path):
+    level = left(start, clock, path)
+    session = start(path)
+    assert session.prompts[-1].title == "Restore unsaved work?"
+    session.answer(session.prompts[-1], "restore")
+    assert [tab.document.path for tab in session.tabs] == [path]
+    assert session.document.level == level
+
+
+def test_the_command_line_offers_it_however_it_starts(start, clock, path):
+    from editor.__main__ import Options, _open_files
+
+    left(start, clock, path)
+    for options in (Options(), Options(files=(path,))):
+        session = Session(autosaves=Autosaves(stored=False))
+        _open_files(options, session)
+        assert session.prompts[-1].title == "Restore unsaved work?"
+
+
+def test_work_without_a_file_is_restored_in_a_tab(start, clock):
+    session = start(level=a_level())
+    session.execute(MOVE)
+    later(session, clock, 4)
+    kill(session)
+    other = start()
+    other.answer(other.prompts[-1], "restore")
+    assert other.document.level.bodies == session.document.level.bodies
+    assert other.document.path is None and other.document.dirty
+
+
+def test_work_whose_file_is_gone_is_restored(start, clock, path):
+    level = left(start, clock, path)
+    path.unlink()
+    session = start()
+    assert "gone" in session.prompts[-1].message
+    session.answer(session.prompts[-1], "restore")
+    assert (session.document.level, session.document.path) == (level, path)
+    actions.run(session, "file.save")
+    assert load_level(path) == level
+
+
+def test_what_was_saved_before_the_kill_is_not_offered(start, clock, path):
+    level = left(start, clock, path)
+    save_level(level, path)
+    assert not start().prompts
+    assert copies() == []
+
+
+def test_saving_restored_work_asks_when_the_file_has_changed_since(start, clock, path):
+    left(start, clock, path)
+    save_level(a_level().replace(description="by another program"), path)
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    actions.run(session, "file.save")
+    assert "changed by another program" in session.prompts[-1].title
+
+
+def test_a_run_that_goes_on_is_left_alone(start, clock, path):
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 4)
+    assert not start().prompts
+    assert len(copies()) == 1
+
+
+def test_equal_process_ids_do_not_matter(start, clock, path, monkeypatch):
+    monkeypatch.setattr(os, "getpid", lambda: 7)
+    level = left(start, clock, path)
+    session = start()
+    session.execute(MOVE) if session.document.level.bodies else None
+    assert session.prompts
+    session.answer(session.prompts[-1], "restore")
+    assert session.document.level == level
+
+
+@pytest.mark.parametrize("silent", [False, True])
+def test_a_run_on_another_machine_is_known_by_its_heartbeat(start, clock, path, silent):
+    left(start, clock, path)
+    lock = copies()[0].parent / "lock"
+    lock.write_text("another boot")
+    if silent:
+        long_ago = time.time() - 2 * run_lock.SILENCE
+        os.utime(lock, (long_ago, long_ago))
+    assert bool(start().prompts) == silent
+
+
+def test_what_version_0_1_0_left_is_offered(start, tmp_path):
+    shutil.copytree(OLD / "autosave", autosave_dir())
+    session = start()
+    assert "first_flight.json" in session.prompts[-1].message
+    session.answer(session.prompts[-1], "restore")
+    assert len(session.tabs) == 2
+    assert {tab.document.dirty for tab in session.tabs} == {True}
+    for tab in list(session.tabs):
+        session.autosaves.forget(tab.document)
+    assert list(autosave_dir().glob("*.json")) == []
+
+
+@pytest.mark.parametrize(
+    "content", ["", "{", "{}", '{"path": 3}', "[]", "\0", '{"path":null,"format":"x"}', "[" * 9999]
+)
+def test_a_damaged_copy_is_told_and_stays(start, clock, path, content):
+    left(start, clock, path)
+    (good,) = copies()
+    bad = good.with_name("2.json")
+    bad.write_text(content)
+    session = start()
+    assert any(str(bad) in text for text in texts(session))
+    session.answer(session.prompts[-1], "restore")
+    assert session.document.level.bodies != a_level().bodies
+    assert bad.exists()
+
+
+def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
+    session = start(path)
+    session.execute(MOVE)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("kinetix.level.atomic.os.fsync", full)
+    for _ in range(4):
+        clock.now += 1
+        actions.update(session, 0.25)
+        with pytest.MonkeyPatch.context():
+            try:
+                session.autosaves.flush()
+            except KinetixError as error:
+                session.toast(str(error))
+    assert any("No space left" in text for text in texts(session))
+    monkeypatch.undo()
+    monkeypatch.setattr("editor.autosaves.state_dir", lambda: path.parents[1] / "state")
+    later(session, clock, 4)
+    assert len(copies()) == 1
+
+
+def test_an_ended_run_leaves_no_folder(start, clock, path):
+    session = start(path)
+    session.execute(MOVE)
+    later(session, clock, 4)
+    actions.run(session, "file.save")
+    later(session, clock, 1)
+    session.autosaves.end()
+    assert list(autosave_dir().iterdir()) == []
+
+
+# -- two windows ---------------------------------------------------------------------------------
+
+
+def test_a_second_window_warns_before_it_opens_the_file(start, clock, path):
+    first = start(path)
+    later(first, clock, 0.5)
+    second = start(path)
+    (prompt,) = second.prompts
+    assert prompt.title == "mine.json is open in another window"
+    assert all(tab.document.path is None for tab in second.tabs)
+    second.answer(prompt, "copy")
+    assert second.document.path is None
+    assert second.document.level.bodies == a_level().bodies
+    actions.file.open_path(second, path)
+    second.answer(second.prompts[-1], "open")
+    assert second.document.path == path
+
+
+def test_a_window_that_has_closed_the_file_or_was_killed_is_no_reason_to_warn(start, clock, path):
+    first = start(path)
+    later(first, clock, 0.5)
+    actions.run(first, "file.close_tab")
+    later(first, clock, 0.5)
+    second = start(path)
+    assert not second.prompts
+    later(second, clock, 0.5)
+    kill(second)
+    assert not start(path).prompts
+
+
+# -- a save that would lose another program's change ----------------------------------------------
+
+
+@pytest.fixture
+def contested(start, path):
+    """A session with a change, whose file another program has changed at the same instant."""
+    session = start(path)
+    session.execute(MOVE)
+    before = path.stat()
+    theirs = a_level().replace(description="theirs")
+    save_level(theirs, path)
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    actions.run(session, "file.save")
+    assert load_level(path) == theirs
+    return session, theirs
+
+
+def test_both_are_shown_and_nothing_is_written_before_the_answer(contested, path):
+    session, theirs = contested
+    prompt = session.prompts[-1]
+    assert [level for _, level in prompt.pictures] == [session.document.level, theirs]
+    session.answer(prompt, "cancel")
+    assert load_level(path) == theirs and session.document.dirty
+
+
+def test_keep_both(contested, path):
+    session, theirs = contested
+    session.answer(session.prompts[-1], "both")
+    assert load_level(path) == theirs
+    assert session.document.path == path.with_name("mine_2.json")
+    assert load_level(session.document.path) == session.document.level
+    assert not session.document.dirty
+
+
+def test_save_mine(contested, path):
+    session, theirs = contested
+    session.answer(session.prompts[-1], "mine")
+    assert load_level(path) == session.document.level
+    assert load_level(path.with_name("mine.json.bak")) == theirs
+    actions.run(session, "file.save")
+    assert not session.prompts
+
+
+def test_take_theirs(contested, path):
+    session, theirs = contested
+    mine = session.document.level
+    session.answer(session.prompts[-1], "theirs")
+    assert session.document.level == theirs and not session.document.dirty
+    actions.run(session, "edit.undo")
+    assert session.document.level == mine
+
+
+def test_a_file_that_is_damaged_meanwhile_can_be_replaced(start, path):
+    session = start(path)
+    session.execute(MOVE)
+    path.write_text("{")
+    actions.run(session, "file.save")
+    prompt = session.prompts[-1]
+    assert [choice.id for choice in prompt.choices] == ["both", "mine", "cancel"]
+    session.answer(prompt, "mine")
+    assert load_level(path) == session.document.level
+    assert path.with_name("mine.json.bak").read_text() == "{"
+
+
+def test_saving_again_and_again_never_asks(start, path):
+    session = start(path)
+    for _ in range(5):
+        session.execute(MOVE)
+        actions.run(session, "file.save")
+        assert not session.prompts
+    assert not files.changed_outside(session.document)
+
+
+# -- quitting ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def three(start, tmp_path, path):
+    """Two files with changes and one without."""
+    other = tmp_path / "other.json"
+    save_level(a_level(), other)
+    clean = tmp_path / "clean.json"
+    save_level(a_level(), clean)
+    session = start(path, other, clean)
+    for tab in session.tabs[:2]:
+        tab.document.commit(MOVE)
+    actions.run(session, "file.quit")
+    return session
+
+
+def test_quitting_asks_once_and_saves_all(three):
+    (prompt,) = three.prompts
+    assert "mine.json" in prompt.message and "other.json" in prompt.message
+    assert "clean.json" not in prompt.message
+    actions.run(three, "file.quit")  # the close button again
+    assert len(three.prompts) == 1
+    three.answer(prompt, "save")
+    assert three.quitting
+    for tab in three.tabs[:2]:
+        assert load_level(tab.document.path) == tab.document.level
+
+
+def test_quitting_can_discard_all(three, clock):
+    later(three, clock, 4)
+    assert len(copies()) == 2
+    three.answer(three.prompts[-1], "discard")
+    assert three.quitting
+    three.autosaves.flush()
+    assert copies() == []
+    assert all(load_level(tab.document.path) == a_level() for tab in three.tabs)
+
+
+def test_a_save_that_is_given_up_keeps_the_app_open(three):
+    three.tabs[1].document.path = None
+    three.answer(three.prompts[-1], "save")
+    (name,) = three.prompts
+    three.answer(name, None)
+    assert not three.quitting
+
+
+# -- kills ---------------------------------------------------------------------------------------
+
+# Edits a level over and over; says what the screen shows at the moment of every copy.
+RUN = """
+    import sys, time
+    from pathlib import Path
+    from editor import autosaves, files, recovery
+    from editor.commands.level import ReplaceLevel
+    from editor.document import Document
+
+    base, path = Path(sys.argv[1]), Path(sys.argv[2])
+    autosaves.PAUSE = 0.0
+    run = autosaves.Autosaves(base)
+    document = files.open_document(path)
+    found = recovery.find(base).recoveries
+    number = 0
+    if found:
+        number = int(found[0].level.description)
+        document.commit(ReplaceLevel(level=found[0].level, label="Restore"))
+        document.origin = (found[0].file, *found[0].origin)
+    print("from", number, len(found), flush=True)
+    while True:
+        number += 1
+        level = document.level.replace(description=str(number))
+        document.commit(ReplaceLevel(level=level, label="Edit"))
+        run.follow([document])
+        if number % 3:
+            run.flush()
+            print("copied", number, flush=True)
+        if number % 40 == 0:
+            run.flush()
+            files.save_document(document, path, "kinetix-level")
+            print("saved", number, flush=True)
+            run.follow([document])
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
+@pytest.mark.parametrize("kills", [12, pytest.param(100, marks=pytest.mark.slow)])
+def test_no_kill_loses_what_was_copied(tmp_path, path, kills):
+    base = tmp_path / "state" / "autosave"
+    known = 0
+    for k in range(kills):
+        with subprocess.Popen(
+            [sys.executable, "-c", textwrap.dedent(RUN), str(base), str(path)],
+            stdout=subprocess.PIPE,
+            text=True,
+        ) as run:
+            first = run.stdout.readline().split()
+            saved = int(load_level(path).description or 0)
+            assert max(int(first[1]), saved) >= known, (k, first, saved, known)
+            assert int(first[2]) <= 1
+            time.sleep(0.003 * (1 + k * 7 % 23))
+            run.kill()
+            for line in run.stdout:
+                if line.endswith("\n"):
+                    known = max(known, int(line.split()[1]))
+    assert known > kills
+
+
+def test_a_document_of_its_own_number_is_never_another_ones_copy():
+    one, other = Document(a_level()), Document(a_level())
+    run = Autosaves()
+    assert run._watch(one).file != run._watch(other).file
+    assert run.folder != Autosaves().folder
+    assert len(run.folder.name) == 16 and json.dumps(run.folder.name)
+
+
+def test_tests_and_scripts_leave_nothing(path):
+    session = a_session()
+    session.autosaves = Autosaves(stored=False)
+    session.execute(MOVE)
+    for _ in range(60):
+        actions.update(session, 1.0)
+    session.autosaves.end()
+    assert not autosaves.autosave_dir().exists()
