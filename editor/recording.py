@@ -192,7 +192,9 @@ class Trace:
             "step": np.array([s.step for s in self.snapshots], np.int32),
             "reward": np.array([s.reward for s in self.snapshots], np.float32),
             "distance": np.array([s.distance for s in self.snapshots], np.float32),
-            "action": np.array(self.actions, np.int32).reshape(len(self.actions), -1),
+            "action": np.array(self.actions, np.int32).reshape(
+                len(self.actions), len(self.actions[0]) if self.actions else 0
+            ),
             "outcome": np.array(self.snapshots[-1].outcome or ""),
             "physics": np.array(self.physics),
             "perturbed": np.array(self.perturbed),

@@ -217,7 +217,7 @@ def _read(file: Path) -> str:
 def _parse(text: str, file: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits
         raise KinetixError(f"{file}: not valid TOML: {error}") from None
 
 

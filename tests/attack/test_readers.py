@@ -1,0 +1,57 @@
+"""A small attack in every run of the tests; `make attack` goes on for an hour."""
+
+import random
+import zlib
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kinetix.errors import KinetixError
+from kinetix.level.codec import loads
+from tests.attack.kills import WRITERS, kill_writers
+from tests.attack.mutate import Mutator
+from tests.attack.tally import Tally
+from tests.attack.targets import TARGETS
+
+_INPUTS = {"agent": 3, "arrays of an agent": 3, "state of a run": 4}
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_damaged_files_end_in_one_sentence(name, tmp_path):
+    tally, target = Tally(), TARGETS[name]
+    samples = target.samples()
+    for k in range(_INPUTS.get(name, target.weight)):
+        mutator = Mutator(zlib.crc32(f"{name} {k}".encode()))
+        sample = samples[k % len(samples)]
+        data = sample if k < len(samples) else mutator.damaged(sample)
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        tally.attempt(name, data, lambda data=data, folder=folder: target.read(data, folder))
+    assert tally.wrong == [], tally.table()
+    if name != "command line":
+        assert tally.row(name).accepted > 0
+
+
+@pytest.mark.parametrize("name", ["level", "metrics", "trace"])
+def test_a_killed_writer_leaves_the_old_or_the_new(name, tmp_path):
+    tally = Tally()
+    kill_writers(tally, random.Random(0), tmp_path, (name,))
+    assert tally.wrong == [], tally.table()
+    assert tally.row(f"kills: {name}").tried == WRITERS[name].kills
+
+
+_VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),
+    max_leaves=20,
+)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.binary(max_size=200) | st.builds(lambda v: repr(v).encode(), _VALUES))
+def test_any_bytes_end_in_one_sentence(data):
+    try:
+        loads(data)
+    except KinetixError as error:
+        assert str(error).isprintable()
