@@ -2,7 +2,7 @@
 # Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup-run setup-test run editor test check format lint type bench bench-peers accuracy chart screenshots levels docs
+.PHONY: help setup-run setup-test run editor test attack check format lint type bench bench-peers accuracy chart screenshots levels docs
 
 export PYTHON
 # Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
@@ -33,6 +33,9 @@ editor: run ## the same as run
 
 test: setup-test ## set everything up and run the whole test suite
 	$(PYTEST) $(ARGS)
+
+attack: setup-test ## damage every kind of input and kill every writer for an hour; prints what was lost
+	$(VENV)/python -m tests.attack $(ARGS)
 
 check: setup-test ## format, lint, types, layers and the tests that are not slow
 	$(VENV)/ruff format --check

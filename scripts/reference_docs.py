@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.compat.names import MODULES, Place
+from kinetix.files.limits import CHECKPOINT_FILES, DEPTH, LIMITS, MEMBERS, MIB
 from kinetix.level.codec import load_level
 from kinetix.level.json_schema import level_schema, level_set_schema
-from kinetix.level.model import Level
-from kinetix.level.sets import level_files
+from kinetix.level.model import MAX_ENTITIES, MAX_STEPS, Level
+from kinetix.level.sets import MAX_LEVELS, level_files
 from kinetix.paths import levels_dir
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
@@ -134,18 +135,41 @@ def _proof(level: Level) -> str:
     return f"{steps} steps, `{level.solution.physics}`"
 
 
+def limits() -> str:
+    """The table of limits of files."""
+    rows = ["| file | largest | usual |", "| --- | --- | --- |"]
+    rows += [f"| {one.what} | {_size(one.largest)} | {one.why} |" for one in LIMITS.values()]
+    more = (
+        ("depth of arrays and objects in JSON", DEPTH),
+        ("arrays in an episode", MEMBERS),
+        ("files in the folder of an agent", CHECKPOINT_FILES),
+        ("bodies, joints, thrusters of a level, each", MAX_ENTITIES),
+        ("levels of a set", MAX_LEVELS),
+        ("steps of an episode and of a recorded solution", MAX_STEPS),
+    )
+    rows += ["", "| count | most |", "| --- | --- |"]
+    rows += [f"| {what} | {most} |" for what, most in more]
+    return "\n".join([*rows, ""])
+
+
+def _size(largest: int) -> str:
+    return f"{largest // MIB} MiB" if largest < 1024 * MIB else f"{largest // (1024 * MIB)} GiB"
+
+
 def documents() -> dict[Path, str]:
     """Every file that has generated parts, as it should be."""
     made = {
         DOCS / "schemas" / "kinetix-level.schema.json": _json(level_schema()),
         DOCS / "schemas" / "kinetix-levelset.schema.json": _json(level_set_schema()),
     }
-    for name, text in (
-        ("level_format", format_tables()),
-        ("levels", catalogue()),
-        ("migrating", names_of_kinetix_env()),
-    ):
-        path = DOCS / f"{name}.md"
+    parts = (
+        ("level_format", "level_format", format_tables()),
+        ("levels", "levels", catalogue()),
+        ("migrating", "migrating", names_of_kinetix_env()),
+        ("security", "limits", limits()),
+    )
+    for document, name, text in parts:
+        path = DOCS / f"{document}.md"
         made[path] = _with_part(path.read_text(encoding="utf-8"), name, text)
     return made
 

@@ -17,7 +17,7 @@ Kind = Literal["level", "set", "agent", "tensors", "run", "metrics", "trace", "s
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Limit:
+class FileLimit:
     """Bounds of one kind of file."""
 
     what: str
@@ -28,20 +28,20 @@ class Limit:
     """How large usual files are."""
 
 
-LIMITS: Final[dict[Kind, Limit]] = {
-    "level": Limit(
+LIMITS: Final[dict[Kind, FileLimit]] = {
+    "level": FileLimit(
         what="level, autosave", largest=8 * MIB, why="the largest published level has 52 kB"
     ),
-    "set": Limit(what="level set", largest=32 * MIB, why="a thousand inline levels have 10 MB"),
-    "agent": Limit(what="`agent.json`, `config.json`", largest=16 * MIB, why="about 20 kB"),
-    "tensors": Limit(
+    "set": FileLimit(what="level set", largest=32 * MIB, why="a thousand inline levels have 10 MB"),
+    "agent": FileLimit(what="`agent.json`, `config.json`", largest=16 * MIB, why="about 20 kB"),
+    "tensors": FileLimit(
         what="arrays of an agent or a training state", largest=16384 * MIB, why="2 MB to 2 GB"
     ),
-    "run": Limit(what="`progress.json`, `config.toml`", largest=1 * MIB, why="about 3 kB"),
-    "metrics": Limit(what="`metrics.jsonl`", largest=1024 * MIB, why="1 kB an update"),
-    "trace": Limit(what="recorded episode (`.npz`)", largest=256 * MIB, why="about 1 MB"),
-    "script": Limit(what="replay script (`.jsonl`)", largest=64 * MIB, why="about 10 kB"),
-    "kept": Limit(
+    "run": FileLimit(what="`progress.json`, `config.toml`", largest=1 * MIB, why="about 3 kB"),
+    "metrics": FileLimit(what="`metrics.jsonl`", largest=1024 * MIB, why="1 kB an update"),
+    "trace": FileLimit(what="recorded episode (`.npz`)", largest=256 * MIB, why="about 1 MB"),
+    "script": FileLimit(what="replay script (`.jsonl`)", largest=64 * MIB, why="about 10 kB"),
+    "kept": FileLimit(
         what="settings, results, names, gallery index", largest=64 * MIB, why="up to 10 MB"
     ),
 }

@@ -20,7 +20,7 @@ DAMAGED: Final = ".damaged"
 """Ends the name of a checkpoint that could not be read; nothing looks at it again."""
 
 
-class Progress(msgspec.Struct, frozen=True, kw_only=True):
+class StoredProgress(msgspec.Struct, frozen=True, kw_only=True):
     """What `progress.json` holds."""
 
     updates: int
@@ -38,13 +38,13 @@ def write_state(directory: Path, state: Any, *, updates: int, seconds: float) ->
         updates: How many updates are done.
         seconds: How long they took.
     """
-    progress = Progress(updates=updates, seconds=seconds, digest=save_state(directory, state))
+    progress = StoredProgress(updates=updates, seconds=seconds, digest=save_state(directory, state))
     (directory / PROGRESS).write_bytes(msgspec.json.encode(progress))
 
 
 def read_newest(
     out: Path, like: Callable[[], Any], say: Callable[[str], None]
-) -> tuple[Any, Progress, list[Path]] | None:
+) -> tuple[Any, StoredProgress, list[Path]] | None:
     """Read the newest state that is sound.
 
     Args:
@@ -82,11 +82,11 @@ def read_newest(
     )
 
 
-def _read(folder: Path, like: Any) -> tuple[Any, Progress]:
+def _read(folder: Path, like: Any) -> tuple[Any, StoredProgress]:
     path = folder / PROGRESS
     tree = read_json(path, "run")
     try:
-        progress = msgspec.convert(tree, Progress)
+        progress = msgspec.convert(tree, StoredProgress)
     except msgspec.ValidationError as error:
         raise KinetixError(f"{path}: {error}") from None
     if progress.updates < 1:

@@ -31,7 +31,7 @@ from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.resume import (
-    Progress,
+    StoredProgress,
     forget_older,
     put_aside,
     read_newest,
@@ -153,13 +153,13 @@ def _say_nothing(text: str) -> None:
     """Take a sentence that nobody wants."""
 
 
-def _begin(trainer: Trainer, out: Path, say: Say) -> tuple[Any, Progress, list[Path]]:
+def _begin(trainer: Trainer, out: Path, say: Say) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
     found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
     if found is None:
         if (out / CONFIG).is_file():
             say("no checkpoint was written yet: starting from the beginning")
-        return trainer.start(), Progress(updates=0, seconds=0.0), []
+        return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
     state, progress, damaged = found
     say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
     return state, progress, damaged
@@ -177,8 +177,8 @@ class _Run:
 
 
 def _loop(
-    run: _Run, state: Any, progress: Progress, report: Callable[[Report], None] | None
-) -> tuple[Any, Progress]:
+    run: _Run, state: Any, progress: StoredProgress, report: Callable[[Report], None] | None
+) -> tuple[Any, StoredProgress]:
     """Update until the end, or until somebody asks to stop."""
     algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
@@ -191,7 +191,7 @@ def _loop(
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
         took = time.monotonic() - began
         done = progress.updates + 1
-        progress = Progress(updates=done, seconds=progress.seconds + took)
+        progress = StoredProgress(updates=done, seconds=progress.seconds + took)
         last = done == updates
         if config.eval_freq and (done % config.eval_freq == 0 or last):
             numbers |= evaluation(_agent(algorithm, trainer, state, progress, {}))
@@ -206,7 +206,7 @@ def _loop(
     return state, progress
 
 
-def _timing(config: PpoConfig, progress: Progress, took: float) -> dict[str, float]:
+def _timing(config: PpoConfig, progress: StoredProgress, took: float) -> dict[str, float]:
     return {
         UPDATE: progress.updates,
         STEPS: progress.updates * config.steps_per_update,
@@ -216,7 +216,7 @@ def _timing(config: PpoConfig, progress: Progress, took: float) -> dict[str, flo
 
 
 def _report(
-    config: PpoConfig, progress: Progress, took: float, metrics: Mapping[str, float]
+    config: PpoConfig, progress: StoredProgress, took: float, metrics: Mapping[str, float]
 ) -> Report:
     return Report(
         update=progress.updates,
@@ -232,7 +232,7 @@ def _agent(
     algorithm: str,
     trainer: Trainer,
     state: Any,
-    progress: Progress,
+    progress: StoredProgress,
     results: Mapping[str, float],
 ) -> Agent:
     """The agent that a training state holds, with its records."""
@@ -256,7 +256,7 @@ def _agent(
     return Agent(card, to_host(state.learner.params["params"]))
 
 
-def _save(run: _Run, state: Any, progress: Progress, results: Mapping[str, float]) -> None:
+def _save(run: _Run, state: Any, progress: StoredProgress, results: Mapping[str, float]) -> None:
     agent = _agent(run.algorithm, run.trainer, state, progress, results)
     host = to_host(state)
     if not is_leader():

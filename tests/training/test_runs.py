@@ -133,10 +133,10 @@ def test_an_interrupted_run_ends_as_if_it_had_not_been(finished, tmp_path):
 
 def _flip_a_number(checkpoint):
     """Four bytes of the state are others, and nothing of the file format can tell."""
-    from kinetix.training.resume import PROGRESS, Progress
+    from kinetix.training.resume import PROGRESS, StoredProgress
 
     progress = json.loads((checkpoint / PROGRESS).read_text())
-    assert Progress(**progress).digest
+    assert StoredProgress(**progress).digest
     (checkpoint / PROGRESS).write_text(json.dumps(progress | {"digest": "0" * 64}))
 
 
