@@ -57,6 +57,14 @@ class Camera:
             return self
         return dataclasses.replace(self, origin=origin, size=(max(size[0], 1.0), max(size[1], 1.0)))
 
+    def moved_viewport(self, origin: Point, size: Point) -> "Camera":
+        """Return the view through another viewport: every point stays where it is in the window."""
+        moved = self.with_viewport(origin, size)
+        if moved is self:
+            return self
+        middle = (moved.origin[0] + moved.size[0] / 2, moved.origin[1] + moved.size[1] / 2)
+        return dataclasses.replace(moved, centre=self.to_world(middle))
+
     def zoomed(self, factor: float, at: Point) -> "Camera":
         """Zoom by a factor; the level point under the window pixel `at` stays there."""
         before = self.to_world(at)

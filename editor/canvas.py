@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, events, picking
+from editor.actions.view import shows_panels
 from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.camera import ARENA, Camera, Point
 from editor.commands.bodies import posed
@@ -31,11 +32,12 @@ from kinetix.render.palette import KINETIX, PALETTES
 from kinetix.render.style import STYLE
 
 if TYPE_CHECKING:
-    from editor.session import Session
+    from editor.session import Session, Tab
 
 _SETTLED_FRAME: Final = 6
 _MARGIN: Final = 28.0
 """Room around the arena when it is shown whole [px at 100 %]."""
+_PLAY_MARGIN: Final = 12.0
 _SPLIT_MARGIN: Final = 20.0
 _NOWHERE: Final = (-1e6, -1e6)
 _BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
@@ -69,7 +71,14 @@ class Canvas:
         self._down: list[int] = []
         self._mouse = (0.0, 0.0)
         self._before_split: Camera | None = None
-        self._was_split = False
+        self._cause: object = None
+        """What the view has to do with; when it changes, an arena shown whole is fitted anew."""
+        self._refits = 0
+        """For how many frames yet an arena shown whole is fitted to the viewport."""
+        self._followed: dict[int, Camera] = {}
+        """The camera of each document that shows its arena whole, as the canvas set it last."""
+        self._edit_view: tuple[Tab, Camera, bool] | None = None
+        """While a level is played: its tab, where Edit looked, and whether that was the arena."""
         self.area = ((0.0, 0.0), (1.0, 1.0))
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
@@ -93,30 +102,66 @@ class Canvas:
         self.hovered = imgui.is_item_hovered()
         self._split(session)
         own = (size[0] / 2, size[1]) if self._before_split is not None else size
-        self._resize(session, (origin.x, origin.y), own)
-        if self._before_split is not None and not self._was_split:
-            session.camera = session.camera.fitted(*ARENA, margin=self._margin)
-        self._was_split = self._before_split is not None
-        if not session.tab.fitted:
-            session.camera = session.camera.fitted(*ARENA, margin=self._margin)
-            # The layout needs some frames to settle; until then the viewport is not the last one.
-            session.tab.fitted = imgui.get_frame_count() > _SETTLED_FRAME
+        self._look(session, (origin.x, origin.y), own)
         mouse = imgui.get_io().mouse_pos
         # A drag that began on the level goes on over the map.
         free = self.hovered and not self._down
         if not self._minimap.takes(session, (mouse.x, mouse.y), hovered=free):
             self._mouse_input(session)
 
-    def _resize(self, session: "Session", origin: Point, size: Point) -> None:
-        """Take another viewport; an arena that was shown whole, and no more, stays so."""
-        camera = session.camera
-        whole = camera == camera.fitted(*ARENA, margin=self._margin)
-        camera = camera.with_viewport(origin, size)
-        session.camera = camera.fitted(*ARENA, margin=self._margin) if whole else camera
+    def refit(self) -> None:
+        """Show the arena whole again, if it was, as soon as the panels stand where they stay."""
+        self._refits = _SETTLED_FRAME
 
-    @property
-    def _margin(self) -> float:
-        return px(_MARGIN if self._before_split is None else _SPLIT_MARGIN)
+    def _look(self, session: "Session", origin: Point, size: Point) -> None:
+        """Choose the camera for the present viewport.
+
+        An arena that is shown whole follows the window, the layouts and Play. Panels and tabs that
+        only come and go leave every point of the level where it is on the screen.
+        """
+        io, tab = imgui.get_io(), session.tab
+        cause = (
+            (io.display_size.x, io.display_size.y, px(1)),
+            session.view.interface,
+            not session.editing and shows_panels(session),
+            self._before_split is not None,
+        )
+        if cause != self._cause:
+            self._cause = cause
+            self.refit()
+        self._enter_and_leave(session)
+        whole = self._follows(tab)
+        if whole and (self._refits or not tab.fitted):
+            camera = session.camera.with_viewport(origin, size)
+            session.camera = camera.fitted(*ARENA, margin=self._margin(session))
+            # The layout needs some frames to settle; until then the viewport is not the last one.
+            tab.fitted = tab.fitted or imgui.get_frame_count() > _SETTLED_FRAME
+        else:
+            session.camera = session.camera.moved_viewport(origin, size)
+        if whole:
+            self._followed[tab.document.number] = session.camera
+        self._refits = max(self._refits - 1, 0)
+
+    def _enter_and_leave(self, session: "Session") -> None:
+        """Give Play a view of its own; after it the view of Edit is as it was."""
+        tab = session.tab
+        if not session.editing and self._edit_view is None:
+            self._edit_view = (tab, tab.camera, self._follows(tab))
+            self.refit()
+        elif session.editing and self._edit_view is not None:
+            (played, camera, whole), self._edit_view = self._edit_view, None
+            played.camera, self._refits = camera, 0
+            if whole:
+                self._followed[played.document.number] = camera
+
+    def _follows(self, tab: "Tab") -> bool:
+        """Return whether a tab shows its arena whole, and nobody has zoomed or panned since."""
+        return not tab.fitted or tab.camera == self._followed.get(tab.document.number)
+
+    def _margin(self, session: "Session") -> float:
+        if self._before_split is not None:
+            return px(_SPLIT_MARGIN)
+        return px(_MARGIN if session.editing else _PLAY_MARGIN)
 
     def _split(self, session: "Session") -> None:
         """Give the left half to one player and the right half to the other, or all to one."""
@@ -124,6 +169,7 @@ class Canvas:
         wanted = not session.editing and session.viewer.arrangement == "side" and rival.active
         if wanted and self._before_split is None:
             self._before_split = session.camera
+            session.tab.fitted = False
         elif not wanted and self._before_split is not None:
             session.camera, self._before_split = self._before_split, None
 

@@ -23,11 +23,26 @@ class Arrangement:
     """Height of the lower row [px at 100 %]."""
     most: float = 0.28
     """Largest share of the window's height for the lower row."""
+    folded: bool = False
+    """Whether the lower row begins as a strip of its tabs."""
+    below: frozenset[str] = frozenset({"outliner", "level", "inspector"})
+    """Panels that stand below the others at the right where there is no left column."""
     front: tuple[str, ...] = ()
 
+    def fitting(self, width: float) -> "Arrangement":
+        """Return it for a window of that width [px at 100 %]: a narrow one has no left column."""
+        if width >= NARROW or not self.folded:
+            return self
+        return dataclasses.replace(self, left=0.0, below=frozenset({"outliner", "level"}))
+
+
+NARROW: Final = 1180.0
+"""In a narrower window two columns would take the canvas's place [px at 100 %]."""
 
 ARRANGEMENTS: Final = {
-    "edit": Arrangement(label="Edit", front=("outliner", "level", "problems", "inspector")),
+    "edit": Arrangement(
+        label="Edit", folded=True, front=("level", "outliner", "problems", "inspector")
+    ),
     "play": Arrangement(
         label="Play", left=0.0, bottom=230.0, front=("inspector", "timeline", "agents")
     ),
@@ -55,8 +70,6 @@ _COLUMNS: Final = {
 """Where panels belong; all others share the lower row."""
 _ELSE_BELOW: Final = frozenset({"history", "controls"})
 """Panels that go to the lower row where there is no left column: the right one has enough."""
-_LOWER_RIGHT: Final = frozenset({"outliner", "level", "inspector"})
-"""Panels that stand below the others at the right where there is no left column."""
 
 
 def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
@@ -69,6 +82,7 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     """
     node = imgui.internal
     size = imgui.get_main_viewport().work_size
+    plan = plan.fitting(size.x / px(1))
     node.dock_builder_remove_node_child_nodes(space)
     node.dock_builder_set_node_size(space, size)
     rest, left_share = space, 0.0
@@ -85,12 +99,14 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     if not plan.left:
         split = node.dock_builder_split_node(places["right"], imgui.Dir.down, 0.4)
         places["lower right"], places["right"] = split.id_at_dir, split.id_at_opposite_dir
-    bottom_share = min(px(plan.bottom) / size.y, plan.most)
+    bottom_share = min(px(plan.bottom), plan.most * size.y) / size.y
+    if plan.folded:
+        bottom_share = strip() / size.y
     split = node.dock_builder_split_node(middle, imgui.Dir.down, bottom_share)
     bottom = split.id_at_dir
     for panel in panels:
         column = _COLUMNS.get(panel.id)
-        if not plan.left and panel.id in _LOWER_RIGHT:
+        if not plan.left and panel.id in plan.below:
             column = "lower right"
         spare = bottom if panel.id in _ELSE_BELOW else places["right"]
         place = bottom if column is None else places.get(column, spare)
@@ -98,8 +114,18 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     node.dock_builder_finish(space)
 
 
+def is_narrow() -> bool:
+    """Return whether the window is too narrow for two columns of panels."""
+    return imgui.get_main_viewport().work_size.x / px(1) < NARROW
+
+
+def strip() -> float:
+    """Return the height of a place that is folded to its tabs [px]."""
+    return max(imgui.get_frame_height() + px(1), imgui.get_style().window_min_size.y)
+
+
 class LowerRow:
-    """Gives a panel that needs it more height, and takes it back for one that does not.
+    """The place under the canvas: folded to its tabs, or as high as the panel in front needs.
 
     A height that the user has dragged stays.
     """
@@ -108,6 +134,30 @@ class LowerRow:
         self._before = 0.0
         """Height before a panel was given more [px]; 0: nothing was given."""
         self._given = 0.0
+        self._open = 0.0
+        """Height before it was folded [px]; 0: it has not been folded yet."""
+
+    def holds_current(self) -> bool:
+        """Return whether the current window is docked under the canvas."""
+        node = imgui.internal.get_window_dock_node()
+        above = _canvas_node(node) if node is not None else None
+        return node is not None and above is not None and node.pos.y >= above.pos.y + above.size.y
+
+    def folded(self) -> bool:
+        """Return whether the current window's place shows its tabs alone."""
+        node = imgui.internal.get_window_dock_node()
+        return node is not None and node.size.y <= strip() + px(8)
+
+    def toggle(self) -> None:
+        """Fold the current window's place to its tabs, or open it again."""
+        node = imgui.internal.get_window_dock_node()
+        if node is None:
+            return
+        if self.folded():
+            self._set(node, self._usual())
+        else:
+            self._open, self._before = node.size.y, 0.0
+            self._set(node, strip())
 
     def fit(self, height: float) -> None:
         """Fit the height of the current window's place to the panel that came to the front.
@@ -115,19 +165,37 @@ class LowerRow:
         Args:
             height: What the panel needs [px at 100 %].
         """
-        node = imgui.internal.dock_builder_get_node(imgui.get_window_dock_id())
+        node = imgui.internal.get_window_dock_node()
         if node is None:
             return
-        if self._before and abs(node.size.y - self._given) > px(2):
+        folded = self.holds_current() and self.folded()
+        if folded or (self._before and abs(node.size.y - self._given) > px(2)):
             self._before = 0.0
-        now, most = node.size.y, imgui.get_main_viewport().work_size.y * _MOST_GIVEN
-        wanted = max(min(px(height), most), self._before)
+        now = self._usual() if folded else node.size.y
+        wanted = max(min(px(height), self._most()), self._before)
         if wanted <= now and not self._before:
+            if folded:
+                self._set(node, now)
             return
         before = self._before or now
         self._given = wanted
         self._before = before if wanted > before else 0.0
-        imgui.internal.dock_builder_set_node_size(node.id_, imgui.ImVec2(node.size.x, wanted))
+        self._set(node, wanted)
+
+    def _usual(self) -> float:
+        return min(self._open or px(ARRANGEMENTS["edit"].bottom), self._most())
+
+    def _most(self) -> float:
+        return imgui.get_main_viewport().work_size.y * _MOST_GIVEN
+
+    def _set(self, node: imgui.internal.DockNode, height: float) -> None:
+        imgui.internal.dock_builder_set_node_size(node.id_, imgui.ImVec2(node.size.x, height))
+
+
+def _canvas_node(node: imgui.internal.DockNode) -> imgui.internal.DockNode | None:
+    """Return the node that is left free for the canvas, in the dock space of a node."""
+    root = imgui.internal.dock_node_get_root_node(node)
+    return imgui.internal.dock_builder_get_central_node(root.id_)
 
 
 _HEADER: Final = "; kinetix-editor layout 2"

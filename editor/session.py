@@ -92,6 +92,8 @@ class View:
 
     interface: bool = True
     """Panels and bars; Tab hides them."""
+    panels_in_play: bool = False
+    """Whether the panels stay while a level is played; Tab brings them back."""
     fullscreen: bool = False
     debug_draw: bool = False
     plots: bool = False

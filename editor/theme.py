@@ -108,6 +108,8 @@ def _colour_table() -> dict[imgui.Col_, Rgba]:
 
 def _sizes(style: imgui.Style) -> None:
     style.window_padding = imgui.ImVec2(12, 10)
+    # What is docked can be folded down to its tabs.
+    style.window_min_size = imgui.ImVec2(32, 26)
     style.frame_padding = imgui.ImVec2(9, 5)
     style.item_spacing = imgui.ImVec2(8, 6)
     style.item_inner_spacing = imgui.ImVec2(6, 4)

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions, events, keys, layouts, theme
+from editor import actions, events, keys, layouts, theme, widgets
+from editor.actions import view
 from editor.actions.dispatch import IDLE
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
-from editor.look import COLOURS
+from editor.look import COLOURS, Icons
 from editor.panels.agents import AgentsPanel
 from editor.panels.base import Panel
 from editor.panels.controls import ControlsPanel
@@ -106,6 +107,10 @@ class Ui:
             LogPanel(),
         )
         self._laid_out = False
+        self._narrow: bool | None = None
+        """Whether the layout is that of a narrow window; None: a stored one has been taken."""
+        self._other_widths: dict[bool, str] = {}
+        """Layouts of this run for wide (False) and narrow (True) windows."""
         self._rescaled = ""
         """The layout for another scale, to be taken before the next frame."""
         self._in_front: list[str] = []
@@ -114,6 +119,9 @@ class Ui:
         self._row = layouts.LowerRow()
         self._seen: set[str] = set()
         """Ids of the panels that were on the screen in the last frame."""
+        self._front_before: frozenset[str] = frozenset()
+        self._pressed_tab = ""
+        """Id of the panel in front whose tab is being clicked."""
         self._asked = ""
         """Id of a panel that was brought to the front on demand."""
         self._brought = 0
@@ -161,22 +169,23 @@ class Ui:
 
     def before_frame(self) -> None:
         """Put the panels where a stored layout has them: last time's, or a kept one."""
-        view, settings = self.session.view, self.session.settings
+        asked, settings = self.session.view, self.session.settings
         if self._rescaled:
             self._restore(self._rescaled)
             self._rescaled = ""
-        elif not self._laid_out and not view.layout:
+        elif not self._laid_out and not asked.layout:
             self._laid_out = self._restore(settings.layout)
-        elif view.layout in settings.layouts and not self.session.gallery.open:
-            if self._restore(settings.layouts[view.layout]):
+        elif asked.layout in settings.layouts and not self.session.gallery.open:
+            if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True
             else:
-                self.session.complain(f"{view.layout} is from an older version: keep it anew.")
-            view.layout = ""
+                self.session.complain(f"{asked.layout} is from an older version: keep it anew.")
+            asked.layout = ""
 
     def _restore(self, stored: str) -> bool:
         taken = layouts.restore(stored, self.panels)
         if taken:
+            self.canvas.refit()
             self._put_up = imgui.get_frame_count()
             front = layouts.front_of(stored)
             self._in_front = [panel.id for panel in self.panels if panel.id in front]
@@ -208,12 +217,14 @@ class Ui:
         if gallery:
             # The panels keep their places while the gallery is in front of them.
             flags |= imgui.DockNodeFlags_.keep_alive_only.value
+        self._follow_switches()
+        panels = view.shows_panels(session)
         space = imgui.dock_space_over_viewport(0, None, flags)
         if gallery:
             self._had_bars = False
             self._gallery.draw(session)
         else:
-            self._workplace(space, bars)
+            self._workplace(space, panels)
         with session.guard():
             self._dialogs.draw(session)
             self._palette.draw(session)
@@ -233,17 +244,22 @@ class Ui:
         self.preparation.tick()
 
     def _workplace(self, space: int, bars: bool) -> None:
-        """The canvas and the panels around it."""
+        """The canvas and, if wanted, the panels around it."""
         self._gallery.closed()
         if not self._laid_out or self.session.view.layout:
             self._lay_out(space)
+        elif self._narrow is None:
+            self._narrow = layouts.is_narrow()
+        elif layouts.is_narrow() is not self._narrow:
+            self._change_width(space, self._narrow)
         self._canvas(space, bars)
-        self._follow_switches()
         self._keep_layout()
         if bars != self._had_bars:
             self._had_bars, self._put_up = bars, imgui.get_frame_count()
             # Panels that come back are in front in the order of drawing: bring back who was.
-            self._in_front += [panel.id for panel in self.panels if panel.id in self._seen]
+            waiting = self._in_front
+            seen = [panel.id for panel in self.panels if panel.id in self._seen]
+            self._in_front = [*(each for each in seen if each not in waiting), *waiting]
         self.session.view.settled = imgui.get_frame_count() > self._put_up + _SETTLED_FRAMES
         if bars:
             focused = [self._panel(panel) for panel in self.panels]
@@ -257,18 +273,20 @@ class Ui:
             self.session.toast(f"Play could not be prepared: {job.error}", "error")
 
     def _follow_switches(self) -> None:
-        """Bring a panel to the front when its key turns it on."""
-        view = self.session.view
-        now = {"debug": view.debug_draw, "plots": view.plots}
+        """Bring a panel to the front when its key turns it on; what is asked for is shown."""
+        asked = self.session.view
+        now = {"debug": asked.debug_draw, "plots": asked.plots}
         for panel, on in now.items():
-            if on and not self._switches.get(panel, False):
-                self._in_front.append(panel)
-                self._asked = panel
+            # The debug drawing alone needs no panel; plots are nothing without theirs.
+            shown = panel == "plots" or view.shows_panels(self.session)
+            if on and shown and not self._switches.get(panel, False):
+                asked.front = panel
         self._switches = now
-        if view.front:
-            self._in_front.append(view.front)
-            self._asked = view.front
-            view.front = ""
+        if asked.front:
+            self._in_front.append(asked.front)
+            self._asked = asked.front
+            asked.front = ""
+            asked.panels_in_play = asked.panels_in_play or not self.session.editing
 
     def _rescale(self) -> None:
         wanted = self.session.settings.ui_scale or self._host_scale
@@ -276,6 +294,7 @@ class Ui:
         if wanted == self.scale and text == self._text_scale:
             return
         theme.apply(wanted, text)
+        self._other_widths.clear()
         if self._laid_out and self.scale:
             self._rescaled = layouts.scaled(layouts.snapshot(self._seen), wanted / self.scale)
         self.scale, self._text_scale = wanted, text
@@ -312,10 +331,10 @@ class Ui:
 
     def _closes_overlay(self) -> bool:
         """Let Esc close the help or the keys' window; whether there was one to close."""
-        view = self.session.view
-        if self.session.capture is not None or not (view.help or view.keys):
+        shown = self.session.view
+        if self.session.capture is not None or not (shown.help or shown.keys):
             return False
-        view.help = view.keys = False
+        shown.help = shown.keys = False
         return True
 
     def _navigation(self, popup: bool) -> frozenset[str]:
@@ -375,6 +394,16 @@ class Ui:
         layouts.arrange(space, self.panels, plan)
         self._in_front = list(plan.front)
 
+    def _change_width(self, space: int, before: bool) -> None:
+        """Take the layout for a narrow or a wide window: the one that it had then, or the first."""
+        self._narrow = layouts.is_narrow()
+        self._other_widths[before] = layouts.snapshot(self._seen)
+        kept = self._other_widths.get(self._narrow)
+        if kept is not None:
+            self._rescaled = kept
+        else:
+            self._lay_out(space)
+
     def _canvas(self, space: int, bars: bool) -> None:
         node = imgui.internal.dock_builder_get_central_node(space)
         if bars and node is not None:
@@ -419,22 +448,51 @@ class Ui:
             # The keyboard goes back to the canvas, unless a field was asked for.
             self._to_canvas = not self.session.view.field
         opened = imgui.begin(panel.window_name)[0]
+        lower = self._row.holds_current()
         self._give_height(panel, opened)
-        if opened:
+        if lower and opened:
+            self._fold(panel)
+        if opened and not (lower and self._row.folded()):
             with self.session.guard():
                 panel.draw(self.session)
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()
         return focused
 
+    def _fold(self, panel: Panel) -> None:
+        """Fold the lower row, or open it, by a click on the tab in front or the arrow beside."""
+        if imgui.is_item_clicked(0):
+            self._pressed_tab = panel.id if panel.id in self._front_before else ""
+        still = not imgui.internal.is_mouse_drag_past_threshold(0)
+        if self._pressed_tab == panel.id and imgui.is_mouse_released(0):
+            self._pressed_tab = ""
+            if still and imgui.is_item_hovered():
+                self._row.toggle()
+        node = imgui.internal.get_window_dock_node()
+        folded = self._row.folded()
+        if node is None or not imgui.internal.dock_node_begin_amend_tab_bar(node):
+            return
+        icon = Icons.better if folded else Icons.worse
+        trailing = imgui.TabItemFlags_.trailing.value | imgui.TabItemFlags_.no_tooltip.value
+        pressed = imgui.tab_item_button(f"{icon}###fold", trailing)
+        widgets.probe(self.session, "lower.fold")
+        widgets.tooltip("Open" if folded else "Fold", "A click on the tab in front does it too.")
+        imgui.internal.dock_node_end_amend_tab_bar()
+        if pressed:
+            self._row.toggle()
+
     def _give_height(self, panel: Panel, opened: bool) -> None:
         """Make a panel that has just come to the front as high as it has to be."""
         fresh = opened and panel.id not in self._seen
-        if fresh and (self.session.view.settled or panel.id == self._asked):
+        self._front_before = frozenset(self._seen)
+        # Panels that come back are all open for a frame before they are docked.
+        docked = imgui.get_frame_count() > self._put_up + 1
+        asked = opened and docked and panel.id == self._asked
+        if asked or (fresh and self.session.view.settled):
             self._row.fit(panel.height)
         if opened:
             self._seen.add(panel.id)
-            self._asked = "" if panel.id == self._asked else self._asked
+            self._asked = "" if asked else self._asked
         else:
             self._seen.discard(panel.id)
 
@@ -445,11 +503,11 @@ class Ui:
 
     def _keep_layout(self) -> None:
         """Remember where the panels are under the name that was asked for."""
-        view = self.session.view
-        if view.layout_name:
-            self.session.settings.layouts[view.layout_name] = layouts.snapshot(self._seen)
-            self.session.toast(f"Kept this layout as {view.layout_name}", "success")
-            view.layout_name = ""
+        asked = self.session.view
+        if asked.layout_name:
+            self.session.settings.layouts[asked.layout_name] = layouts.snapshot(self._seen)
+            self.session.toast(f"Kept this layout as {asked.layout_name}", "success")
+            asked.layout_name = ""
 
 
 def _middle() -> tuple[tuple[float, float], tuple[float, float]]:

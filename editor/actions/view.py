@@ -6,6 +6,7 @@ from typing import Final
 
 from editor.camera import ARENA
 from editor.picking import selection_box
+from editor.playback import Mode
 from editor.prompts import TextQuestion
 from editor.session import Session
 from editor.settings import DEBUG_FIRST
@@ -58,6 +59,22 @@ def switch(name: str) -> Callable[[Session], None]:
         setattr(session.view, name, not getattr(session.view, name))
 
     return run
+
+
+def toggle_panels(session: Session) -> None:
+    """Show or hide the panels; in Play the bars stay, and only the panels come and go."""
+    view = session.view
+    if session.editing or not view.interface:
+        view.interface = not view.interface
+    else:
+        view.panels_in_play = not view.panels_in_play
+
+
+def shows_panels(session: Session) -> bool:
+    """Return whether there are panels around the canvas."""
+    view, mode = session.view, session.mode
+    stay = session.editing or mode is Mode.REPLAY or view.panels_in_play
+    return view.interface and stay
 
 
 def toggle_debug(session: Session) -> None:

@@ -85,8 +85,9 @@ VIEW: Final = (
         label="Show Panels",
         menu="View",
         keys=("tab",),
-        checked=view.is_on("interface"),
-        run=view.switch("interface"),
+        tooltip="While a level is played they step aside; this brings them back.",
+        checked=view.shows_panels,
+        run=view.toggle_panels,
     ),
     Action(
         id="view.fullscreen",

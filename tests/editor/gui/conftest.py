@@ -105,6 +105,11 @@ class Gui:
     def lose_focus(self) -> None:
         self.host.frames(1, FocusEvent(focused=False))
 
+    def bring(self, panel: str) -> None:
+        """Bring a panel to the front; the place under the canvas opens for it."""
+        self.session.view.front = panel
+        self.frames(8)
+
     def open(self, path: Path | str) -> None:
         assert file.open_path(self.session, path), self.session.log.lines
         self.frames(4)

@@ -6,6 +6,7 @@ import pytest
 
 from editor.session import Session
 from editor.settings import Settings
+from tests.editor.core.helpers import a_session
 
 
 def apply(gui, action):
@@ -71,7 +72,7 @@ def test_every_layout_has_its_panels_in_front(gui):
     gui.frames(10)
     assert gui.shows("outliner.filter")
     assert gui.shows("level.name")
-    assert gui.shows("problems.E101")
+    assert gui.shows("lower.fold")
     gui.session.queue("view.layout_play")
     gui.frames(20)
     assert gui.session.viewer.timeline_open
@@ -84,19 +85,17 @@ def test_every_layout_has_its_panels_in_front(gui):
 
 def test_a_panel_that_needs_room_gets_it_and_gives_it_back(gui):
     gui.frames(30)
+    gui.bring("problems")
     low = height_of_canvas(gui)
-    whole = gui.session.camera
     apply(gui, "level.evaluate")
     assert height_of_canvas(gui) < low - 100
-    assert gui.session.camera.zoom < whole.zoom  # the arena is still seen whole
-    gui.session.view.front = "problems"
-    gui.frames(8)
+    gui.bring("problems")
     assert height_of_canvas(gui) == pytest.approx(low, abs=2)
-    assert gui.session.camera.zoom == pytest.approx(whole.zoom, rel=0.01)
 
 
 def test_panels_that_come_back_take_no_room_and_ask_for_nothing(gui):
     gui.frames(35)
+    gui.bring("problems")
     low = height_of_canvas(gui)
     assert gui.shows("problems.E101")
     for hide, back in (("ctrl+g", "escape"), ("tab", "tab")):
@@ -123,3 +122,121 @@ def test_who_has_zoomed_keeps_the_view_when_the_window_changes(gui):
     gui.host.size = (1000, 700)
     gui.frames(4)
     assert gui.session.camera.zoom < zoom
+
+
+def arena(gui):
+    """The arena's square on the screen: left, top, right, bottom."""
+    camera = gui.session.camera
+    return (*camera.to_screen((0.0, 5.0)), *camera.to_screen((5.0, 0.0)))
+
+
+def seen_whole(gui):
+    left, top, right, bottom = arena(gui)
+    canvas = gui.probe("canvas")
+    return (
+        canvas.low[0] <= left
+        and canvas.low[1] <= top
+        and right <= canvas.high[0]
+        and bottom <= canvas.high[1]
+    )
+
+
+def test_the_arena_has_the_most_of_the_window_in_edit(make_gui):
+    gui = make_gui(size=(1440, 900))
+    gui.frames(40)
+    left, top, right, bottom = arena(gui)
+    assert right - left >= 0.45 * 1440
+    assert bottom - top >= 0.60 * 900
+    assert seen_whole(gui)
+
+
+@pytest.mark.parametrize(("size", "scale"), [((1024, 640), 1.0), ((1440, 900), 2.0)])
+def test_a_narrow_window_has_one_column(make_gui, size, scale):
+    gui = make_gui(size=size, scale=scale)
+    gui.frames(40)
+    left, _, right, _ = arena(gui)
+    assert gui.probe("canvas").low[0] == pytest.approx(0, abs=2)
+    assert right - left >= 0.55 * size[1]
+    assert seen_whole(gui)
+
+
+def test_the_left_column_folds_away_by_itself_and_comes_back(make_gui):
+    gui = make_gui(size=(1440, 900))
+    gui.frames(40)
+    before = gui.probe("canvas")
+    gui.host.size = (1024, 640)
+    gui.frames(40)
+    assert gui.probe("canvas").low[0] == pytest.approx(0, abs=2)
+    assert seen_whole(gui)
+    gui.host.size = (1440, 900)
+    gui.frames(40)
+    assert gui.probe("canvas").low == pytest.approx(before.low, abs=2)
+    assert gui.probe("canvas").high == pytest.approx(before.high, abs=2)
+
+
+@pytest.mark.parametrize("panel", ["problems", "evaluate", "plots", "log", "agents", "history"])
+def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
+    gui.frames(40)
+    before = arena(gui)
+    gui.bring(panel)
+    assert arena(gui) == pytest.approx(before, abs=0.5)
+    gui.bring("problems")
+    assert arena(gui) == pytest.approx(before, abs=0.5)
+
+
+def test_the_place_under_the_canvas_folds_by_its_arrow_and_by_its_tab(gui):
+    gui.frames(40)
+    folded = height_of_canvas(gui)
+    gui.click("lower.fold")
+    gui.frames(6)
+    assert height_of_canvas(gui) < folded - 80
+    assert gui.shows("problems.E101")
+    gui.click("lower.fold")
+    gui.frames(6)
+    assert height_of_canvas(gui) == pytest.approx(folded, abs=2)
+    assert not gui.shows("problems.E101")
+    fold = gui.probe("lower.fold")
+    gui.click_at(gui.probe("canvas").low[0] + 40, fold.centre[1])
+    gui.frames(6)
+    assert gui.shows("problems.E101")
+    gui.click_at(gui.probe("canvas").low[0] + 40, gui.probe("lower.fold").centre[1])
+    gui.frames(6)
+    assert height_of_canvas(gui) == pytest.approx(folded, abs=2)
+
+
+def test_in_play_the_arena_has_all_that_is_free_and_one_key_brings_the_panels_back(make_gui):
+    gui = make_gui(session=a_session(), size=(1440, 900))
+    gui.frames(40)
+    edit = arena(gui)
+    gui.key("space")
+    gui.frames(12)
+    left, top, right, bottom = arena(gui)
+    canvas = gui.probe("canvas")
+    assert canvas.high[0] - canvas.low[0] == pytest.approx(1440, abs=2)
+    assert bottom - top > 0.95 * (canvas.high[1] - canvas.low[1])
+    assert right - left > edit[2] - edit[0]
+    assert not gui.shows("outliner.filter")
+    gui.key("tab")
+    gui.frames(40)
+    assert gui.shows("outliner.filter")
+    assert seen_whole(gui)
+    gui.key("tab")
+    gui.frames(20)
+    assert not gui.shows("outliner.filter")
+    gui.key("escape")
+    gui.frames(40)
+    assert gui.shows("outliner.filter")
+    assert arena(gui) == pytest.approx(edit, abs=0.5)
+
+
+def test_a_zoomed_view_stays_when_play_begins_and_ends(make_gui):
+    gui = make_gui(session=a_session(), size=(1440, 900))
+    gui.frames(40)
+    gui.wheel(*gui.screen(2.0, 2.0), 5)
+    before = gui.session.camera
+    gui.key("space")
+    gui.frames(12)
+    assert gui.session.camera.zoom == before.zoom
+    gui.key("escape")
+    gui.frames(20)
+    assert gui.session.camera == before

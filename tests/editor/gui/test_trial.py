@@ -18,6 +18,7 @@ def test_a_level_is_tried_out_and_its_findings_go_with_a_change(make_gui):
     worker = Worker(perform=refuse)
     session = Session(settings=Settings(), worker=worker, evaluator=evaluator, level=a_level())
     gui = make_gui(session=session)
+    gui.bring("problems")
     assert gui.shows("problems.I303")
     assert not gui.shows("problems.I301")
     gui.click("problems.try_out")

@@ -68,7 +68,7 @@ def settle(gui):
 
 def front(gui, panel):
     gui.session.view.front = panel
-    gui.frames(5)
+    gui.frames(12)
 
 
 @pytest.fixture

@@ -281,6 +281,7 @@ def test_save_as_through_the_browser_and_open_again(gui, tmp_path: Path):
 
 def test_problems_select_what_they_mean_and_mend_it(make_gui):
     gui = make_gui(level=BALL)
+    gui.bring("problems")
     assert gui.shows("problems.E101")
     gui.click("outliner.1")
     gui.click("problems.E101.fix")
