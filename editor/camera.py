@@ -1,6 +1,7 @@
 """Where the canvas looks: pan, zoom and the way between level metres and window pixels."""
 
 import dataclasses
+import math
 from typing import Final, TypeAlias
 
 Point: TypeAlias = tuple[float, float]
@@ -85,3 +86,13 @@ class Camera:
         zoom = min(free[0] / width, free[1] / height) / PIXELS_PER_UNIT
         centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
         return dataclasses.replace(self, centre=centre, zoom=min(max(zoom, ZOOM_MIN), ZOOM_MAX))
+
+    def on_pixels(self, width: float) -> "Camera":
+        """Return nearly the same view with a square of that width [m] on whole pixels.
+
+        Its edges and all that stands against them are then sharp.
+        """
+        scale = max(math.floor(width * self.scale), 1.0) / width
+        sharp = dataclasses.replace(self, zoom=scale / PIXELS_PER_UNIT)
+        x, y = sharp.to_screen((0.0, width))
+        return sharp.panned((round(x) - x, round(y) - y))

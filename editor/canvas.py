@@ -133,7 +133,8 @@ class Canvas:
         whole = self._follows(tab)
         if whole and (self._refits or not tab.fitted):
             camera = session.camera.with_viewport(origin, size)
-            session.camera = camera.fitted(*ARENA, margin=self._margin(session))
+            camera = camera.fitted(*ARENA, margin=self._margin(session))
+            session.camera = camera.on_pixels(ARENA_WIDTH)
             # The layout needs some frames to settle; until then the viewport is not the last one.
             tab.fitted = tab.fitted or imgui.get_frame_count() > _SETTLED_FRAME
         else:

@@ -447,7 +447,9 @@ class Ui:
             self._in_front.pop(0)
             # The keyboard goes back to the canvas, unless a field was asked for.
             self._to_canvas = not self.session.view.field
-        opened = imgui.begin(panel.window_name)[0]
+        opened = imgui.begin(self._tab_name(panel))[0]
+        if self._narrow and not opened:
+            widgets.tooltip(panel.title)
         lower = self._row.holds_current()
         self._give_height(panel, opened)
         if lower and opened:
@@ -458,6 +460,12 @@ class Ui:
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()
         return focused
+
+    def _tab_name(self, panel: Panel) -> str:
+        """Return a panel's title; in a narrow window those behind others are signs alone."""
+        if not self._narrow or panel.id in self._seen:
+            return panel.window_name
+        return f"{panel.icon}###panel-{panel.id}"
 
     def _fold(self, panel: Panel) -> None:
         """Fold the lower row, or open it, by a click on the tab in front or the arrow beside."""

@@ -43,3 +43,12 @@ def test_fitting_shows_a_box_whole():
     x1, y0 = camera.to_screen((5.0, 5.0))
     assert min(x0, y0) >= 10.0 - 1e-9
     assert x1 <= 490.0 + 1e-9 and y1 <= 290.0 + 1e-9
+
+
+def test_an_arena_on_whole_pixels_is_seen_as_before():
+    camera = Camera(origin=(250.3, 91.0), size=(877.0, 653.0)).fitted((0.0, 0.0), (5.0, 5.0))
+    sharp = camera.on_pixels(5.0)
+    for corner in ((0.0, 0.0), (5.0, 5.0)):
+        at = sharp.to_screen(corner)
+        assert at == pytest.approx(tuple(map(round, at)), abs=1e-6)
+        assert at == pytest.approx(camera.to_screen(corner), abs=1.5)
