@@ -15,12 +15,13 @@ from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_r
 from editor.camera import ARENA, Camera, Point
 from editor.commands.bodies import posed
 from editor.debug_draw import paint_debug
-from editor.look import COLOURS, FONTS, HUGE, SMALL, TEXT, TITLE, Icons, Rgba, alpha, u32
+from editor.look import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, u32
 from editor.marks import CapPlace, Marker
 from editor.minimap import Minimap
 from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
 from editor.play_image import PlayImage
+from editor.play_side import OUTCOMES, paint_side
 from editor.playback import Mode
 from editor.recording import Snapshot
 from editor.textures import TextureStore
@@ -51,12 +52,6 @@ _CURSORS: Final = {
     Cursor.ROTATE: imgui.MouseCursor_.hand,
     Cursor.RESIZE: imgui.MouseCursor_.resize_nwse,
     Cursor.REFUSED: imgui.MouseCursor_.not_allowed,
-}
-
-_OUTCOMES: Final[dict[str, tuple[str, str, Rgba]]] = {
-    "won": (Icons.trophy, "Won", COLOURS.good),
-    "lost": (Icons.skull, "Lost", COLOURS.bad),
-    "timeout": (Icons.hourglass, "Time is up", COLOURS.warn),
 }
 
 
@@ -381,96 +376,31 @@ class Canvas:
                 0.0,
                 px(3),
             )
+            self._episode(session, draw)
+            return
         with font(FONTS.bold, SMALL):
             size = imgui.calc_text_size(word)
             low = (x + px(12), y + px(12))
             high = (low[0] + size.x + px(16), low[1] + size.y + px(8))
             draw.add_rect_filled(low, high, u32(colour), px(5))
             draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
-        if not session.editing:
-            self._episode(session, draw, (high[0] + px(10), low[1] + px(4)))
+
+    def _episode(self, session: "Session", draw: imgui.ImDrawList) -> None:
+        """Draw what is to be said of the episode beside the arena."""
+        (x, y), (width, _) = self.area
         playback = session.playback
-        if not session.editing and "numbers" in session.settings.agent_overlay:
+        ended = OUTCOMES.get(playback.outcome or "") if session.mode is Mode.ENDED else None
+        if ended is not None:
+            low, high = session.camera.to_screen((0.0, 5.0)), session.camera.to_screen((5.0, 0.0))
+            r = px(3)
+            outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
+            draw.add_rect(*outside, u32(ended[2]), px(4), px(3))
+        paint_side(session, draw, self.area, split=self._before_split is not None)
+        if "numbers" in session.settings.agent_overlay:
             paint_numbers(session, draw, x + width - px(12), y + px(12))
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)
         paint_waiting(session, draw, self.area)
-        outcome = playback.outcome
-        if outcome in _OUTCOMES and session.mode is Mode.ENDED:
-            self._verdicts(session, draw, outcome)
-
-    def _episode(self, session: "Session", draw: imgui.ImDrawList, at: tuple[float, float]) -> None:
-        playback = session.playback
-        level = playback.level
-        total = level.max_timesteps if level is not None else 0
-        words = f"step {playback.step_count} / {total}"
-        if playback.player:
-            words = f"{playback.player}    {words}"
-        if playback.speed != 1.0:
-            words += f"    {_speed(playback.speed)} speed"
-        actual = playback.real_time_factor
-        if session.mode is Mode.PLAYING and 0 < actual < 0.85 * playback.speed:
-            words += f"    running at {actual:.2g}×"
-        if playback.perturbed:
-            words += "    perturbed"
-        if playback.waiting:
-            job = getattr(playback.simulator, "job", None)
-            words = (job.message or job.title) + " …" if job is not None else "Preparing …"
-        with font(FONTS.regular, SMALL):
-            size = imgui.calc_text_size(words)
-            low = (at[0] - px(4), at[1] - px(4))
-            draw.add_rect_filled(
-                low,
-                (low[0] + size.x + px(14), low[1] + size.y + px(8)),
-                u32(alpha(COLOURS.raised, 0.92)),
-                px(5),
-            )
-            draw.add_text((low[0] + px(7), low[1] + px(4)), u32(COLOURS.text), words)
-
-    def _verdicts(self, session: "Session", draw: imgui.ImDrawList, outcome: str) -> None:
-        """How the episode ended; of two players side by side, each in its own half."""
-        playback, rival = session.playback, session.viewer.rival
-        other = rival.shown(playback.engine_step) if rival.active else None
-        (x, y), (width, height) = self.area
-        keys = "Backspace again     Esc edit"
-        mine = f"after {playback.step_count} steps     {keys}"
-        if other is None:
-            self._banner(draw, self.area, outcome, mine)
-        elif session.viewer.arrangement == "side":
-            half = (width / 2, height)
-            self._banner(draw, ((x, y), half), outcome, mine)
-            if other.outcome in _OUTCOMES:
-                theirs = f"after {other.step} steps"
-                self._banner(draw, ((x + width / 2, y), half), other.outcome, theirs)
-        else:
-            verdict = _OUTCOMES[other.outcome][1].lower() if other.outcome else "still plays"
-            self._banner(draw, self.area, outcome, f"{rival.player}: {verdict}     {mine}")
-
-    def _banner(
-        self,
-        draw: imgui.ImDrawList,
-        area: tuple[tuple[float, float], tuple[float, float]],
-        outcome: str,
-        detail: str,
-    ) -> None:
-        icon, word, colour = _OUTCOMES[outcome]
-        (x, y), (width, _) = area
-        with font(FONTS.bold, HUGE):
-            title = f"{icon}  {word}"
-            size = imgui.calc_text_size(title)
-        with font(FONTS.regular, TEXT):
-            below = imgui.calc_text_size(detail)
-        wide = max(size.x, below.x) + px(56)
-        low = (x + (width - wide) / 2, y + px(56))
-        high = (low[0] + wide, low[1] + size.y + below.y + px(38))
-        draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 0.93)), px(12))
-        draw.add_rect(low, high, u32(colour), px(12), px(2))
-        with font(FONTS.bold, HUGE):
-            at = (low[0] + (wide - size.x) / 2, low[1] + px(13))
-            draw.add_text(at, u32(colour), title)
-        with font(FONTS.regular, TEXT):
-            at = (low[0] + (wide - below.x) / 2, low[1] + size.y + px(20))
-            draw.add_text(at, u32(COLOURS.muted), detail)
 
 
 _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)
@@ -479,7 +409,3 @@ _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)
 def _modifiers() -> events.Modifiers:
     io = imgui.get_io()
     return events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
-
-
-def _speed(speed: float) -> str:
-    return f"{speed:g}×" if speed >= 1 else f"1/{round(1 / speed)}×"

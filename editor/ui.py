@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 from editor import actions, events, keys, layouts, theme, widgets
 from editor.actions import view
 from editor.actions.dispatch import IDLE
+from editor.camera import ARENA
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
 from editor.jobs import Job, JobState
@@ -234,7 +235,8 @@ class Ui:
             actions.work(session)
         if not gallery:
             self._paint_canvas()
-        self._toasts.draw(session, _middle() if gallery else self.canvas.area)
+        arena = 0.0 if gallery else session.camera.to_screen(ARENA[1])[0]
+        self._toasts.draw(session, _middle(), beside=arena)
         due = dt >= IDLE or imgui.get_frame_count() % _LAYOUT_FRAMES == 0
         if due and session.view.settled:
             self.save_layout()

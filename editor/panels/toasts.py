@@ -1,4 +1,4 @@
-"""Short messages in the canvas's lower right corner; they go by themselves."""
+"""Short messages in the window's lower right corner, beside the arena; they go by themselves."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -22,6 +22,8 @@ _FLAGS: Final = (
     | imgui.WindowFlags_.no_docking.value
 )
 _SHOWN_MAX: Final = 4
+_LEAST: Final = 230.0
+"""Width that a message has at least, also where the arena leaves less [px at 100 %]."""
 _FADE_SECONDS: Final = 0.4
 _BUTTONS: Final = {"edit.undo": "Undo", "gallery.restore": "Undo"}
 
@@ -30,15 +32,23 @@ class Toasts:
     """Stacks the newest messages, the newest lowest."""
 
     def draw(
-        self, session: "Session", area: tuple[tuple[float, float], tuple[float, float]]
+        self,
+        session: "Session",
+        area: tuple[tuple[float, float], tuple[float, float]],
+        *,
+        beside: float = 0.0,
     ) -> None:
-        """Draw them over the canvas.
+        """Draw them in the lower right corner, where the level is not.
 
         Args:
             session: Whose toasts.
-            area: Upper left corner and size of the canvas [px].
+            area: Upper left corner and size of what lies between the bars [px].
+            beside: Right edge of the arena [px]; 0: there is none.
         """
         (x, y), (width, height) = area
+        room = min(px(460), width - px(28))
+        if beside:
+            room = min(room, max(x + width - beside - px(28), px(_LEAST)))
         bottom = y + height - px(14)
         for number, toast in enumerate(reversed(session.toasts[-_SHOWN_MAX:])):
             left = toast.until - session.time
@@ -49,9 +59,11 @@ class Toasts:
             imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(14), px(9)))
             imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*alpha(COLOURS.raised, 0.97)))
             imgui.set_next_window_pos((x + width - px(14), bottom), 0, (1.0, 1.0))
-            imgui.set_next_window_size_constraints((0, 0), (min(px(460), width - px(28)), px(400)))
+            imgui.set_next_window_size_constraints((0, 0), (room, px(400)))
             imgui.begin(f"##toast-{number}", None, _FLAGS)
-            imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
+            if not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value):
+                # Menus and questions stay in front of messages.
+                imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
             colour = KIND_COLOURS[toast.kind]
             at, size = imgui.get_window_pos(), imgui.get_window_size()
             draw = imgui.get_window_draw_list()
@@ -60,10 +72,12 @@ class Toasts:
             )
             widgets.text(KIND_ICONS[toast.kind], colour)
             imgui.same_line(0, px(9))
-            imgui.push_text_wrap_pos(px(380))
+            action = toast.action
+            tail = px(72) if action else px(40)
+            imgui.push_text_wrap_pos(max(room - tail, px(120)))
             widgets.text(toast.text)
             imgui.pop_text_wrap_pos()
-            self._button(session, toast.action)
+            self._button(session, action)
             imgui.same_line(0, px(10))
             # The cross is higher than a line of text: their middles meet.
             imgui.set_cursor_pos_y(

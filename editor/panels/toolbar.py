@@ -179,15 +179,17 @@ class Toolbar:
     def _right_width(self, session: "Session", plan: Plan) -> float:
         second = self._combo_width(plan) + px(4) if physics.comparing(session) else 0.0
         button = max(imgui.get_frame_height(), px(17) + 2 * px(8))
-        return 3 * button + self._combo_width(plan) + px(2 + 8 + 4) + second
+        snapping = 2 * button + px(2 + 8) if session.editing else 0.0
+        return button + self._combo_width(plan) + px(4) + snapping + second
 
     def _right(self, session: "Session", plan: Plan, space: float) -> None:
         padding = imgui.get_style().window_padding.x
         imgui.same_line(space - self._right_width(session, plan) - padding)
-        action_button(session, "snap.smart", Icons.magnet)
-        imgui.same_line(0, px(2))
-        action_button(session, "view.grid", Icons.grid)
-        imgui.same_line(0, px(8))
+        if session.editing:
+            action_button(session, "snap.smart", Icons.magnet)
+            imgui.same_line(0, px(2))
+            action_button(session, "view.grid", Icons.grid)
+            imgui.same_line(0, px(8))
         imgui.set_next_item_width(self._combo_width(plan))
         options = [(name, f"{Icons.chip}  {name}") for name in self.physics]
         short = "" if plan.physics else Icons.chip

@@ -240,3 +240,19 @@ def test_a_zoomed_view_stays_when_play_begins_and_ends(make_gui):
     gui.key("escape")
     gui.frames(20)
     assert gui.session.camera == before
+
+
+@pytest.mark.parametrize(("size", "scale"), [((1440, 900), 1.0), ((1024, 640), 1.5)])
+def test_messages_stand_beside_the_arena_and_under_menus(make_gui, size, scale):
+    gui = make_gui(session=a_session(), size=size, scale=scale)
+    gui.frames(40)
+    for key in ("", "space"):
+        if key:
+            gui.key(key)
+            gui.frames(12)
+        gui.session.toast("Saved a file with quite a long name, rover_ridge_second_try.json")
+        gui.frames(4)
+        _, top, right, bottom = arena(gui)
+        toast = gui.probe("toast.0.close")
+        assert toast.low[0] > right or toast.low[1] > bottom
+        assert top < bottom

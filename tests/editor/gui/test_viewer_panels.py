@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from editor import play_side
 from editor.actions import agents, export, watch
 from editor.agent_overlay import most_entropy, value_range
-from editor.canvas import Canvas
 from editor.evaluation import Plan
 from editor.follower import Follower
 from editor.jobs import Worker
@@ -216,7 +216,7 @@ def test_the_camera_comes_back_after_side_by_side(with_agent):
 @pytest.mark.parametrize(
     ("compare", "told"),
     [
-        ("side", [("lost", "after 8 steps"), ("won", "after 5 steps")]),
+        ("side", [("won", "after 5 steps"), ("lost", "after 8 steps")]),
         ("ghost", [("lost", "Other: won")]),
     ],
 )
@@ -227,13 +227,13 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
     session.viewer.slots["b"].summary = a_summary("Other")
     session.viewer.compare = compare
     shown = []
-    draw = Canvas._banner
+    draw = play_side.write_verdict
 
-    def banner(self, canvas, area, outcome, detail):
-        shown.append((outcome, detail))
-        draw(self, canvas, area, outcome, detail)
+    def verdict(column, outcome, details):
+        shown.append((outcome, details[0]))
+        draw(column, outcome, details)
 
-    monkeypatch.setattr(Canvas, "_banner", banner)
+    monkeypatch.setattr(play_side, "write_verdict", verdict)
     with_agent.key("f6")
     with_agent.frames(60)
     assert session.mode is Mode.ENDED
