@@ -221,6 +221,11 @@ def front_of(stored: str) -> tuple[str, ...]:
     return tuple(front.split()) if header == _HEADER else ARRANGEMENTS["edit"].front
 
 
+def is_current(stored: str) -> bool:
+    """Return whether a stored layout is from a version whose arrangements are those of today."""
+    return stored.startswith(_HEADER)
+
+
 def scaled(stored: str, factor: float) -> str:
     """Return a stored layout for an interface of another scale: every size times the factor."""
 

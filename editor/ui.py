@@ -175,7 +175,9 @@ class Ui:
             self._restore(self._rescaled)
             self._rescaled = ""
         elif not self._laid_out and not asked.layout:
-            self._laid_out = self._restore(settings.layout)
+            # What version 0.1.0 left had little room for the canvas: the new arrangement is better.
+            known = layouts.is_current(settings.layout)
+            self._laid_out = known and self._restore(settings.layout)
         elif asked.layout in settings.layouts and not self.session.gallery.open:
             if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True
