@@ -1,5 +1,5 @@
 # Everything that one does with this repository. `make run` and `make test` need nothing but
-# Python 3.11 to 3.13; PYTHON=python3.13 picks the interpreter.
+# Python 3.11 to 3.14; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help setup-run setup-test run editor test attack check format lint type bench bench-peers accuracy chart screenshots levels docs

@@ -1,18 +1,18 @@
 """The app's command line: `kinetix-editor`, also `python -m editor`."""
 
 import dataclasses
+import importlib.util
 import os
 import sys
 import threading
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
+import kinetix
 from editor.actions.agents import load_agent
 from editor.autosaves import Autosaves
-from editor.hosts.pygame_host import PygameHost
-from editor.hosts.recorder import Recorder
 from editor.names import Names
 from editor.results import Results
 from editor.session import Session
@@ -22,6 +22,11 @@ from kinetix.errors import KinetixError
 from kinetix.failures import guarded
 from kinetix.paths import levels_dir
 
+if TYPE_CHECKING:
+    from editor.hosts.pygame_host import PygameHost
+
+_TOOLKIT: Final = ("pygame", "imgui_bundle")
+"""What the extra `editor` brings; training and evaluation do without."""
 _PARTING_SECONDS: Final = 0.3
 """How long jobs that were called off get to leave, when the app closes [s]."""
 
@@ -64,12 +69,14 @@ def _welcome() -> Path | None:
     return next(iter(sorted(levels_dir().glob("*/*.json"))), None)
 
 
-def _host(options: Options, session: Session) -> PygameHost:
+def _host(options: Options, session: Session) -> "PygameHost":
     size = _size(options.size)
     if options.offscreen:
         from editor.hosts.offscreen import OffscreenHost
 
         return OffscreenHost(session, size=size, scale=options.scale or 1.0)
+    from editor.hosts.pygame_host import PygameHost
+
     return PygameHost(session, size=size, scale=options.scale)
 
 
@@ -110,7 +117,7 @@ def _run(options: Options) -> int:
     return status
 
 
-def _show(options: Options, session: Session, host: PygameHost) -> None:
+def _show(options: Options, session: Session, host: "PygameHost") -> None:
     _open_files(options, session)
     if options.agent is not None:
         load_agent(session, options.agent)
@@ -127,6 +134,8 @@ def _show(options: Options, session: Session, host: PygameHost) -> None:
         else:
             # When a level's own step is ready is chance: the replay would play another one.
             host.ui.preparation.tailors = False
+            from editor.hosts.recorder import Recorder
+
             host.recorder = Recorder(session, options.record)
         host.run()
         host.ui.save_layout()
@@ -160,6 +169,16 @@ def main() -> int:
     Returns:
         0, or 1 when what was asked for cannot be done (the reason is on stderr).
     """
+    if sys.argv[1:] == ["--version"]:
+        sys.stdout.write(f"{kinetix.__version__}\n")
+        return 0
+    missing = [name for name in _TOOLKIT if importlib.util.find_spec(name) is None]
+    if missing:
+        sys.stderr.write(
+            f"kinetix-editor: {' and '.join(missing)} not installed: "
+            "pip install 'kinetix-editor[editor]'\n"
+        )
+        return 1
     # XLA warns on stderr about every compiled function that it finds in its cache.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     return guarded(

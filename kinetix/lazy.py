@@ -1,6 +1,5 @@
 """Names that are imported on first use, and what is said of names that do not exist."""
 
-import difflib
 import importlib
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
@@ -44,6 +43,8 @@ def lazy_names(
 
 def hint(name: str, known: Iterable[str]) -> str:
     """Return what a sentence about an unknown name ends with: the nearest name, or all of them."""
+    import difflib  # only a mistake needs it
+
     known = sorted(known)
     lower = {each.lower(): each for each in known}
     near = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.75)

@@ -59,12 +59,12 @@ ensure_packages() {
 # --- the virtual environment -------------------------------------------------------------------
 
 is_supported() {
-  "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1
+  "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' >/dev/null 2>&1
 }
 
 find_python() {
   local candidate
-  local -a candidates=(python3 python3.13 python3.12 python3.11)
+  local -a candidates=(python3 python3.13 python3.12 python3.11 python3.14)
   [[ -z "${PYTHON:-}" ]] || candidates=("$PYTHON")
   for candidate in "${candidates[@]}"; do
     if is_supported "$candidate"; then printf '%s' "$candidate"; return; fi
@@ -86,7 +86,7 @@ ensure_venv() {
   if ! python="$(find_python)"; then
     # A machine without any Python: the system's own may be new enough.
     [[ -z "${PYTHON:-}" ]] && ensure_packages python3 python3-venv && python="$(find_python)" || {
-      say "Python 3.11, 3.12 or 3.13 is needed${PYTHON:+, and PYTHON=$PYTHON is none of them}"
+      say "Python 3.11 to 3.14 is needed${PYTHON:+, and PYTHON=$PYTHON is none of them}"
       return 1
     }
   fi

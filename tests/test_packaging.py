@@ -113,3 +113,51 @@ def test_system_packages_are_named_in_one_place():
         # One of the test marks is called as the package that it needs.
         text = path.read_text().replace("| `xvfb` |", "")
         assert [package for package in listed if package in text] == [], path
+
+
+WITHOUT_TOOLKIT = "import sys; sys.modules['pygame'] = sys.modules['imgui_bundle'] = None; "
+
+
+def test_the_editor_without_its_toolkit_says_so_in_one_line():
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            f"{WITHOUT_TOOLKIT}sys.argv = ['kinetix-editor']; "
+            "import editor.__main__ as app; sys.exit(app.main())",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+    )
+    assert done.returncode == 1
+    assert done.stderr == (
+        "kinetix-editor: pygame and imgui_bundle not installed: "
+        "pip install 'kinetix-editor[editor]'\n"
+    )
+
+
+def test_training_and_evaluation_do_without_the_toolkit():
+    names = ", ".join(
+        f"kinetix.cli.{name}" for name in ("train", "eval", "render", "play", "bench")
+    )
+    run(
+        *(sys.executable, "-c"),
+        f"{WITHOUT_TOOLKIT}import {names}, kinetix.training.run, kinetix.agents.evaluate",
+        cwd=ROOT,
+    )
+
+
+def test_importing_kinetix_is_quick():
+    code = "import time; t = time.process_time(); import kinetix; print(time.process_time() - t)"
+    fastest = min(float(run(sys.executable, "-c", code, cwd=ROOT)) for _ in range(5))
+    assert fastest <= 0.1
+
+
+def test_both_commands_tell_the_version():
+    import kinetix
+
+    for words in (("kinetix.cli", "main(['--version'])"), ("editor.__main__", "main()")):
+        code = f"import sys; sys.argv = ['x', '--version']; import {words[0]} as m; m.{words[1]}"
+        assert run(sys.executable, "-c", code, cwd=ROOT).strip() == kinetix.__version__
