@@ -58,7 +58,7 @@ def summary(results: Rows) -> str:
     for physics, rows in results.items():
         # A class of which a core scene is not measured yet has no error.
         absent = set(SCENES) - {row["scene"] for row in rows}
-        unfinished = {SCENES[id].group for id in absent if SCENES[id].core}
+        unfinished = {SCENES[id].group for id in absent if SCENES[id].counted}
         errors = {k: v for k, v in class_errors(rows).items() if k not in unfinished}
         cells = [f"{errors[name]:.2g}" if name in errors else "" for name in SCENE_CLASSES]
         counts = verdict_counts(rows)

@@ -7,18 +7,15 @@ from typing import Any, Final
 from kinetix.bench.metrics import JUDGES, Metric
 from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
-from kinetix.bench.runner import run_trials, spec_for
-from kinetix.engine.collide import Slots
-from kinetix.engine.fitting import fitted
-from kinetix.engine.pairs import pair_counts
+from kinetix.bench.runner import run_trials
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.solvers.room import HasRoom
 from kinetix.engine.spec import SceneSpec
+from kinetix.level.sizes import needed_capacity, smallest_capacity
 from kinetix.scenes import SuiteScene, scenes_named
 
-ROOM_FACTORS: Final = (2, 4)
-"""By how much the room for contacts grows where a scene has more than usual."""
+SIZED: Final = "in its size's step"
+"""What the variants of `SuiteScene.sized` are called."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -47,49 +44,30 @@ def metrics_of(scene: SuiteScene, solver: AbstractSolver, physics: str) -> list[
     """Run a scene and judge it."""
     if scene.id in PROBES:
         return PROBES[scene.id](scene, solver, physics)
-    motions, overflow = _with_room(scene, solver, scene.precise or physics == "reference")
+    motions = _motions(scene, solver, scene.precise or physics == "reference")
     found = JUDGES[scene.id](motions)
+    overflow = max(motion.overflow for motion in motions)
     if overflow > 0:
-        found.append(
-            Metric(name="steps beyond the usual room for contacts", unit="1", value=overflow)
-        )
+        found.append(Metric(name="steps that left contacts out", unit="1", value=overflow))
     return found
 
 
-def _with_room(
-    scene: SuiteScene, solver: AbstractSolver, binary64: bool
-) -> tuple[list[Motion], float]:
-    """The motions, with room for all contacts, and how often the solver's usual room was too small.
-
-    How many contacts fit is a capacity, as the number of bodies is, and no part of the method.
-    """
+def _motions(scene: SuiteScene, solver: AbstractSolver, binary64: bool) -> list[Motion]:
+    """Every trial in a step of its own capacity, as a user gets it; the trials' order is kept."""
     trials = scene.make_trials()
-    motions = run_trials(trials, solver, binary64=binary64)
-    usual = overflow = max(motion.overflow for motion in motions)
-    for factor in ROOM_FACTORS:
-        if overflow == 0 or not isinstance(solver, HasRoom):
-            break
-        roomy = roomier(solver, spec_for(trials, solver), factor)
-        motions = run_trials(trials, roomy, binary64=binary64)
-        overflow = max(motion.overflow for motion in motions)
-    return motions, usual
-
-
-def roomier(solver: HasRoom, spec: SceneSpec, factor: int) -> Any:
-    """The same method with so many times the room for contacts."""
-    spec = fitted(spec)
-    usual, most = solver.slots_for(spec), pair_counts(spec.capacity)
-    near = (usual.polygon_polygon, usual.circle_polygon, usual.circle_circle)
-    room = [min(factor * slots, count) for slots, count in zip(near, most, strict=True)]
-    return dataclasses.replace(
-        solver,
-        slots=Slots(
-            polygon_polygon=room[0],
-            circle_polygon=room[1],
-            circle_circle=room[2],
-            points=min(factor * usual.points, 2 * room[0] + room[1] + room[2]),
-        ),
-    )
+    needed = [needed_capacity(trial.level) for trial in trials]
+    own: dict[int, Motion] = {}
+    sized: dict[int, Motion] = {}
+    for capacity in dict.fromkeys(needed):
+        numbers = [k for k, each in enumerate(needed) if each == capacity]
+        chosen = [trials[k] for k in numbers]
+        own |= dict(zip(numbers, run_trials(chosen, solver, binary64=binary64), strict=True))
+        if scene.sized:
+            spec = SceneSpec(capacity=smallest_capacity(capacity))
+            again = [dataclasses.replace(t, name=f"{t.name} {SIZED}".strip()) for t in chosen]
+            motions = run_trials(again, solver, binary64=binary64, spec=spec)
+            sized |= dict(zip(numbers, motions, strict=True))
+    return [found[k] for found in (own, sized) for k in sorted(found)]
 
 
 def row_of(scene: SuiteScene, physics: str, metrics: Sequence[Metric]) -> dict[str, Any]:

@@ -24,12 +24,12 @@ def scene_error(row: Row) -> float | None:
 
 
 def class_errors(rows: Iterable[Row]) -> dict[str, float]:
-    """Geometric mean of the errors of each class's core scenes among the rows."""
+    """Geometric mean of the errors of each class's counted scenes among the rows."""
     found = collections.defaultdict(list)
     low, high = ERROR_RANGE
     for row in rows:
         error = scene_error(row)
-        if error is not None and SCENES[row["scene"]].core:
+        if error is not None and SCENES[row["scene"]].counted:
             found[row["class"]].append(math.log(min(max(error, low), high)))
     return {
         name: math.exp(sum(found[name]) / len(found[name])) for name in SCENE_CLASSES if found[name]

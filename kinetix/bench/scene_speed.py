@@ -28,9 +28,11 @@ SPEED_SCENES: Final = {
     "friction": ("F1", 0),
     "joints": ("D5", 4),
     "contacts": ("S1", 1),
+    "built": ("U2", 9),
 }
 """The scene of a class in which engines are timed, and which of its trials: a projectile, eight
-discs in a box, a sliding box, a chain of five links with a load of 100, a stack of ten boxes."""
+discs in a box, a sliding box, a chain of five links with a load of 100, a stack of ten boxes, a
+pyramid of ten."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -49,7 +49,7 @@ class MeasureAccuracy:
     """Errors of the engine in scenes with known answers."""
 
     scenes: str = "core"
-    """core, all, or ids such as B1,D5."""
+    """core, all, classes such as built, and ids such as B1,D5, with commas between them."""
     physics: str = "balanced"
     """Physics preset or solver."""
     peer: str | None = None

@@ -7,7 +7,9 @@ from typing import Final, Literal
 
 from kinetix.level.model import Level
 
-SceneClass = Literal["integrator", "impacts", "friction", "joints", "contacts", "robustness"]
+SceneClass = Literal[
+    "integrator", "impacts", "friction", "joints", "contacts", "robustness", "built"
+]
 
 SCENE_CLASSES: Final[tuple[SceneClass, ...]] = (
     "integrator",
@@ -16,6 +18,7 @@ SCENE_CLASSES: Final[tuple[SceneClass, ...]] = (
     "joints",
     "contacts",
     "robustness",
+    "built",
 )
 """In the order of reports and of the chart's facets."""
 
@@ -64,13 +67,20 @@ class SuiteScene:
     name: str
     group: SceneClass
     core: bool
-    """Whether it belongs to the published core, which alone makes the class error."""
+    """Whether it belongs to the published core."""
     make_trials: Callable[[], tuple[Trial, ...]]
     """All variants and phases."""
     note: str
     """What it shows, for people."""
+    sized: bool = False
+    """Run with the step of its size too, beside the one that is compiled for it alone."""
     precise: bool = False
     """Run in binary64: the scene asks for the method's order, which rounding would hide."""
+
+    @property
+    def counted(self) -> bool:
+        """Whether it counts for the class error: of a class without a core all do."""
+        return self.core or self.group == "built"
 
     @property
     def duration(self) -> float:

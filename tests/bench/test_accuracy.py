@@ -1,20 +1,23 @@
 import dataclasses
 import json
 import math
+import runpy
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from kinetix import cli
-from kinetix.bench import references
-from kinetix.bench.accuracy import AccuracySettings, measure_accuracy, metrics_of, roomier, row_of
+from kinetix.bench import accuracy, references
+from kinetix.bench.accuracy import AccuracySettings, measure_accuracy, metrics_of, row_of
 from kinetix.bench.metrics import JUDGES, Metric
 from kinetix.bench.metrics.base import each, normalised_error
+from kinetix.bench.metrics.built import DOMINO_SPEED
 from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
 from kinetix.bench.report import class_errors, markdown_table, scene_text, verdict_counts
 from kinetix.engine.presets import solver_named
-from kinetix.engine.spec import Capacity, SceneSpec
+from kinetix.level.sizes import SIZES
 from kinetix.scenes import SCENES
 from kinetix.scenes.model import Trial
 from kinetix.scenes.stage import Stage
@@ -106,16 +109,77 @@ def test_parabola_is_good_and_euler_fails_by_what_it_lags_behind():
     assert metric.verdict == "fail"
 
 
-@pytest.mark.parametrize("id", ["F4", "D6", "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S11", "R1"])
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("F4", "D6", "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S11", "R1"),
+        *("U1", "U2", "U3", "U4", "U5", "U6", "U12", "U21", "U22", "U23"),
+    ],
+)
 def test_what_must_not_move_is_good_when_it_does_not(id):
     found = JUDGES[id]([resting(trial) for trial in SCENES[id].make_trials()])
     assert {metric.verdict for metric in found} <= {"good", None}
 
 
-@pytest.mark.parametrize("id", ["I1", "F1", "F3", "D2", "D3", "D10", "B7", "D1"])
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("I1", "F1", "F3", "D2", "D3", "D10", "B7", "D1"),
+        *("U7", "U8", "U9", "U10", "U11", "U13", "U14", "U24", "U25", "U26", "U27", "U28"),
+    ],
+)
 def test_what_must_move_fails_when_it_does_not(id):
     found = JUDGES[id]([resting(trial) for trial in SCENES[id].make_trials()])
     assert "fail" in {metric.verdict for metric in found}
+
+
+@pytest.mark.parametrize("id", ["U16", "U17", "U18", "U19", "U20"])
+def test_what_leaves_fails_however_few_they_are(id):
+    motions = [resting(trial) for trial in SCENES[id].make_trials()]
+    assert {metric.verdict for metric in JUDGES[id](motions)} == {"good"}
+    motions[-1].position[-1, -1] = (3.0, 3.0)
+    found = JUDGES[id](motions)
+    assert [metric.verdict for metric in found].count("fail") == 1
+    (value,) = (metric.value for metric in found if metric.verdict == "fail")
+    assert 0 < value < 0.2
+
+
+def test_rocking_loses_what_housner_says():
+    trial = SCENES["U25"].make_trials()[1]
+    motion = resting(trial)
+    # Alternating angles of a block whose energy falls at each impact by the formula's share.
+    width, height = trial.values["width"], trial.values["height"]
+    share = (1 - 1.5 * math.sin(math.atan(width / height)) ** 2) ** 2
+    phase = np.arange(len(motion.time)) // 30
+    motion.rotation[:, 1] = 0.1 * (-1.0) ** phase
+    motion.position[:, 1, 1] = height / 2 + 0.01 * share**phase
+    found = worst("U25", [motion])
+    assert found.value == pytest.approx(0, abs=1e-5)
+    motion.position[:, 1, 1] = height / 2 + 0.01 * (0.9 * share) ** phase
+    assert worst("U25", [motion]).verdict == "fail"
+
+
+def test_domino_speed_is_that_of_the_example():
+    path = Path(__file__).resolve().parents[2] / "examples" / "domino.py"
+    names = runpy.run_path(str(path))
+    assert names["wave_speed"](0.4, 0.05, 0.15) == pytest.approx(DOMINO_SPEED, rel=1e-3)
+
+
+def test_scenes_are_run_in_the_step_of_their_own_and_of_their_size(monkeypatch):
+    asked = []
+
+    def run(trials, solver, *, binary64, spec=None):
+        asked.append((len(trials), spec and spec.capacity))
+        return [resting(trial) for trial in trials]
+
+    monkeypatch.setattr(accuracy, "run_trials", run)
+    found = metrics_of(SCENES["U1"], solver_named("fast"), "fast")
+    # Walls of 2×2 and of 4×2 need different capacities, but both fit size l.
+    assert [count for count, _ in asked] == [10, 10, 10, 10]
+    assert [capacity for _, capacity in asked] == [None, SIZES["l"], None, SIZES["l"]]
+    labels = {metric.label for metric in found}
+    assert "moved (4×2 of 0.3 m free)" in labels
+    assert "moved (4×2 of 0.3 m free in its size's step)" in labels
 
 
 def test_fallen_stack_has_no_value():
@@ -274,13 +338,6 @@ def test_class_error_is_the_geometric_mean_of_core_scenes():
     table = markdown_table({"balanced": rows})
     assert "| D3 double pendulum ● | ✗ failed m |" in table
     assert scene_text(rows[3]).startswith("F1  slide")
-
-
-def test_room_for_contacts_grows_up_to_what_pairs_allow():
-    spec = SceneSpec(capacity=Capacity(polygons=6, circles=1, joints=0, thrusters=0))
-    slots = roomier(solver_named("balanced"), spec, 100).slots
-    assert (slots.polygon_polygon, slots.circle_polygon, slots.circle_circle) == (9, 6, 0)
-    assert slots.points == 2 * 9 + 6
 
 
 def test_peer_physics_lags_as_euler_does(capsys):

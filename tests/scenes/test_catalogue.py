@@ -29,9 +29,9 @@ def at_start(trial):
     )
 
 
-def test_there_are_48_scenes_and_30_of_them_are_core():
+def test_there_are_76_scenes_and_30_of_them_are_core():
     groups = collections.Counter(scene.group for scene in SCENES.values())
-    assert [groups[name] for name in SCENE_CLASSES] == [7, 8, 6, 10, 11, 6]
+    assert [groups[name] for name in SCENE_CLASSES] == [7, 8, 6, 10, 11, 6, 28]
     assert sum(scene.core for scene in SCENES.values()) == 30
     assert all(id == scene.id for id, scene in SCENES.items())
 
@@ -105,7 +105,9 @@ def test_gravity_turns_downhill_to_positive_x():
 
 def test_scenes_are_chosen_by_name():
     assert len(scenes_named("core")) == 30
-    assert len(scenes_named("all")) == 48
+    assert len(scenes_named("all")) == 76
+    assert [scene.id for scene in scenes_named("built")] == [f"U{k}" for k in range(1, 29)]
+    assert len(scenes_named("core,built,S2")) == 30 + 28 + 1
     assert [scene.id for scene in scenes_named("D10, B1")] == ["D10", "B1"]
     with pytest.raises(KinetixError, match="no scene 'X9'"):
         scenes_named("B1,X9")

@@ -129,7 +129,7 @@ def _facet(points: Sequence[Point], group: str, batch: int) -> list[Point]:
 def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) -> None:
     """Errors where there are none yet, speeds anew; in processes of their own."""
     accuracy = settings.results / ACCURACY / f"{file_name(physics)}.jsonl"
-    if missing := missing_scenes(accuracy, "core"):
+    if missing := missing_scenes(accuracy, "core,built"):
         say(f"{physics}: errors in {missing}")
         rows = measured_apart(
             *("accuracy", "--physics", physics, "--scenes", missing), devices=1, cached=True

@@ -155,7 +155,7 @@ def _draw_legend(figure: Any, points: Sequence[Point]) -> None:
     ]
     grey: dict[str, Any] = {"color": "#333333", "linestyle": "none"}
     handles += [
-        Line2D([], [], marker="o", markerfacecolor="white", label="a core scene fails", **grey),
+        Line2D([], [], marker="o", markerfacecolor="white", label="a counted scene fails", **grey),
         Line2D([], [], marker="x", label="fails as a whole", **grey),
         Line2D([], [], color="#000000", alpha=0.35, label="nothing is faster and more accurate"),
     ]

@@ -122,10 +122,10 @@ def points_of(
     """The points of one engine.
 
     The class `robustness` has no scene of its own to be timed in: its speed is the geometric mean
-    of the others', its error the share of failures among the verdicts of all core scenes.
+    of the others', its error the share of failures among the verdicts of all counted scenes.
     """
     errors = class_errors(rows)
-    core = [row for row in rows if SCENES[row["scene"]].core and scene_error(row) is not None]
+    core = [row for row in rows if SCENES[row["scene"]].counted and scene_error(row) is not None]
     verdicts = [each["verdict"] for row in core for each in row["metrics"] if each["verdict"]]
     errors["robustness"] = verdicts.count("fail") / len(verdicts)
     batches = dict.fromkeys(row["batch"] for row in speeds)

@@ -3,6 +3,7 @@
 from typing import Final
 
 from kinetix.bench.metrics.base import Judge
+from kinetix.bench.metrics.built import BUILT_JUDGES
 from kinetix.bench.metrics.contacts import CONTACT_JUDGES
 from kinetix.bench.metrics.friction import FRICTION_JUDGES
 from kinetix.bench.metrics.impacts import IMPACT_JUDGES
@@ -17,5 +18,6 @@ JUDGES: Final[dict[str, Judge]] = (
     | JOINT_JUDGES
     | CONTACT_JUDGES
     | ROBUSTNESS_JUDGES
+    | BUILT_JUDGES
 )
 """R4, R5 and R6 are measured by `kinetix.bench.probes`."""
