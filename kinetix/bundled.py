@@ -73,7 +73,7 @@ def _first(folders: Iterable[Path], plain: Path, suffixes: tuple[str, ...]) -> P
     for folder in folders:
         path = folder / plain
         with_suffix = [path.with_name(f"{path.name}{suffix}") for suffix in suffixes]
-        found = next((each for each in (path, *with_suffix) if each.exists()), None)
+        found = next((each for each in (path, *with_suffix) if os.path.exists(each)), None)
         if found is not None:
             return found
     return levels_dir() if plain == Path(levels_dir().name) and suffixes else None

@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -163,9 +164,9 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     """
     named = directory
     directory = surviving(Path(directory))
-    if not directory.is_dir():
+    if not os.path.isdir(directory):
         directory = named_agent(named) or directory
-    if not directory.is_dir():
+    if not os.path.isdir(directory):
         raise CheckpointError(
             f"{named}: there is no such directory, nor a bundled agent of this name; "
             f"{agent_hint(named, SCRIPTED)}"

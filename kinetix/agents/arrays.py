@@ -1,6 +1,7 @@
 """Trees of arrays on disk: orbax directories, which hold JSON and numbers, nothing that runs."""
 
 import hashlib
+import os
 import shutil
 import stat
 from collections.abc import Iterable, Iterator, Mapping
@@ -193,7 +194,7 @@ def check_inside(directory: Path) -> None:
         CheckpointError: It is missing, its links lead out of it, it holds something else than
             regular files (opening a pipe waits for its writer), or more than the limits allow.
     """
-    if not directory.is_dir():
+    if not os.path.isdir(directory):
         raise CheckpointError(f"{directory}: expected a directory of parameters, found none")
     try:
         root = directory.resolve()

@@ -100,7 +100,7 @@ def surviving(directory: Path) -> Path:
     Args:
         directory: Where a checkpoint should be.
     """
-    if directory.exists():
+    if os.path.exists(directory):
         return directory
     pattern = f".{glob.escape(directory.name)}.*{_OLD}"
     former = [path for path in sorted(directory.parent.glob(pattern)) if path.is_dir()]

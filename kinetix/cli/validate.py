@@ -2,6 +2,7 @@
 
 import dataclasses
 import json as json_module
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -65,8 +66,8 @@ def run(command: Validate) -> int:
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
     """The files that the command line means: folders stand for every JSON file below them."""
     for file in files:
-        folder = Path(file) if Path(file).exists() else named_levels(file)
-        if folder is not None and folder.is_dir():
+        folder = Path(file) if os.path.exists(file) else named_levels(file)
+        if folder is not None and os.path.isdir(folder):
             yield from map(str, sorted(folder.rglob("*.json")))
         else:
             yield file

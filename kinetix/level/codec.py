@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import hashlib
+import os
 import re
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -54,9 +55,10 @@ def resolve_path(name: str | Path) -> Path:
     """
     plain = Path(_PERMUTATION.sub("", str(name)))
     for path in (plain, plain.with_name(f"{plain.name}.json"), named_levels(name)):
-        if path is not None and path.is_file():
+        # Not Path.is_file, which raises where a name is too long for the file system.
+        if path is not None and os.path.isfile(path):
             return path
-    if plain.is_dir() or named_levels(name) is not None:
+    if os.path.isdir(plain) or named_levels(name) is not None:
         raise LevelError(f"{name}: expected a level file, got a folder")
     raise LevelError(
         f"{name}: there is no such file, nor a bundled level of this name{level_hint(name)}"

@@ -261,7 +261,7 @@ def _without_level(
 def level_files(folder: Path) -> Iterator[Path]:
     """Every level file below a folder, in the order of names; level sets are left out."""
     for path in sorted(folder.rglob("*.json")):
-        if path.is_file() and not is_set_file(path):
+        if os.path.isfile(path) and not is_set_file(path):
             yield path
 
 
@@ -278,9 +278,9 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     levels: list[SetLevel] = []
     for source in sources:
         path = Path(source)
-        if not path.exists():
+        if not os.path.exists(path):
             path = named_levels(source) or path
-        if path.is_dir():
+        if os.path.isdir(path):
             levels += [_from_file(file, file.relative_to(path)) for file in level_files(path)]
             continue
         path = resolve_path(source)

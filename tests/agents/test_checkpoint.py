@@ -317,7 +317,7 @@ def test_an_agent_that_asks_for_what_cannot_be(copy, damage, sentence):
 
 
 def test_what_is_no_agent(tmp_path):
-    with pytest.raises(CheckpointError, match="found none"):
+    with pytest.raises(CheckpointError, match="there is no such directory"):
         load_agent(tmp_path / "nowhere")
     with pytest.raises(CheckpointError, match=r"expected an agent: agent\.json"):
         load_agent(tmp_path)

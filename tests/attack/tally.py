@@ -75,7 +75,7 @@ class Tally:
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(last.filename).name}:{last.lineno}"
-            problem = f"{type(error).__name__} at {place}: {str(error)[:150]!r}"
+            problem = f"{type(error).__name__} at {place}: {str(error)[-400:]!r}"
         took = time.process_time() - began
         row.slowest = max(row.slowest, took)
         if not problem and took > SLOW_SECONDS:
