@@ -17,6 +17,7 @@ from editor.autosaves import Autosaves
 from editor.camera import Camera
 from editor.commands.base import Command, EntityId, Selection
 from editor.commands.bodies import posed
+from editor.crashes import Crashes
 from editor.document import Document, Outcome
 from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
 from editor.gallery.library import Library
@@ -181,6 +182,8 @@ class Session:
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []
         self.log = Journal()
+        self.crashes = Crashes()
+        """What went wrong unexpectedly, and what was done before."""
         self.capture: Callable[[str], None] | None = None
         """Takes the next chord that is pressed instead of its action (changing keys)."""
         self.held: set[str] = set()
@@ -334,6 +337,7 @@ class Session:
 
     def execute(self, command: Command) -> Outcome:
         """Commit a command now; selects what it made; an error becomes a toast."""
+        self.crashes.note(command.label)
         with self.guard():
             if not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
@@ -346,6 +350,15 @@ class Session:
                 self.toast(notice)
             return outcome
         return Outcome(changed=False)
+
+    def save_aside(self) -> None:
+        """Copy every unsaved level now: what comes next may end the app."""
+        try:
+            for tab in self.tabs:
+                self.autosaves.keep(tab.document)
+            self.autosaves.flush()
+        except Exception as error:
+            self.toast(str(error), "error")
 
     def guard(self) -> "Guard":
         """A context in which an exception becomes a toast and a log entry instead of the end."""
@@ -480,7 +493,10 @@ class Guard:
             warning = isinstance(error, CommandError)
             self._session.toast(str(error), "warning" if warning else "error")
         else:
-            self._session.toast(f"Something went wrong: {error} (see the log)", "error")
+            sentence, new = self._session.crashes.tell(error)
+            if new:
+                self._session.save_aside()
+            self._session.toast(sentence, "error")
             if self._session.log.add("".join(traceback.format_exception(error))):
                 LOG.error("unexpected error", exc_info=error)
         self._session.document.discard_preview()

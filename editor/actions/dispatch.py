@@ -95,6 +95,7 @@ def run(session: Session, action_id: str) -> bool:
         return False
     if session.driver.active and action_id not in ("edit.cancel", "edit.undo"):
         session.driver.cancel()
+    session.crashes.note(action_id)
     with session.guard():
         action.run(session)
     return True

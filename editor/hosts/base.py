@@ -16,6 +16,8 @@ from editor.textures import TextureStore
 from editor.ui import Ui
 
 _NOT_FOR_WIDGETS = events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent
+_HOPELESS = 120
+"""After so many failing frames in a row the app ends."""
 
 
 class Renderer(TextureStore, Protocol):
@@ -41,6 +43,10 @@ class Host(abc.ABC):
         self.session = session
         self.size = size
         self.frame_count = 0
+        self.endures = False
+        """Whether the window goes on after a frame that fails; scripts and tests end instead."""
+        self._failed = 0
+        """Frames in a row that have failed."""
         self.recorder: Recorder | None = None
         """Takes down what the person does, where that is wanted."""
         self._feeder = InputFeeder()
@@ -80,16 +86,36 @@ class Host(abc.ABC):
         if batch:
             self.session.touched = time.monotonic()
         self._feeder.feed(batch)
-        for event in batch:
-            if isinstance(event, _NOT_FOR_WIDGETS):
-                self.ui.notice(event)
-        self.ui.before_frame()
+        with self.session.guard():
+            for event in batch:
+                if isinstance(event, _NOT_FOR_WIDGETS):
+                    self.ui.notice(event)
+            self.ui.before_frame()
         self._renderer.new_frame()
         imgui.new_frame()
-        self.ui.frame(dt)
+        self._draw(dt)
+        # What a failed frame has left open is closed here.
         imgui.render()
         self._present()
         self.frame_count += 1
+
+    def _draw(self, dt: float) -> None:
+        """Draw the frame; one that fails is told, and the window goes on.
+
+        Raises:
+            Exception: The frame failed, and going on is not wanted or has not helped.
+        """
+        try:
+            self.ui.frame(dt)
+        except Exception as error:
+            self._failed += 1
+            if not self.endures or self._failed >= _HOPELESS:
+                self.session.save_aside()
+                raise
+            with self.session.guard():
+                raise error
+        else:
+            self._failed = 0
 
     def _present(self) -> bool:
         """Draw the frame; whether it differs from the last one."""

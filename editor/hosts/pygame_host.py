@@ -154,6 +154,7 @@ class PygameHost(Host):
     def run(self) -> None:
         """Draw until the app is closed. Without input and without play it sleeps."""
         last = time.perf_counter()
+        self.endures = True
         while self.running:
             idle = self._awake <= 0 and not self.ui.animating and not self._feeder.pending
             batch = self.poll(IDLE_WAIT if idle else 0.0)

@@ -8,6 +8,7 @@ from tests.editor.core.helpers import Hand, a_session
 @pytest.fixture(autouse=True)
 def own_folders(tmp_path, monkeypatch):
     monkeypatch.setattr("editor.autosaves.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("kinetix.failures.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.settings.config_dir", lambda: tmp_path / "config")
     monkeypatch.setattr("editor.names.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.results.state_dir", lambda: tmp_path / "state")

@@ -1,0 +1,90 @@
+"""An exception at the top of a frame: told, reported, the work saved aside, the window goes on."""
+
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from editor import recovery
+from editor.commands.group import Move
+from editor.jobs import Worker
+from editor.session import Session
+from tests.editor.core.helpers import a_level
+from tests.editor.gui.conftest import refuse
+
+
+@pytest.fixture
+def gui(make_gui):
+    gui = make_gui(session=Session(worker=Worker(perform=refuse), level=a_level()))
+    gui.host.endures = True
+    gui.frames(40)
+    yield gui
+    gui.session.autosaves.end()
+
+
+def reports(tmp_path: Path):
+    return sorted(tmp_path.glob("state/kinetix-editor/crashes/*.txt"))
+
+
+def fails(*_):
+    imgui.begin("left open")
+    imgui.begin_group()
+    raise ZeroDivisionError("on purpose")
+
+
+@pytest.mark.parametrize("part", ["_workplace", "_bars"])
+def test_the_window_goes_on_and_the_work_is_aside(gui, tmp_path, monkeypatch, part):
+    session = gui.session
+    session.execute(Move(ids=(3,), shift=(0.25, 0.0)))
+    session.queue("edit.select_all")
+    gui.frames(2)
+    with monkeypatch.context() as patched:
+        patched.setattr(gui.host.ui, part, fails)
+        gui.frames(5)
+    gui.frames(10)
+    assert gui.shows("outliner.filter")
+    gui.key("c")
+    assert session.tool.id == "circle"
+    (report,) = reports(tmp_path)
+    (toast,) = [toast for toast in session.toasts if "on purpose" in toast.text]
+    assert report.name in toast.text
+    text = report.read_text()
+    assert "ZeroDivisionError: on purpose" in text
+    assert "edit.select_all" in text and "Move" in text
+    assert str(tmp_path) not in text and str(Path.home()) + "/" not in text
+    copies = list(tmp_path.glob("state/kinetix-editor/autosave/*/*[0-9].json"))
+    assert [recovery._read(copy).level for copy in copies] == [session.document.level]
+
+
+def test_an_event_that_fails_is_told(gui, tmp_path, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(gui.host.ui, "notice", fails)
+        gui.lose_focus()
+    gui.frames(5)
+    assert len(reports(tmp_path)) == 1
+    assert gui.shows("outliner.filter")
+
+
+def test_different_faults_have_reports_of_their_own(gui, tmp_path):
+    for fault in (KeyError("a"), ValueError("b")):
+        for _ in range(3):
+            with gui.session.guard():
+                raise fault
+    assert len(reports(tmp_path)) == 2
+
+
+def test_a_window_that_only_fails_ends_with_the_work_aside(gui, tmp_path, monkeypatch):
+    gui.session.execute(Move(ids=(3,), shift=(0.25, 0.0)))
+    monkeypatch.setattr(gui.host.ui, "frame", lambda dt: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        gui.frames(1000)
+    imgui.render()
+    assert len(list(tmp_path.glob("state/kinetix-editor/autosave/*/*[0-9].json"))) == 1
+
+
+def test_a_script_ends_with_the_first_failing_frame(gui, monkeypatch):
+    gui.host.endures = False
+    monkeypatch.setattr(gui.host.ui, "frame", lambda dt: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        gui.frames(1)
+    imgui.render()
