@@ -3,6 +3,7 @@
 import html
 import importlib.resources
 import json
+import re
 from collections.abc import Sequence
 from typing import Final
 
@@ -31,14 +32,13 @@ def page_of(films: Sequence[Film]) -> str:
     data = json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     template = _asset("player.html")
     parts = {
-        "{{title}}": html.escape(level.name or "Episode"),
-        "{{style}}": _asset("player.css"),
-        "{{script}}": _asset("player.js"),
-        "{{data}}": data,
+        "title": html.escape(level.name or "Episode"),
+        "style": _asset("player.css"),
+        "script": _asset("player.js"),
+        "data": data,
     }
-    for mark, text in parts.items():
-        template = template.replace(mark, text, 1)
-    return template
+    # In one pass: a name may look like a mark itself.
+    return re.sub(r"\{\{(\w+)\}\}", lambda mark: parts[mark[1]], template)
 
 
 def _asset(name: str) -> str:

@@ -74,6 +74,8 @@ def test_words_of_a_level_cannot_leave_the_page_s_data():
     level = load_level("s/wheelie").replace(name="</script><b>{{script}}")
     page = page_of([a_film(3, level=level, **_poses(level, 3))])
     assert "</script><b>" not in page
+    assert page.count("Plays what #data holds") == 1
+    assert page.count("{{script}}") == 3  # the name, as text: title, heading, data
     assert read(page)["scene"]["name"] == level.name
 
 
