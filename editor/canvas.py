@@ -244,7 +244,7 @@ class Canvas:
             thrust=snapshot.thruster.tolist() if snapshot is not None else None,
         )
         split = self._before_split is not None
-        if not split:
+        if settings.renderer_picture and not split:
             self._picture(session, painter)
         if session.view.debug_draw:
             paint_debug(session, painter, where)

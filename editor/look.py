@@ -30,10 +30,10 @@ class Colours:
     line: Final[Rgba] = _hex("2c313b")
     """Borders and separators."""
     text: Final[Rgba] = _hex("e6e9ef")
-    muted: Final[Rgba] = _hex("9aa3b2")
+    muted: Final[Rgba] = _hex("a6aebc")
     """Labels, hints, units."""
-    faint: Final[Rgba] = _hex("626b7a")
-    """Disabled and decorative."""
+    faint: Final[Rgba] = _hex("8e97a7")
+    """What matters least: groups, numbers that rarely count."""
     accent: Final[Rgba] = _hex("8f7dff")
     """Selection, focus, what is on."""
     accent_strong: Final[Rgba] = _hex("6d59f0")

@@ -159,6 +159,11 @@ class Playback:
         return self.frame_skip / ENGINE_STEPS_PER_SECOND / self.speed
 
     @property
+    def step_share(self) -> float:
+        """How much of the time until the next step has passed, 0 … 1."""
+        return self._accumulator / self.step_seconds
+
+    @property
     def replay_index(self) -> int:
         """Which moment of the trace is on show: the last one unless it is a replay."""
         if self.mode is Mode.REPLAY:

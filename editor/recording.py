@@ -129,6 +129,11 @@ class Ring:
         """All that is kept, oldest first."""
         return tuple(self._states)
 
+    def newest(self, count: int) -> tuple[Snapshot, ...]:
+        """Return the last `count` snapshots, or all where there are fewer, oldest first."""
+        held = len(self._states)
+        return tuple(self._states[k] for k in range(max(held - count, 0), held))
+
     def clear(self) -> None:
         """Forget everything."""
         self._states.clear()

@@ -24,6 +24,7 @@ from editor.gallery.library import Library
 from editor.gallery.view import GalleryView
 from editor.jobs import Worker, WorkerSimulator
 from editor.journal import Journal
+from editor.motion import Motion
 from editor.names import Names
 from editor.overlay import Mark
 from editor.playback import Mode, Playback, Simulator
@@ -152,6 +153,8 @@ class Session:
         self.clipboard: Clipboard = clipboard or MemoryClipboard()
         self.playback = Playback(simulator or WorkerSimulator(self.worker))
         self.playback.physics = self.settings.physics
+        self.motion = Motion()
+        """What is shown of the motion between two steps."""
         self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
         """The agents, and how they are watched."""
         self.trial = Trial(self.evaluator)
@@ -267,10 +270,11 @@ class Session:
         playback = self.playback
         if not playback.active or playback.level is None:
             return self.document.shown
-        if playback.snapshot is None:
+        shown = self.motion.moment or playback.snapshot
+        if shown is None:
             return playback.level
-        if self._posed is None or self._posed[0] is not playback.snapshot:
-            self._posed = (playback.snapshot, posed(playback.level, playback.snapshot))
+        if self._posed is None or self._posed[0] is not shown:
+            self._posed = (shown, posed(playback.level, shown))
         return self._posed[1]
 
     @property

@@ -36,6 +36,8 @@ class Settings:
     grid_visible: bool = True
     key_caps: bool = True
     """Whether the canvas shows the keys of joints and thrusters."""
+    renderer_picture: bool = False
+    """Whether Play shows the renderer's pictures, pixel by pixel as `kinetix render` makes them."""
     minimap: bool = False
     """Whether the canvas has a small map of the arena in its corner."""
     grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1

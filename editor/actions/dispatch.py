@@ -234,6 +234,12 @@ def advance(session: Session, seconds: float) -> None:
     session.playback.restart_automatically = session.settings.restart_automatically
     with session.guard():
         session.playback.tick(seconds, agents.action_now(session), session.pull)
+    # What is measured or compared is shown step by step, and so are the renderer's pictures.
+    exact = debugging or session.viewer.rival.active or session.settings.renderer_picture
+    if exact:
+        session.motion.moment = None
+    else:
+        session.motion.advance(session.playback, seconds)
     with session.guard():
         watch.update_viewer(session)
         play.note_end(session)

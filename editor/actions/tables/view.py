@@ -47,6 +47,15 @@ VIEW: Final = (
         run=view.switch_setting("key_caps"),
     ),
     Action(
+        id="view.renderer_picture",
+        label="Show the Renderer's Picture",
+        menu="View",
+        context=Context.LEVEL,
+        tooltip="In Play: what `kinetix render` draws, step by step, instead of smooth vectors.",
+        checked=view.is_set("renderer_picture"),
+        run=view.switch_setting("renderer_picture"),
+    ),
+    Action(
         id="view.minimap",
         label="Show Map",
         menu="View",

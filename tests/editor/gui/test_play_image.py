@@ -59,7 +59,11 @@ def settle(gui) -> None:
 
 def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
     simulation = Simulation()
-    session = Session(settings=Settings(), worker=Worker(perform=simulation.perform), level=LEVEL)
+    session = Session(
+        settings=Settings(renderer_picture=True),
+        worker=Worker(perform=simulation.perform),
+        level=LEVEL,
+    )
     gui = make_gui(session=session)
     images = gui.host.ui.canvas.images
     assert isinstance(images, PlayImage) and not images.enabled
