@@ -162,7 +162,8 @@ def test_edit_from_here_is_a_new_document(session, hand):
     hand.key("space")
     for _ in range(30):
         hand.wait()
-    moved = session.scene.body(3).position
+    row = [body.id for body in before.level.bodies].index(3)
+    moved = tuple(session.playback.snapshot.position[row].tolist())
     actions.run(session, "run.edit_from_here")
     assert session.mode is Mode.EDIT
     assert session.document is not before
