@@ -107,14 +107,16 @@ def _lower() -> tuple[Trial, ...]:
 
 
 def _step_up() -> tuple[Trial, ...]:
-    def trial(kind: str, speed: float) -> Trial:
+    """Too slow to tumble over: that takes 2.7 m/s with a blow that sticks."""
+
+    def trial(speed: float) -> Trial:
         b = LevelBuilder("Step", arena=False)
         b.rectangle(0.0, -0.5, 4.0, 1.0, fixed=True, friction=0.0)
         b.rectangle(4.0, -0.45, 4.0, 1.0, fixed=True, friction=0.0)
-        _slider(b, kind, 1.0, 0.0, speed, 0.0)
-        return Trial(level=b.build(), duration=3.0 / speed, name=f"{kind}, {speed:g} m/s")
+        _slider(b, "box", 1.0, 0.0, speed, 0.0)
+        return Trial(level=b.build(), duration=3.0 / speed, name=f"{speed:g} m/s")
 
-    return tuple(trial("box", speed) for speed in (1.0, 5.0))
+    return tuple(trial(speed) for speed in (0.5, 1.0, 2.0))
 
 
 def _sticking() -> tuple[Trial, ...]:
