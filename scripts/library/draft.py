@@ -4,25 +4,17 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from kinetix.level.geometry import area_centroid, arena_body, to_local
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.model import (
     Arena,
     ArenaBody,
-    ArenaName,
-    Body,
     BodyReference,
-    Circle,
-    Joint,
-    JointKind,
     Level,
     Limits,
     Motor,
     Point,
-    Polygon,
     Role,
-    Shape,
     SizeName,
-    Thruster,
 )
 
 FLOOR: Final = 0.4
@@ -63,28 +55,20 @@ class Draft:
         self._tags = (*tags, f"difficulty-{difficulty}")
         self._friction = friction
         self._steps = steps
-        self._gravity = gravity
-        self._arena = Arena(floor=ArenaBody(role=floor, friction=friction))
-        self._bodies: list[Body] = []
-        self._joints: list[Joint] = []
-        self._thrusters: list[Thruster] = []
-        self._used = 0
+        arena = Arena(floor=ArenaBody(role=floor, friction=friction))
+        self._builder = LevelBuilder(gravity=(0.0, gravity), arena=arena)
 
     def box(self, at: Point, width: float, height: float, role: Role = "none", **more: Any) -> int:
         """Add a rectangle by its centre; `turn` turns it [°]. Returns its id."""
-        x, y = width / 2, height / 2
-        shape = Polygon(vertices=((x, y), (-x, y), (-x, -y), (x, -y)))
-        return self._body(shape, at, role, **more)
+        return self._builder.rectangle(*at, width, height, **self._fields(role, more))
 
     def ball(self, at: Point, radius: float, role: Role = "none", **more: Any) -> int:
         """Add a disc by its centre. Returns its id."""
-        return self._body(Circle(radius=radius), at, role, **more)
+        return self._builder.circle(*at, radius, **self._fields(role, more))
 
     def shape(self, corners: Sequence[Point], role: Role = "none", **more: Any) -> int:
         """Add a polygon by its 3 or 4 corners in the arena, counter-clockwise. Returns its id."""
-        x, y = area_centroid(corners)
-        local = tuple((px - x, py - y) for px, py in corners)
-        return self._body(Polygon(vertices=local), (x, y), role, **more)
+        return self._builder.polygon(corners, **self._fields(role, more))
 
     def rod(
         self, start: Point, degrees: float, length: float, role: Role = "none", **more: Any
@@ -121,11 +105,11 @@ class Draft:
         if "limits" in more:
             low, high = more["limits"]
             limits = Limits(min=math.radians(low), max=math.radians(high))
-        return self._join("revolute", a, b, at, motor=motor, limits=limits)
+        return self._builder.hinge(a, b, at, motor=motor, limits=limits)
 
     def weld(self, a: BodyReference, b: BodyReference, at: Point) -> int:
         """Join two bodies rigidly. Returns the joint's id."""
-        return self._join("fixed", a, b, at)
+        return self._builder.weld(a, b, at)
 
     def thruster(
         self, body: int, at: Point, degrees: float, power: float, control: int = KEY_1
@@ -139,62 +123,19 @@ class Draft:
             power: In units of 10 N: a body hovers at 0.981 of its mass [kg].
             control: `KEY_1` or `KEY_2`.
         """
-        pushed = self._find(body)
-        thruster = Thruster(
-            id=self._next(),
-            body=body,
-            position=to_local(pushed, at),
-            angle=math.radians(degrees) - pushed.angle,
-            power=power,
-            binding=control,
-        )
-        self._thrusters.append(thruster)
-        return thruster.id
+        angle = math.radians(degrees)
+        return self._builder.thruster(body, at, angle=angle, power=power, binding=control)
 
     def level(self, name: str, description: str, size: SizeName) -> Level:
         """The finished document."""
-        return Level(
+        return self._builder.build().replace(
             name=name,
             description=description,
             tags=self._tags,
             size=size,
-            gravity=(0.0, self._gravity),
             max_timesteps=self._steps,
-            arena=self._arena,
-            bodies=tuple(self._bodies),
-            joints=tuple(self._joints),
-            thrusters=tuple(self._thrusters),
         )
 
-    def _body(self, shape: Shape, at: Point, role: Role, **more: Any) -> int:
-        fields: dict[str, Any] = {"friction": self._friction}
-        fields["angle"] = math.radians(more.pop("turn", 0.0))
-        body = Body(id=self._next(), shape=shape, position=at, role=role, **(fields | more))
-        self._bodies.append(body)
-        return body.id
-
-    def _join(
-        self, kind: JointKind, a: BodyReference, b: BodyReference, at: Point, **more: Any
-    ) -> int:
-        first, second = self._find(a), self._find(b)
-        joint = Joint(
-            id=self._next(),
-            kind=kind,
-            a=a,
-            b=b,
-            anchor_a=to_local(first, at),
-            anchor_b=to_local(second, at),
-            reference_angle=second.angle - first.angle,
-            **more,
-        )
-        self._joints.append(joint)
-        return joint.id
-
-    def _next(self) -> int:
-        self._used += 1
-        return self._used
-
-    def _find(self, reference: BodyReference | ArenaName) -> Body:
-        if isinstance(reference, str):
-            return arena_body(self._arena, reference)
-        return next(each for each in self._bodies if each.id == reference)
+    def _fields(self, role: Role, more: dict[str, Any]) -> dict[str, Any]:
+        turn = math.radians(more.pop("turn", 0.0))
+        return {"friction": self._friction, "angle": turn, "role": role, **more}
