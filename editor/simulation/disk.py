@@ -10,7 +10,6 @@ import hashlib
 import importlib.resources
 import os
 import platform
-import time
 import zlib
 from pathlib import Path
 from typing import Any, Final
@@ -20,20 +19,15 @@ import jaxlib.version
 from jax.experimental import serialize_executable
 
 from kinetix.errors import KinetixError
+from kinetix.files.caches import cache_folder
 from kinetix.level.atomic import write_atomically
-from kinetix.paths import cache_dir
 
 _SUFFIX: Final = ".step"
-_STEPS_BYTES: Final = 64 * 2**20
-"""Room for about a hundred steps."""
-_JAX_BYTES: Final = 1024 * 2**20
-_YOUNG_SECONDS: Final = 60.0
-"""Files that another process may be writing just now."""
 
 
 def folder() -> Path:
     """Where the steps lie."""
-    return cache_dir() / "steps"
+    return cache_folder("steps")
 
 
 def _file(key: object) -> Path:
@@ -109,32 +103,3 @@ def save(key: object, program: Any) -> None:
         write_atomically(_file(key), zlib.compress(code, 1))
     except (KinetixError, OSError, ValueError, RuntimeError):
         return
-
-
-def tidy() -> None:
-    """Throw away the programs that were used longest ago where there are too many."""
-    bound(folder(), _STEPS_BYTES)
-    bound(cache_dir() / "jax", _JAX_BYTES)
-
-
-def bound(folder: Path, size: int) -> None:
-    """Delete the files of a folder that were used longest ago, until the rest is small enough.
-
-    Args:
-        folder: Which; it need not exist.
-        size: How much may stay [bytes].
-    """
-    if not folder.is_dir():
-        return
-    told = []
-    for path in folder.iterdir():
-        try:
-            about = path.stat()
-        except OSError:
-            continue  # another process was faster
-        told.append((max(about.st_atime, about.st_mtime), about.st_size, path))
-    left = size
-    for used, each, path in sorted(told, reverse=True):
-        left -= each
-        if left < 0 and used < time.time() - _YOUNG_SECONDS:
-            path.unlink(missing_ok=True)

@@ -26,6 +26,7 @@ from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_pa
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
+from kinetix.files.caches import tidy_caches
 from kinetix.level.compile import features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
@@ -275,7 +276,7 @@ def keep_programs() -> None:
     for key, program in PROGRAMS.taken_fresh():
         if isinstance(key, StepKey):
             disk.save(key, program)
-    disk.tidy()
+    tidy_caches()
 
 
 def _no_action() -> Array:

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from kinetix.cores import use_all_cores
 from kinetix.failures import guarded, plain_streams
+from kinetix.files.caches import tidy_caches
 from kinetix.paths import cache_dir
 
 COMMANDS: Final[dict[str, str]] = {
@@ -28,6 +29,7 @@ COMMANDS: Final[dict[str, str]] = {
     "levelset": "build, check and split level sets",
     "train": "train an agent",
     "bench": "measure speed, scaling, accuracy and rendering",
+    "cache": "say how much compiled programs and thumbnails take, or clear them",
 }
 """Every sub-command and what it does."""
 
@@ -74,7 +76,10 @@ def _run(name: str, words: Sequence[str]) -> int:
     with plain_streams():
         if hasattr(command, "cores"):
             use_all_cores(command.cores, unless_started=command.cores is None)
-        return module.run(command)
+        status = module.run(command)
+    if "jax" in sys.modules:  # it may have written to its cache
+        tidy_caches()
+    return status
 
 
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:

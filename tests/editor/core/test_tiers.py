@@ -30,7 +30,7 @@ def perform(tmp_path_factory):
 
     folder, programs = tmp_path_factory.mktemp("cache"), Programs()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(disk, "cache_dir", lambda: folder)
+        patch.setattr(disk, "cache_folder", lambda name: folder / name)
         for module in (stepping, cast):
             patch.setattr(module, "PROGRAMS", programs)
         yield lambda request: simulation.perform(request, Unheard())

@@ -1,0 +1,24 @@
+"""Say how much lies in the caches, or clear them; everything in them is made anew when needed."""
+
+import dataclasses
+
+from kinetix.files.caches import CACHES, cache_bytes, cache_folder, clear_cache
+from kinetix.files.limits import MIB
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Cache:
+    """Compiled programs and thumbnails on disk."""
+
+    clear: bool = False
+    """Delete them all."""
+
+
+def run(command: Cache) -> int:
+    """Print a line a cache; 0 always."""
+    for name, cache in CACHES.items():
+        size = clear_cache(name) if command.clear else cache_bytes(name)
+        told = f"{size / MIB:.1f} MiB"
+        bound = "cleared" if command.clear else f"of {cache.largest // MIB} MiB"
+        print(f"{cache_folder(name)}: {told} {bound}, {cache.what}")
+    return 0

@@ -1,0 +1,90 @@
+"""What can be made anew and lies on disk: one table of folders, each with a bound."""
+
+import contextlib
+import dataclasses
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from kinetix.files.limits import MIB
+from kinetix.paths import cache_dir
+
+_YOUNG_SECONDS: Final = 60.0
+"""Files that another process may be writing just now."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class CacheBound:
+    """One folder below the user's cache folder."""
+
+    what: str
+    """What it holds, in words."""
+    largest: int
+    """Of more bytes the files that were used longest ago are deleted."""
+
+
+CACHES: Final[dict[str, CacheBound]] = {
+    "jax": CacheBound(what="compiled programs of JAX", largest=1024 * MIB),
+    "steps": CacheBound(what="compiled steps of the editor", largest=64 * MIB),
+    "gallery": CacheBound(what="the gallery's index and thumbnails", largest=256 * MIB),
+    "peers": CacheBound(what="compiled programs of other engines", largest=1024 * MIB),
+}
+"""By name of the folder."""
+
+
+def cache_folder(name: str) -> Path:
+    """The folder of a cache; it need not exist."""
+    return cache_dir() / name
+
+
+def cache_bytes(name: str) -> int:
+    """How much lies in a cache [bytes]."""
+    return sum(size for _, size, _ in _contents(cache_folder(name)))
+
+
+def tidy_caches() -> None:
+    """Delete what was used longest ago wherever there is too much."""
+    for name, cache in CACHES.items():
+        bound(cache_folder(name), cache.largest)
+
+
+def clear_cache(name: str) -> int:
+    """Delete a cache; programs that run now make anew what they need.
+
+    Args:
+        name: Which.
+
+    Returns:
+        How much was deleted [bytes].
+    """
+    size = cache_bytes(name)
+    shutil.rmtree(cache_folder(name), ignore_errors=True)
+    return size - cache_bytes(name)
+
+
+def bound(folder: Path, largest: int) -> None:
+    """Delete the files below a folder that were used longest ago, until the rest is small enough.
+
+    Args:
+        folder: Which; it need not exist.
+        largest: How much may stay [bytes].
+    """
+    left = largest
+    for used, size, path in sorted(_contents(folder), reverse=True):
+        left -= size
+        if left < 0 and used < time.time() - _YOUNG_SECONDS:
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
+
+
+def _contents(folder: Path) -> Iterator[tuple[float, int, Path]]:
+    """Every file with when it was used [s] and its size [bytes]."""
+    for path in folder.rglob("*"):
+        try:
+            about = path.lstat()
+        except OSError:
+            continue  # another process was faster
+        if not path.is_dir():
+            yield max(about.st_atime, about.st_mtime), about.st_size, path
