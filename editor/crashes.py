@@ -31,8 +31,8 @@ class Crashes:
         What fails in every frame has one report.
         """
         frames = traceback.extract_tb(error.__traceback__)
-        place = (frames[-1].filename, frames[-1].lineno or 0) if frames else ("", 0)
-        fault = (type(error).__name__, *place)
+        file, line = (frames[-1].filename, frames[-1].lineno or 0) if frames else ("", 0)
+        fault = (type(error).__name__, file, line)
         new = fault not in self._told
         if new:
             report = write_report(error, tuple(self.actions))
