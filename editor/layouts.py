@@ -200,6 +200,8 @@ def _canvas_node(node: imgui.internal.DockNode) -> imgui.internal.DockNode | Non
 
 _HEADER: Final = "; kinetix-editor layout 2"
 """First line of a stored layout; one without it may have lost its docks."""
+_NARROW_MARK: Final = ", narrow"
+_FRONT_MARK: Final = ", in front: "
 _NODE: Final = re.compile(r"^ *Dock(?:Node|Space) +ID=(0x[0-9A-F]+)", re.MULTILINE)
 _WINDOW: Final = re.compile(r"^\[Window\]\[(?:.*###)?panel-(\w+)\]\n((?:\w+=.*\n)*)", re.MULTILINE)
 _DOCK: Final = re.compile(r"^DockId=(0x[0-9A-F]+)", re.MULTILINE)
@@ -212,13 +214,20 @@ def snapshot(front: Collection[str]) -> str:
     Args:
         front: Ids of the panels that are on the screen.
     """
-    return f"{_HEADER}, in front: {' '.join(sorted(front))}\n{imgui.save_ini_settings_to_memory()}"
+    width = _NARROW_MARK if is_narrow() else ""
+    first = f"{_HEADER}{width}{_FRONT_MARK}{' '.join(sorted(front))}"
+    return f"{first}\n{imgui.save_ini_settings_to_memory()}"
 
 
 def front_of(stored: str) -> tuple[str, ...]:
     """Return the ids of the panels that were in front when a layout was stored."""
-    header, _, front = stored.partition("\n")[0].partition(", in front: ")
-    return tuple(front.split()) if header == _HEADER else ARRANGEMENTS["edit"].front
+    header, _, front = stored.partition("\n")[0].partition(_FRONT_MARK)
+    return tuple(front.split()) if is_current(header) else ARRANGEMENTS["edit"].front
+
+
+def of_narrow(stored: str) -> bool:
+    """Return whether a stored layout is that of a narrow window."""
+    return stored.partition("\n")[0].partition(_FRONT_MARK)[0].endswith(_NARROW_MARK)
 
 
 def is_current(stored: str) -> bool:

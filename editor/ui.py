@@ -178,6 +178,8 @@ class Ui:
             # What version 0.1.0 left had little room for the canvas: the new arrangement is better.
             known = layouts.is_current(settings.layout)
             self._laid_out = known and self._restore(settings.layout)
+            if self._laid_out:
+                self._narrow = layouts.of_narrow(settings.layout)
         elif asked.layout in settings.layouts and not self.session.gallery.open:
             if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True

@@ -11,9 +11,9 @@ from editor.hosts.headless import HeadlessHost
 from editor.jobs import Worker
 from editor.requests import Progress, Request
 from editor.session import Session
-from editor.settings import Settings
 from editor.widgets import Probe
 from kinetix.level.model import Level
+from tests.editor import days
 
 
 def refuse(request: Request, progress: Progress) -> None:
@@ -126,8 +126,7 @@ class Factory:
     ) -> Gui:
         self.close()
         if session is None:
-            worker = Worker(perform=refuse)
-            session = Session(settings=Settings(), worker=worker, level=level)
+            session = days.a_session(Worker(perform=refuse), level)
         self.current = Gui(session, **options)
         return self.current
 
@@ -139,14 +138,32 @@ class Factory:
             self.current = None
 
 
+@pytest.fixture(scope="session")
+def yesterday(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a day with the app has left in the user's folders."""
+    home = tmp_path_factory.mktemp("yesterday")
+    worker = Worker(perform=refuse)
+    days.live_through(home, worker)
+    worker.stop()
+    return home
+
+
+@pytest.fixture(params=days.DAYS)
+def day(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, yesterday: Path
+) -> str:
+    """Puts the user's folders into a temporary one: empty, or as yesterday has left them."""
+    for name, value in days.folders(tmp_path).items():
+        monkeypatch.setenv(name, value)
+    if request.param == days.SECOND:
+        days.put(yesterday, tmp_path)
+    return request.param
+
+
 @pytest.fixture
-def make_gui(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Factory]:
-    """Makes windows whose settings and autosaves stay in a temporary folder."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path / "documents"))
+def make_gui(day: str) -> Iterator[Factory]:
+    """Makes windows on the first and on the second day."""
+    del day
     factory = Factory()
     yield factory
     factory.close()

@@ -26,6 +26,10 @@ def reports(tmp_path: Path):
     return sorted(tmp_path.glob("state/kinetix-editor/crashes/*.txt"))
 
 
+def copies_of(session):
+    return sorted(session.autosaves.folder.glob("*[0-9].json"))
+
+
 def fails(*_):
     imgui.begin("left open")
     imgui.begin_group()
@@ -52,7 +56,7 @@ def test_the_window_goes_on_and_the_work_is_aside(gui, tmp_path, monkeypatch, pa
     assert "ZeroDivisionError: on purpose" in text
     assert "edit.select_all" in text and "Move" in text
     assert str(tmp_path) not in text and str(Path.home()) + "/" not in text
-    copies = list(tmp_path.glob("state/kinetix-editor/autosave/*/*[0-9].json"))
+    copies = copies_of(session)
     assert [recovery._read(copy).level for copy in copies] == [session.document.level]
 
 
@@ -73,13 +77,13 @@ def test_different_faults_have_reports_of_their_own(gui, tmp_path):
     assert len(reports(tmp_path)) == 2
 
 
-def test_a_window_that_only_fails_ends_with_the_work_aside(gui, tmp_path, monkeypatch):
+def test_a_window_that_only_fails_ends_with_the_work_aside(gui, monkeypatch):
     gui.session.execute(Move(ids=(3,), shift=(0.25, 0.0)))
     monkeypatch.setattr(gui.host.ui, "frame", lambda dt: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         gui.frames(1000)
     imgui.render()
-    assert len(list(tmp_path.glob("state/kinetix-editor/autosave/*/*[0-9].json"))) == 1
+    assert len(copies_of(gui.session)) == 1
 
 
 def test_a_script_ends_with_the_first_failing_frame(gui, monkeypatch):

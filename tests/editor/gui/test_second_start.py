@@ -8,6 +8,9 @@ from imgui_bundle import imgui
 from editor import layouts
 from editor.session import Session
 from editor.settings import Settings
+from tests.editor import days
+
+pytestmark = pytest.mark.parametrize("day", [days.FIRST], indirect=True)
 
 STORED = Path(__file__).resolve().parents[1] / "stored" / "layouts"
 
@@ -142,7 +145,30 @@ def test_a_kept_layout_brings_its_own_panels_to_the_front(make_gui):
     assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in shown.items()}
 
 
-def test_sizes_grow_and_nothing_else_does():
+@pytest.mark.parametrize(("before", "after"), [(1440, 1000), (1000, 1440)])
+def test_a_window_of_another_width_has_the_layout_for_it(make_gui, before, after):
+    expected = started(make_gui, size=(after, 800)).probe("canvas")
+    layout = quit_(started(make_gui, size=(before, 800)))
+    canvas = started(make_gui, layout, size=(after, 800)).probe("canvas")
+    assert canvas.low == pytest.approx(expected.low, abs=2)
+    assert canvas.high == pytest.approx(expected.high, abs=2)
+
+
+def test_the_window_after_version_0_1_0_is_that_of_a_first_start(make_gui, tmp_path):
+    first = make_gui()
+    first.frames(50)
+    expected = {name: place[1:] for name, place in places(first).items()}
+    days.put_old(tmp_path)
+    gui = make_gui()
+    gui.frames(50)
+    assert gui.session.settings.grid_step == 0.25
+    assert {name: place[1:] for name, place in places(gui).items()} == expected
+    gui.key("c")
+    assert gui.session.tool.id == "circle"
+
+
+def test_sizes_grow_and_nothing_else_does(day):
+    del day
     text = "Size=100,40\nDockId=0x00000010\n  DockNode SizeRef=20,30 Pos=5,5"
     grown = "Size=150,60\nDockId=0x00000010\n  DockNode SizeRef=30,45 Pos=5,5"
     assert layouts.scaled(text, 1.5) == grown

@@ -13,6 +13,7 @@ import pytest
 
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir
+from tests.editor import days
 from tests.editor.hosts.processes import end, start
 
 pytestmark = [pytest.mark.xvfb, pytest.mark.usefixtures("x_server", "software_gl")]
@@ -82,8 +83,10 @@ class Desktop:
         raise AssertionError("timed out")
 
 
-@pytest.fixture
-def desktop(home, tmp_path):
+@pytest.fixture(params=["first day", "after version 0.1.0"])
+def desktop(request, home, tmp_path):
+    if request.param != "first day":
+        days.put_old(tmp_path)
     level = tmp_path / "mine.json"
     shutil.copy(levels_dir() / "l" / "rover_ridge.json", level)
     with contextlib.ExitStack() as ends:
@@ -148,3 +151,35 @@ def test_draws_with_the_mouse_saves_with_the_keyboard_and_quits(desktop, tmp_pat
     assert desktop.app.returncode == 0
     recents = json.loads((tmp_path / "config" / "kinetix-editor" / "settings.json").read_text())
     assert str(level) in recents["recents"][0]
+
+
+def test_a_killed_window_is_restored_by_the_next(home, tmp_path):
+    level = tmp_path / "mine.json"
+    shutil.copy(levels_dir() / "s" / "first_flight.json", level)
+    count = len(load_level(level).bodies)
+    autosaves = tmp_path / "state" / "kinetix-editor" / "autosave"
+    with contextlib.ExitStack() as ends:
+        desktop = Desktop(level, home, ends)
+        window = desktop.window()
+        desktop.do("windowfocus", "--sync", window)
+        time.sleep(1.0)
+        desktop.do("key", "ctrl+a")
+        desktop.do("key", "Delete")
+        desktop.until(lambda: list(autosaves.glob("*/*[0-9].json")))
+        settings = tmp_path / "config" / "kinetix-editor" / "settings.json"
+        desktop.until(lambda: settings.is_file() and str(level) in settings.read_text())
+        desktop.app.kill()
+        desktop.app.wait(20)
+    assert len(load_level(level).bodies) == count
+    with contextlib.ExitStack() as ends:
+        desktop = Desktop(level, home, ends)
+        desktop.do("windowfocus", "--sync", desktop.window())
+        time.sleep(2.0)
+        desktop.do("key", "Return")
+        desktop.until(lambda: desktop.title().startswith("●"))
+        desktop.do("key", "ctrl+s")
+        desktop.until(lambda: not load_level(level).bodies)
+        desktop.do("key", "ctrl+q")
+        desktop.app.wait(20)
+        assert desktop.app.returncode == 0
+    assert list(autosaves.iterdir()) == []
