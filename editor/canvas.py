@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions, events, picking
+from editor import actions, events, gauges, picking
 from editor.actions.view import shows_panels
 from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.camera import ARENA, Camera, Point
@@ -248,13 +248,13 @@ class Canvas:
             self._picture(session, painter)
         if session.view.debug_draw:
             paint_debug(session, painter, where)
+        if settings.key_caps:
+            self._key_caps(session, marker)
         if session.editing:
             self._edit_marks(session, marker)
         else:
             self._players(session, painter, where, split=split)
             self._play_marks(session, marker)
-        if settings.key_caps:
-            self._key_caps(session, marker)
         if session.editing and not scene.bodies and not session.driver.active:
             self._teach(draw)
         self._minimap.paint(session, draw, where, high)
@@ -286,9 +286,12 @@ class Canvas:
             hovered = (*hovered, session.hovered)
         marker.selection(session.selection, hovered)
         marker.marks(session.marks)
-        if session.tool.id == "select" and not session.driver.active and session.selection:
-            level = session.document.shown
-            marker.marks(picking.handles(level, session.selection, session.metres))
+        if session.tool.id == "select" and not session.driver.active:
+            level, metres = session.document.shown, session.metres
+            if session.selection or level.bodies:
+                marker.marks(gauges.marks_of(level, session.selection, metres))
+                marker.marks(gauges.handles_of(level, session.selection, metres))
+            marker.marks(picking.handles(level, session.selection, metres))
 
     def _players(
         self, session: "Session", painter: Painter, where: Placement, *, split: bool

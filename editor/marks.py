@@ -1,6 +1,7 @@
 """What lies on top of the level: selection, hover, tool marks, handles, key caps."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Final
@@ -10,8 +11,10 @@ from imgui_bundle import imgui
 from editor import strokes
 from editor.commands.base import EntityId
 from editor.controls import Drive, key_caps
+from editor.gauges import KINDS
 from editor.look import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.overlay import (
+    Arc,
     Box,
     Dot,
     Handle,
@@ -40,8 +43,10 @@ _STYLES: Final[dict[Style, Rgba]] = {
     Style.MARQUEE_CONTAINED: COLOURS.accent_strong,
     Style.MARQUEE_TOUCHING: (0.1, 0.62, 0.42, 1.0),
     Style.FORCE: (0.95, 0.45, 0.05, 1.0),
+    Style.QUANTITY: (0.10, 0.45, 0.95, 1.0),
     Style.REFUSED: COLOURS.bad,
 }
+_GAUGE: Final = {HandleKind.MOTOR: Style.FORCE, HandleKind.POWER: Style.FORCE}
 _DASHED: Final = (Style.BODY_B, Style.MARQUEE_TOUCHING)
 _HALO: Final = (1.0, 1.0, 1.0, 0.85)
 """Under thin coloured lines, so that they stand out on bodies of any colour."""
@@ -52,6 +57,8 @@ _CAP_PX: Final = 17.0
 """… but no more than this [px at 100 %]."""
 _CAP_LEAST_PX: Final = 9.0
 """Smaller ones could not be read and are not drawn [px]."""
+_ROUND: Final = frozenset({HandleKind.ROTATE, HandleKind.AIM, HandleKind.RADIUS}) | KINDS
+"""Handles that turn or lengthen something are round; those of sizes have corners."""
 HANDLE_PX: Final = 4.5
 """Half the side of a handle [px at 100 %]."""
 
@@ -218,7 +225,7 @@ class Marker:
         for mark in marks:
             self._mark(mark)
 
-    def _mark(self, mark: Mark) -> None:
+    def _mark(self, mark: Mark) -> None:  # noqa: C901 - one case a kind
         to_screen = self.painter.camera.to_screen
         match mark:
             case Line(a=a, b=b, style=style, arrow=True):
@@ -234,6 +241,8 @@ class Marker:
                 r = radius * self.painter.camera.scale
                 self.draw.add_circle(to_screen(centre), r, u32(_HALO), 0, px(4))
                 self.draw.add_circle(to_screen(centre), r, u32(_STYLES[style]), 0, px(2))
+            case Arc():
+                self._arc(mark)
             case Outline(points=points, style=style):
                 self._closed([to_screen(point) for point in points], style)
             case Box(low=low, high=high, style=style):
@@ -248,6 +257,23 @@ class Marker:
             case Handle(kind=kind, at=at):
                 self._handle(kind, to_screen(at))
 
+    def _arc(self, arc: Arc) -> None:
+        centre = self.painter.camera.to_screen(arc.centre)
+        r, colour = arc.radius * self.painter.camera.scale, _STYLES[arc.style]
+        # On the screen y points down, so counter-clockwise is a falling angle.
+        sweep = max(-math.tau, min(arc.end - arc.start, math.tau))
+        steps = max(int(abs(sweep) * 12), 2)
+        angles = [-(arc.start + sweep * k / steps) for k in range(steps + 1)]
+        points = [(centre[0] + r * math.cos(a), centre[1] + r * math.sin(a)) for a in angles]
+        if arc.filled:
+            fan: list[Point] = [centre, *points]
+            for p, q in itertools.pairwise(fan[1:]):
+                strokes.fill(self.draw, (centre, p, q), u32(alpha(colour, 0.16)))
+            strokes.stroke(self.draw, fan, u32(colour), px(1.5), closed=True)
+            return
+        strokes.stroke(self.draw, points, u32(_HALO), px(4.5))
+        strokes.stroke(self.draw, points, u32(colour), px(2.5))
+
     def _closed(self, points: list[Point], style: Style) -> None:
         colour = u32(_STYLES[style])
         if style in _DASHED:
@@ -260,9 +286,13 @@ class Marker:
     def _handle(self, kind: HandleKind, at: Point) -> None:
         r = px(HANDLE_PX)
         line, face = u32(COLOURS.accent_strong), u32((1.0, 1.0, 1.0, 1.0))
-        if kind in (HandleKind.ROTATE, HandleKind.AIM, HandleKind.RADIUS):
+        if kind in _ROUND:
             self.draw.add_circle_filled(at, r + px(2), line)
             self.draw.add_circle_filled(at, r, face)
+            if kind in KINDS:
+                self.draw.add_circle_filled(
+                    at, r - px(1.5), u32(_STYLES[_GAUGE.get(kind, Style.QUANTITY)])
+                )
             if kind is HandleKind.ROTATE:
                 self.draw.add_circle_filled(at, px(1.5), line)
             return

@@ -26,6 +26,8 @@ class Style(enum.Enum):
     """Rubber band that takes what it touches (drawn right to left)."""
     FORCE = "force"
     """Push of a thruster or of the mouse."""
+    QUANTITY = "quantity"
+    """A limit, a velocity, gravity."""
     REFUSED = "refused"
     """Something that will not work."""
 
@@ -42,6 +44,17 @@ class HandleKind(enum.Enum):
     VERTEX = "vertex"
     AIM = "aim"
     """Direction of a thruster."""
+    LIMIT_MIN = "limit_min"
+    LIMIT_MAX = "limit_max"
+    """Ends of the wedge of a joint's limits."""
+    MOTOR = "motor"
+    """Speed of a joint's motor."""
+    POWER = "power"
+    """Power of a thruster."""
+    VELOCITY = "velocity"
+    SPIN = "spin"
+    """Motion of a body at the start."""
+    GRAVITY = "gravity"
 
 
 class Cursor(enum.Enum):
@@ -73,6 +86,18 @@ class Ring:
     centre: Point
     radius: float
     style: Style
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Arc:
+    """A part of a circle's outline, from one angle to the other [rad]; `filled` to the centre."""
+
+    centre: Point
+    radius: float
+    start: float
+    end: float
+    style: Style
+    filled: bool = False
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -118,4 +143,4 @@ class Handle:
     """Which corner, edge or vertex."""
 
 
-Mark: TypeAlias = Line | Ring | Outline | Box | Dot | Label | Handle
+Mark: TypeAlias = Line | Ring | Arc | Outline | Box | Dot | Label | Handle

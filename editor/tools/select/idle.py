@@ -4,6 +4,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Final
 
+from editor import gauges
 from editor.commands.base import EntityId, Selection
 from editor.commands.rigid import component
 from editor.events import Point, Pointer, PointerEvent
@@ -12,6 +13,7 @@ from editor.picking import HANDLE_PIXELS, PICK_PIXELS, handles, pick_handle, sta
 from editor.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool
 from editor.tools.select.box import rubber_band
 from editor.tools.select.drag import drag_bodies, drag_joint, drag_thruster
+from editor.tools.select.gauge import adjust
 from editor.tools.select.resize import resize
 from editor.tools.select.rotate import aim, rotate_bodies
 
@@ -25,6 +27,17 @@ CYCLE_SECONDS: Final = 0.6
 _CURSORS: Final = {
     HandleKind.ROTATE: Cursor.ROTATE,
     HandleKind.AIM: Cursor.ROTATE,
+    **dict.fromkeys(gauges.KINDS, Cursor.MOVE),
+}
+
+_HINTS: Final = {
+    HandleKind.LIMIT_MIN: "Drag: least angle of the joint. Ctrl: any angle, or type degrees.",
+    HandleKind.LIMIT_MAX: "Drag: greatest angle of the joint. Ctrl: any angle, or type degrees.",
+    HandleKind.MOTOR: "Drag: speed of the motor. Ctrl: any speed, or type one.",
+    HandleKind.POWER: "Drag: power of the thruster. Ctrl: any power, or type one.",
+    HandleKind.VELOCITY: "Drag: velocity at the start. Ctrl: any direction, or type the speed.",
+    HandleKind.SPIN: "Drag: spin at the start. Ctrl: any spin, or type rad/s.",
+    HandleKind.GRAVITY: "Drag: gravity. Ctrl: any direction, or type m/s².",
 }
 
 
@@ -39,7 +52,8 @@ class SelectTool(Tool):
         """Show what a press would take."""
         handle = _handle_at(session, event)
         if handle is not None:
-            return Feedback(cursor=_CURSORS.get(handle.kind, Cursor.RESIZE))
+            hint = _HINTS.get(handle.kind, "")
+            return Feedback(cursor=_CURSORS.get(handle.kind, Cursor.RESIZE), hint=hint)
         under = under_pointer(session, event)
         session.hovered = under[0] if under else None
         return Feedback(cursor=Cursor.MOVE if under else Cursor.ARROW)
@@ -74,6 +88,8 @@ class SelectTool(Tool):
             gesture = rotate_bodies(session, dataclasses.replace(press, world=handle.at))
         elif handle.kind is HandleKind.AIM:
             gesture = aim(session)
+        elif handle.kind in gauges.KINDS:
+            gesture = adjust(session, handle)
         else:
             gesture = resize(session, handle)
         return (yield from _forwarded(gesture, event, offset))
@@ -164,5 +180,9 @@ def under_pointer(session: "Session", event: PointerEvent) -> Selection:
 
 
 def _handle_at(session: "Session", event: PointerEvent) -> Handle | None:
-    available = handles(session.document.level, session.selection, session.metres)
-    return pick_handle(available, event.world, HANDLE_PIXELS * session.metres)
+    level, selection, metres = session.document.level, session.selection, session.metres
+    available = handles(level, selection, metres)
+    found = pick_handle(available, event.world, HANDLE_PIXELS * metres)
+    return found or pick_handle(
+        gauges.handles_of(level, selection, metres), event.world, HANDLE_PIXELS * metres
+    )
