@@ -130,7 +130,7 @@ class FileBrowser:
         imgui.begin_child("files", size, imgui.ChildFlags_.always_use_window_padding.value)
         entries = self._entries()
         if not entries:
-            widgets.muted(self._error or "No folders and no level files here.")
+            widgets.muted(self._error or nothing_here(self._question))
         for path in entries:
             folder = path.is_dir()
             if not self._row(session, path, folder=folder):
@@ -159,7 +159,10 @@ class FileBrowser:
         draw = imgui.get_window_draw_list()
         middle = start.y + (height - imgui.get_text_line_height()) / 2
         if folder:
-            draw.add_text((start.x + px(10), middle), u32(COLOURS.info), Icons.folder)
+            describe = self._question.describe
+            fits = describe is not None and bool(describe(path))
+            icon, colour = (Icons.agent, COLOURS.good) if fits else (Icons.folder, COLOURS.info)
+            draw.add_text((start.x + px(10), middle), u32(colour), icon)
             draw.add_text((start.x + px(38), middle), u32(COLOURS.text), path.name)
             return picked
         at = (start.x + px(4), start.y + px(3))
@@ -176,8 +179,13 @@ class FileBrowser:
     def _preview(self, height: float) -> None:
         imgui.begin_child("preview", (px(_PREVIEW), height))
         path = self._folder / self._name if self._name else None
+        if self._folders_only:
+            self._about_folder()
+            imgui.end_child()
+            return
         if path is None or not path.is_file():
-            widgets.small("Choose a level to see it here.")
+            if _LEVEL in self._question.suffixes:
+                widgets.small("Choose a level to see it here.")
             imgui.end_child()
             return
         if path.suffix.lower() != _LEVEL:
@@ -195,6 +203,16 @@ class FileBrowser:
                 widgets.small(level.description)
             widgets.small(counts((*level.bodies, *level.joints, *level.thrusters)) or "Empty")
         imgui.end_child()
+
+    def _about_folder(self) -> None:
+        """What the folder on show is, where something certain is asked for."""
+        if self._question.describe is None:
+            return
+        told = self._question.describe(self._folder)
+        if told:
+            widgets.wrapped(told)
+        else:
+            widgets.small(f"Go into the folder of {self._question.wanted}.")
 
     def _footer(self, session: "Session", chosen: bool) -> tuple[bool, Path | None]:
         if self._folders_only:
@@ -247,7 +265,15 @@ class FileBrowser:
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
         cancelled = widgets.button(session, "browser.cancel", "Cancel", width=width)
         imgui.same_line()
-        if widgets.primary_button(session, "browser.accept", "Use this folder", width=width):
+        describe = self._question.describe
+        fits = describe is None or bool(describe(self._folder))
+        with widgets.disabled(not fits):
+            pressed = widgets.primary_button(
+                session, "browser.accept", "Use this folder", width=width
+            )
+        if not fits:
+            widgets.tooltip("Use this folder", f"It is not {self._question.wanted}.")
+        if pressed and fits:
             return True, self._folder
         return cancelled, None
 
@@ -284,6 +310,16 @@ class FileBrowser:
             self._error = f"There is no file {path.name} here."
             return False, None
         return True, path
+
+
+def nothing_here(question: FileQuestion) -> str:
+    """Return what an empty folder is said to lack."""
+    if question.purpose == "folder":
+        return "No folders here."
+    if question.suffixes == (_LEVEL,):
+        return "No folders and no level files here."
+    kinds = " or ".join(suffix for suffix in question.suffixes if suffix)
+    return f"No folders and no {kinds} files here." if kinds else "Nothing here."
 
 
 def thumbnail(level: Level, side: float) -> None:

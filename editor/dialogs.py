@@ -195,6 +195,11 @@ class Dialogs:
         imgui.separator()
         for choice in prompt.choices:
             self._choice(session, prompt, choice)
+        entered = imgui.is_key_pressed(imgui.Key.enter, False)
+        if entered and not fresh and not imgui.is_any_item_focused():
+            # Nothing is pointed at with the keys: Return takes the first one.
+            imgui.close_current_popup()
+            session.queue(lambda: session.answer(prompt, prompt.choices[0].id))
         if imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
             imgui.close_current_popup()
         imgui.end_popup()

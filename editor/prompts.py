@@ -58,6 +58,11 @@ class FileQuestion:
     suffixes: tuple[str, ...] = (".json",)
     answer: Callable[[Path | None], None]
     """Called with the path, or None when the user gave up."""
+    describe: Callable[[Path], str] | None = None
+    """Says what a folder is, for the preview; empty where it is not what is asked for. None: any
+    folder will do."""
+    wanted: str = ""
+    """What a folder has to be, in words: `an agent or a training run`."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -397,6 +397,19 @@ def broken(words: str, width: float) -> list[str]:
     return lines
 
 
+def beside(width: float, *, gap: float = 14) -> None:
+    """Go on in the same line where the next item has room, else in the next line.
+
+    Args:
+        width: Of the next item [px at 100 %].
+        gap: Before it, likewise.
+    """
+    right = imgui.get_window_pos().x + imgui.get_window_width()
+    edge = right - imgui.get_style().window_padding.x
+    if imgui.get_item_rect_max().x + px(gap + width) < edge:
+        imgui.same_line(0, px(gap))
+
+
 def separator_gap(width: float = 8.0) -> None:
     """A thin upright line between groups of a bar."""
     imgui.same_line(0, px(width))

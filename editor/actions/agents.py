@@ -16,7 +16,8 @@ from editor.requests import (
 )
 from editor.session import Session
 from editor.viewer import AgentSlot, Compare, SlotName
-from kinetix.errors import CommandError
+from kinetix.agents.card import read_card
+from kinetix.errors import CheckpointError, CommandError
 from kinetix.paths import checkpoints_dir
 
 RECENT_AGENTS: Final = 8
@@ -27,6 +28,20 @@ _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
 def is_agent_folder(path: Path) -> bool:
     """Whether a folder looks like an agent or a training run."""
     return path.is_dir() and any((path / name).is_file() for name in _AGENT_FILES)
+
+
+def about_agent(path: Path) -> str:
+    """Return what is known of the agent in a folder, unloaded; empty where there is none."""
+    if not is_agent_folder(path):
+        return ""
+    if is_run(path):
+        return f"{path.name}: a training run; its newest agent is taken."
+    try:
+        card = read_card(path / _AGENT_FILES[0])[0]
+    except CheckpointError:
+        return path.name
+    words = [card.name, card.description, f"Trained under {card.environment.physics}."]
+    return "\n".join(word for word in words if word)
 
 
 def is_run(path: Path) -> bool:
@@ -178,6 +193,8 @@ def browse(session: Session, slot: SlotName) -> None:
             title="Folder of an agent or of a training run",
             folder=_folder(session),
             answer=answer,
+            describe=about_agent,
+            wanted="an agent or a training run",
         )
     )
 

@@ -32,8 +32,16 @@ def ask_run(session: Session) -> None:
             title="Folder of a training run",
             folder=Path.cwd(),
             answer=answer,
+            describe=_about_run,
+            wanted="a training run",
         )
     )
+
+
+def _about_run(path: Path) -> str:
+    files = ("metrics.jsonl", "checkpoints", "config.toml")
+    found = any((path / name).exists() for name in files)
+    return f"{path.name}: a training run." if found else ""
 
 
 def update_viewer(session: Session) -> None:

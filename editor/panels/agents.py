@@ -95,7 +95,13 @@ class AgentsPanel(Panel):
     def _play(self, session: "Session") -> None:
         imgui.same_line()
         keys = chord_label("f6")
-        if widgets.primary_button(session, "agents.play", f"{Icons.play}  Let it play"):
+        summary = session.viewer.slots["a"].summary
+        playback = session.playback
+        level = playback.level if playback.active else session.document.level
+        able = summary is None or level is None or summary.any_size or not mismatch(summary, level)
+        with widgets.disabled(not able):
+            pressed = widgets.primary_button(session, "agents.play", f"{Icons.play}  Let it play")
+        if pressed and able:
             session.queue("run.play_agent")
         widgets.tooltip("Let the agent play", actions.BY_ID["run.play_agent"].tooltip, keys)
 

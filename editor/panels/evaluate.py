@@ -88,6 +88,28 @@ def scripted_summary(name: str) -> AgentSummary:
     )
 
 
+def _label(words: str) -> None:
+    """What the next field is."""
+    widgets.beside(170, gap=12)
+    imgui.align_text_to_frame_padding()
+    widgets.muted(words)
+    imgui.same_line(0, px(6))
+
+
+def end_of(words: str, width: float) -> str:
+    """Return as much of the end of some words as fits: names of levels differ there."""
+    if imgui.calc_text_size(words).x <= width:
+        return words
+    low, high = 0, len(words)
+    while low < high:
+        middle = (low + high) // 2
+        if imgui.calc_text_size(f"…{words[middle:]}").x <= width:
+            high = middle
+        else:
+            low = middle + 1
+    return f"…{words[low:]}"
+
+
 class EvaluatePanel(Panel):
     """A form, a bar, a table; double-clicking a result opens one of its episodes."""
 
@@ -147,14 +169,14 @@ class EvaluatePanel(Panel):
         if picked is not None:
             self._choose_source(session, picked)
         widgets.tooltip("Levels", ", ".join(form.paths) or "What is played.")
-        imgui.same_line()
+        _label("Attempts")
         imgui.set_next_item_width(px(96))
         changed, attempts = imgui.input_int("###attempts", form.attempts)
         widgets.probe(session, "evaluate.attempts")
         if changed:
             form.attempts = min(max(attempts, 1), MOST_ATTEMPTS)
         widgets.tooltip("Attempts", "Independent episodes for each level and agent.")
-        imgui.same_line()
+        _label("Seed")
         imgui.set_next_item_width(px(96))
         changed, seed = imgui.input_int("###seed", form.seed)
         widgets.probe(session, "evaluate.seed")
@@ -323,7 +345,10 @@ class EvaluatePanel(Panel):
     def _row(self, session: "Session", row: Row) -> None:
         imgui.table_next_row()
         imgui.table_next_column()
-        widgets.text(row.name)
+        shown = end_of(row.name, imgui.get_content_region_avail().x)
+        widgets.text(shown)
+        if shown != row.name:
+            widgets.tooltip(row.name)
         winner = best(row.results)
         for agent, result in enumerate(row.results):
             imgui.table_next_column()

@@ -70,9 +70,9 @@ class TrainingPanel(Panel):
             words += f", {int(steps):,} environment steps".replace(",", " ")
         if run.newest is not None:
             words += f", newest agent at {run.newest:,}".replace(",", " ")
-        widgets.text(words)
+        widgets.wrapped(words)
         widgets.tooltip(run.path)
-        imgui.same_line(0, px(14))
+        widgets.beside(190)
         changed, on = widgets.checkbox(
             session, "training.follow", "Take the newest agent", viewer.follow_run
         )
@@ -81,9 +81,9 @@ class TrainingPanel(Panel):
             "Take the newest agent",
             "Slot A gets every new checkpoint; the next episode is played by it.",
         )
-        imgui.same_line(0, px(14))
+        widgets.beside(90)
         self._choose(session)
-        imgui.same_line(0, px(14))
+        widgets.beside(120)
         if widgets.button(session, "training.stop", "Stop watching"):
             session.queue(lambda: watch.watch_run(session, ""))
 

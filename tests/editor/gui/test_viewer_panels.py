@@ -5,20 +5,24 @@ import dataclasses
 import numpy as np
 import pytest
 
-from editor import play_side
+from editor import actions, play_side
 from editor.actions import agents, export, watch
 from editor.agent_overlay import most_entropy, value_range
+from editor.browser import nothing_here
 from editor.evaluation import Plan
 from editor.follower import Follower
 from editor.jobs import Worker
 from editor.panels import timeline
+from editor.panels.evaluate import end_of
 from editor.panels.timeline import marks_of
 from editor.playback import Mode
+from editor.prompts import FileQuestion
 from editor.recording import Mind
 from editor.requests import AgentView, EvaluatedLevel, ExportFilm, LoadAgent, ViewTable
 from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
+from kinetix.paths import checkpoints_dir
 from tests.editor.core.helpers import FakeSimulator, a_level
 from tests.editor.core.test_viewer import Stage, a_summary, a_trace
 
@@ -256,6 +260,77 @@ def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
     (request,) = [r for r in with_agent.stage.asked if isinstance(r, ExportFilm)]
     assert request.rival.player == "Other"
     assert len(request.rival.snapshots) > 5
+
+
+def test_the_end_of_a_name_is_shown_where_there_is_no_room_for_all(gui):
+    name = "published/l/h17_thrustcontrol_left"
+    assert end_of(name, 10_000) == name
+    shown = end_of(name, 120)
+    assert shown.startswith("…")
+    assert name.endswith(shown[1:])
+    assert 5 < len(shown) < len(name)
+
+
+def test_a_level_that_is_too_large_is_not_offered_to_be_played(with_agent):
+    front(with_agent, "agents")
+    flat = a_summary(any_size=False, capacity=(5, 1, 1, 1))
+    with_agent.session.viewer.slots["a"].summary = flat
+    with_agent.frames(3)
+    with_agent.click("agents.play")
+    with_agent.frames(5)
+    assert with_agent.session.mode is Mode.EDIT
+
+
+def test_return_takes_the_first_agent_of_the_list(gui):
+    session = gui.session
+    actions.run(session, "agent.choose_a")
+    gui.frames(4)
+    (prompt,) = session.prompts
+    chosen = []
+    session.prompts[0] = dataclasses.replace(prompt, answer=chosen.append)
+    gui.frames(4)
+    gui.key("return")
+    gui.frames(4)
+    assert chosen == [prompt.choices[0].id]
+
+
+def test_only_the_folder_of_an_agent_can_be_used(gui, tmp_path):
+    (tmp_path / "empty").mkdir()
+    agents.browse(gui.session, "a")
+    answers = []
+    prompt = dataclasses.replace(gui.session.prompts[0], folder=tmp_path, answer=answers.append)
+    gui.session.prompts[0] = prompt
+    gui.frames(4)
+    gui.click("browser.empty")
+    gui.click("browser.accept")
+    gui.frames(3)
+    assert answers == []
+    assert prompt.describe(checkpoints_dir() / "goalkeeper").startswith("Goalkeeper")
+    assert prompt.describe(tmp_path / "empty") == ""
+
+
+def test_the_file_dialog_says_what_kind_of_file_is_missing(tmp_path):
+    def question(**changes):
+        values = {"purpose": "open", "title": "", "folder": tmp_path, "answer": print}
+        return FileQuestion(**(values | changes))
+
+    assert nothing_here(question()) == "No folders and no level files here."
+    assert nothing_here(question(purpose="folder")) == "No folders here."
+    clip = question(purpose="save", suffixes=(".gif", ".mp4"))
+    assert nothing_here(clip) == "No folders and no .gif or .mp4 files here."
+
+
+def test_the_head_of_the_training_panel_stays_in_a_small_window(make_gui):
+    gui = make_gui(size=(1000, 640))
+    gui.session.viewer.run.path = "/runs/one"
+    gui.session.viewer.run.rows = [{"timing/num_env_steps": 1e9, "loss/total": 1.0}] * 3
+    gui.session.viewer.run.newest = 999_999_999
+    front(gui, "training")
+    for name in ("training.follow", "training.metrics", "training.stop"):
+        low, high = gui.probe(name).low, gui.probe(name).high
+        assert 0 <= low[0] < high[0] <= 1000, name
+    panel = gui.probe("training.plot.loss/total") if gui.shows("training.plot.loss/total") else None
+    assert panel is None or panel.high[0] <= 1000
 
 
 def test_the_form_evaluates_and_the_table_opens_attempts(with_agent):
