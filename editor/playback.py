@@ -217,6 +217,7 @@ class Playback:
             seed=casting.seed if casting else 0,
             attempt=casting.attempt if casting else 0,
             deterministic=casting.deterministic if casting else False,
+            digest=casting.digest if casting else "",
         )
 
     def play(self, level: Level, casting: Casting | None = None, *, player: str = "") -> None:

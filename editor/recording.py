@@ -172,6 +172,8 @@ class Trace:
     """Of the agent's draws, with `attempt` and `deterministic`."""
     attempt: int = 0
     deterministic: bool = False
+    digest: str = ""
+    """SHA-256 of the agent's parameters; empty for people and scripted agents."""
     from_file: bool = False
     """Whether it was read from a file: then it can be looked at, and not be played on from."""
 
@@ -207,6 +209,7 @@ class Trace:
             "seed": np.array(self.seed, np.int64),
             "attempt": np.array(self.attempt, np.int64),
             "deterministic": np.array(self.deterministic),
+            "digest": np.array(self.digest),
             "frame_skip": np.array(self.snapshots[0].frame_skip, np.int32),
         }
 

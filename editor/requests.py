@@ -67,6 +67,8 @@ class Casting:
     """As in an evaluation: attempt k under a seed has the same draws in both."""
     deterministic: bool = False
     """Take the likeliest action instead of drawing one."""
+    digest: str = ""
+    """SHA-256 of the agent's parameters, for what is kept of the episode."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -86,6 +86,7 @@ def _trace(arrays: dict[str, np.ndarray], level: Level) -> Trace:
         seed=int(arrays["seed"]),
         attempt=int(arrays["attempt"]),
         deterministic=bool(arrays["deterministic"]),
+        digest=str(arrays.get("digest", "")),
         from_file=True,
     )
 

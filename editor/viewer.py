@@ -82,6 +82,7 @@ class Viewer:
             seed=self.seed,
             attempt=self.attempt,
             deterministic=self.deterministic,
+            digest=summary.digest,
         )
 
     @property

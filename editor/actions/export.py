@@ -14,9 +14,13 @@ from editor.recording import Trace, channels_of
 from editor.requests import ExportFilm, ExportPicture
 from editor.session import Session
 from editor.trace_files import SUFFIX, read_trace, write_trace
+from editor.trace_pages import SUFFIX as PAGE
+from editor.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError
+from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
+from kinetix.pages.page import page_of
 from kinetix.paths import levels_dir
 
 PICTURES: Final = tuple(
@@ -27,6 +31,7 @@ CLEAR_PICTURE: Final = Choice(id="clear2", label="Picture without background", d
 EPISODES: Final = (
     Choice(id="gif", label="Film of this episode", detail="GIF"),
     Choice(id="mp4", label="Film of this episode", detail="MP4"),
+    Choice(id="html", label="Page of this episode", detail="HTML, plays in any browser"),
     Choice(id="npz", label="Trace of this episode", detail="NumPy .npz"),
 )
 
@@ -45,7 +50,7 @@ def ask_export(session: Session) -> None:
 
 
 def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
-    suffix = f".{choice}" if choice in ("gif", "mp4", "npz") else ".png"
+    suffix = f".{choice}" if choice in ("gif", "mp4", "html", "npz") else ".png"
     document, playback = session.document, session.playback
     level, snapshot = playback.level or document.level, playback.snapshot
     state = None if snapshot is None else snapshot.state
@@ -68,6 +73,8 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
         elif trace is not None and suffix == ".npz":
             write_trace(trace, level, path)
             session.toast(f"Wrote {path}", "success")
+        elif trace is not None and suffix == PAGE:
+            write_page(session, level, trace, path)
         elif trace is not None:
             film(session, level, trace, path)
 
@@ -182,6 +189,38 @@ def ask_clip(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def ask_page(session: Session) -> None:
+    """Ask where the episode shall go as a page that any browser plays."""
+    playback = session.playback
+    trace, level = playback.trace, playback.level
+    if trace is None or level is None:
+        raise CommandError("Play first: there is nothing to share.")
+    clip = trace if playback.loop is None else part(trace, *playback.loop)
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            write_page(session, level, clip, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="save",
+            title="Share the episode as a page",
+            folder=_folder(session),
+            name=f"{Path(session.document.title).stem}{PAGE}",
+            suffixes=(PAGE,),
+            answer=answer,
+        )
+    )
+
+
+def write_page(session: Session, level: Level, trace: Trace, path: Path) -> None:
+    """Write an episode as a page, with the second player beside it where there is one."""
+    rival = _rival(session, trace)
+    films = [film_of_trace(one, level) for one in (trace, rival) if one is not None]
+    write_atomically(path, page_of(films).encode())
+    session.toast(f"Wrote {path}", "success")
 
 
 def part(trace: Trace, first: int, last: int) -> Trace:

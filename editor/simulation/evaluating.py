@@ -29,6 +29,7 @@ from kinetix.agents.evaluate import (
     evaluate,
     record,
 )
+from kinetix.agents.identity import digest_of
 from kinetix.agents.player import Player
 from kinetix.agents.results import LevelFailure
 from kinetix.engine.spec import Capacity
@@ -130,6 +131,7 @@ def open_episode(request: OpenEpisode, progress: Progress) -> Opened:
             seed=casting.seed,
             attempt=casting.attempt,
             deterministic=casting.deterministic,
+            digest=digest_of(player),
         ),
     )
 

@@ -16,6 +16,7 @@ from editor.commands.bodies import posed
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
 from editor.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.simulation.stepping import start_state, without_memory
+from editor.trace_pages import film_of_trace
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
@@ -136,8 +137,20 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
     rate = steps_per_second(request) / request.stride
     kind = request.path.suffix.lower()
     with replacing(request.path) as temporary:
-        write_film(temporary, _frames(request, progress), kind=kind, per_second=rate)
+        write_film(
+            temporary,
+            _frames(request, progress),
+            kind=kind,
+            per_second=rate,
+            comment=_about(request),
+        )
     return request.path
+
+
+def _about(request: ExportFilm) -> str:
+    """What was played, by whom, under what."""
+    films = [film_of_trace(t, request.level) for t in (request.trace, request.rival) if t]
+    return "; ".join(f"{what}: {told}" for film in films for what, told in film.facts)
 
 
 def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:

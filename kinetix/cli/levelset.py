@@ -10,6 +10,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.cli.validate import issue_tree
+from kinetix.level.codec import load_document
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
     LoadedSet,
@@ -126,6 +127,8 @@ class Verdict:
     """Outcome of the recorded solution; None where there is none."""
     unsolved: bool
     """Whether the level is tagged so, which makes it only reported."""
+    records: bool = True
+    """Whether its file can record a solution: those of kinetix-env cannot."""
 
     @property
     def problems(self) -> list[str]:
@@ -133,7 +136,7 @@ class Verdict:
         found = [f"{i.code} {i.path}: {i.message}" for i in self.issues if i.severity == "error"]
         if self.noop == "won":
             found.append("doing nothing wins it")
-        if self.solution is None and self.noop is not None:
+        if self.solution is None and self.noop is not None and self.records:
             found.append("it has no recorded solution")
         elif self.solution not in (None, "won"):
             found.append(f"its recorded solution ends with {self.solution}")
@@ -178,6 +181,7 @@ def verdict_on(each: SetLevel) -> Verdict:
         noop=noop,
         solution=solution,
         unsolved=_UNSOLVED in level.tags,
+        records=each.path is None or load_document(each.path).format != "kinetix-env",
     )
 
 
@@ -196,6 +200,7 @@ def _json_line(verdict: Verdict) -> str:
 
 def _text(verdict: Verdict) -> str:
     if not verdict.problems:
-        return f"{verdict.level}: ok"
+        noted = "" if verdict.records else ", its format records no solution"
+        return f"{verdict.level}: ok{noted}"
     mark = "reported only" if verdict.ok else "FAILED"
     return f"{verdict.level}: {mark}: {'; '.join(verdict.problems)}"

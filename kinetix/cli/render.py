@@ -101,10 +101,13 @@ def run(command: Render) -> int:
         _write_page(command)
         print(command.out)
         return 0
-    moments = _showing(command, command.agent).moments
+    showing = _showing(command, command.agent)
+    moments = showing.moments
     if kind in FILM_SUFFIXES:
         with replacing(command.out) as path:
-            write_film(path, _frames(moments, command), kind=kind, per_second=FRAME_RATE)
+            comment = "; ".join(f"{what}: {told}" for what, told in showing.facts)
+            frames = _frames(moments, command)
+            write_film(path, frames, kind=kind, per_second=FRAME_RATE, comment=comment)
     else:
         *_, last = moments
         _picture(last, command).save(command.out)

@@ -18,11 +18,15 @@ Frames = Iterable[UInt8[np.ndarray, "h w 3"]]
 """Pictures of one size, in their order."""
 
 FILM_SUFFIXES: Final = (".gif", ".mp4")
+_MOST_COMMENT: Final = 255
+"""Bytes of a block of a GIF."""
 _COLOURS: Final = 64
 """Of a GIF's pictures: levels have few, and half the bytes of 256."""
 
 
-def write_film(path: Path, frames: Frames, *, kind: str, per_second: float) -> None:
+def write_film(
+    path: Path, frames: Frames, *, kind: str, per_second: float, comment: str = ""
+) -> None:
     """Write a film.
 
     Args:
@@ -30,12 +34,13 @@ def write_film(path: Path, frames: Frames, *, kind: str, per_second: float) -> N
         frames: At least one picture.
         kind: `.gif` or `.mp4`.
         per_second: Pictures per second.
+        comment: Kept in the file: what was played, by whom, under what.
 
     Raises:
         KinetixError: An MP4 is asked for without the extra `video`, or ffmpeg cannot make it.
         OSError: The file cannot be written.
     """
-    (_write_mp4 if kind == ".mp4" else _write_gif)(path, frames, per_second)
+    (_write_mp4 if kind == ".mp4" else _write_gif)(path, frames, per_second, comment)
 
 
 def ffmpeg() -> str:
@@ -54,7 +59,7 @@ def ffmpeg() -> str:
     return imageio_ffmpeg.get_ffmpeg_exe()
 
 
-def _write_gif(path: Path, frames: Frames, per_second: float) -> None:
+def _write_gif(path: Path, frames: Frames, per_second: float, comment: str) -> None:
     first, *rest = (Image.fromarray(frame).quantize(_COLOURS) for frame in frames)
     # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
     moments = [round(100 * k / per_second) for k in range(len(rest) + 2)]
@@ -67,16 +72,18 @@ def _write_gif(path: Path, frames: Frames, per_second: float) -> None:
         duration=durations,
         loop=0,
         optimize=True,
+        comment=comment.encode()[:_MOST_COMMENT],
     )
 
 
-def _write_mp4(path: Path, frames: Frames, per_second: float) -> None:
+def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:
     program, frames = ffmpeg(), iter(frames)
     first = next(frames)
     height, width, _ = first.shape
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {per_second} -i -".split()
     # The usual colour layout needs even sides.
     target = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-f", "mp4"]
+    target += ["-metadata", f"comment={comment}"]
     with tempfile.TemporaryFile() as complaints:
         # Not through imageio's own writer: it runs Python code in the child between fork and exec,
         # which the threads of JAX do not survive safely.

@@ -100,6 +100,16 @@ def test_verify_in_words(folder, outcomes, capsys):
     assert "c4: FAILED: its recorded solution ends with timeout" in text
 
 
+def test_a_format_that_records_no_solution_is_not_to_blame(tmp_path, outcomes, capsys):
+    cart = load_level(CART).replace(solution=None)
+    save_level(cart, tmp_path / "theirs.json", format="kinetix-env")
+    assert main(["levelset", "verify", str(tmp_path)]) == 0
+    assert "theirs: ok, its format records no solution" in capsys.readouterr().out
+    save_level(cart, tmp_path / "ours.json")
+    assert main(["levelset", "verify", str(tmp_path)]) == 1
+    assert "ours: FAILED: it has no recorded solution" in capsys.readouterr().out
+
+
 def test_wrong_usage(capsys):
     assert main(["levelset"]) == 2
     assert main(["levelset", "split", "set.json"]) == 2

@@ -18,8 +18,9 @@ def _frames(count, side=24):
 
 
 def test_the_pictures_of_a_gif_last_as_long_as_they_should(tmp_path):
-    write_film(tmp_path / "a.gif", _frames(15), kind=".gif", per_second=30)
+    write_film(tmp_path / "a.gif", _frames(15), kind=".gif", per_second=30, comment="by ä")
     with Image.open(tmp_path / "a.gif") as film:
+        assert film.info["comment"] == "by ä".encode()
         durations = []
         for k in range(film.n_frames):
             film.seek(k)
@@ -32,10 +33,11 @@ def test_an_mp4_is_written_without_forking(tmp_path):
     pytest.importorskip("imageio_ffmpeg")
     forks = []
     os.register_at_fork(before=lambda: forks.append(1))
-    write_film(tmp_path / "a.mp4", _frames(10), kind=".mp4", per_second=30)
+    write_film(tmp_path / "a.mp4", _frames(10), kind=".mp4", per_second=30, comment="by somebody")
     assert forks == []
     data = (tmp_path / "a.mp4").read_bytes()
     assert data[4:8] == b"ftyp"
+    assert b"by somebody" in data
 
 
 def test_what_ffmpeg_says_is_told(tmp_path):

@@ -138,6 +138,16 @@ AGENTS: Final = (
         run=export.ask_clip,
     ),
     Action(
+        id="file.share",
+        label="Share Episode…",
+        menu="Run",
+        context=PLAY,
+        tooltip="The looped part of the episode, or all of it, as one page that any browser plays.",
+        enabled=export.has_clip,
+        refusal="Play the level first.",
+        run=export.ask_page,
+    ),
+    Action(
         id="level.evaluate",
         label="Evaluate…",
         menu="Agent",

@@ -262,6 +262,21 @@ def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
     assert len(request.rival.snapshots) > 5
 
 
+def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    with_agent.key("f6")
+    with_agent.frames(30)
+    assert actions.run(session, "file.share")
+    session.prompts.pop().answer(tmp_path / "shared.html")
+    page = (tmp_path / "shared.html").read_text()
+    assert '"title":"Tester"' in page
+    assert '"title":"Other"' in page
+    assert "attempt 0, seed 0, actions drawn from the policy" in page
+    assert len(page.encode()) < 200_000
+
+
 def test_the_end_of_a_name_is_shown_where_there_is_no_room_for_all(gui):
     name = "published/l/h17_thrustcontrol_left"
     assert end_of(name, 10_000) == name
