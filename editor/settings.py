@@ -89,7 +89,7 @@ class Settings:
         settings = cls()
         for name, kind in get_type_hints(cls, include_extras=True).items():
             if name in stored:
-                with contextlib.suppress(msgspec.ValidationError):
+                with contextlib.suppress(msgspec.ValidationError, UnicodeError):
                     setattr(settings, name, msgspec.convert(stored[name], kind))
         return settings
 

@@ -12,6 +12,7 @@ from kinetix.files.regular import FileError, read_text
 
 # A string that does not end counts as one: otherwise every quote in it would be tried in turn.
 _STRINGS: Final = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)', re.DOTALL)
+_HALVES: Final = re.compile("[\ud800-\udfff]")
 _PAIRS: Final = re.compile(r"\[\]|\{\}")
 _NO_BRACKETS: Final = re.compile(r"[^\[\]{}]+")
 
@@ -52,7 +53,7 @@ def parse_strictly(text: str, file: str | Path) -> Any:
 
     Raises:
         FileError: It is not JSON, is nested too deeply, names a key twice, or has a number that is
-            not finite or beyond 64 bits; the sentence says where.
+            not finite or beyond 64 bits, or text that is not Unicode; the sentence says where.
     """
     tree = parse(text, file)
     for path, problem in _oddities(tree, "$"):
@@ -117,16 +118,19 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _oddities(value: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Where a tree says what other readers would understand in another way, and what."""
     if isinstance(value, dict):
         if isinstance(value, DuplicateKeys):
             yield f"{path}.{value.key[:60]}", "the key stands twice"
         for name, part in value.items():
+            yield from _oddities(name, path)
             yield from _oddities(part, f"{path}.{name[:60]}")
     elif isinstance(value, list):
         for k, part in enumerate(value):
             yield from _oddities(part, f"{path}[{k}]")
-    elif isinstance(value, float):
-        if not math.isfinite(value):
-            yield path, "expected a finite number"
+    elif isinstance(value, str) and _HALVES.search(value):
+        yield path, "expected Unicode text, got half of a surrogate pair"
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield path, "expected a finite number"
     elif isinstance(value, int) and abs(value) > LARGEST_INTEGER:
         yield path, "expected a whole number of at most 64 bits"

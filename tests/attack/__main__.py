@@ -1,6 +1,7 @@
 """`make attack`: damage every kind of input for an hour, kill every writer, print the table."""
 
 import argparse
+import logging
 import os
 import random
 import shutil
@@ -23,6 +24,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, default=Path("out/attack"))
     options = parser.parse_args()
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    logging.getLogger("absl").setLevel(logging.CRITICAL)  # orbax complains of what is damaged
     tally = Tally(options.keep)
     chosen = options.only or [*TARGETS, "kills", "environment"]
     readers = [name for name in chosen if name in TARGETS]

@@ -80,16 +80,16 @@ def _read_settings(folder: Path) -> int:
 
 
 def _write_results(folder: Path, number: int) -> None:
-    from editor.results import Record, Results
+    from editor.results import Record, Results, Trial
 
     record = Record(attempts=number, solved=0)
-    Results(folder / "results.json").record("x", {"a": record})
+    Results(folder / "results.json").record(Trial(player="x"), {"a": record})
 
 
 def _read_results(folder: Path) -> int:
-    from editor.results import Results
+    from editor.results import Results, Trial
 
-    return Results(folder / "results.json").of("a")["x"].attempts
+    return Results(folder / "results.json").of("a")[Trial(player="x")].attempts
 
 
 def _write_metrics(folder: Path, number: int) -> None:

@@ -123,6 +123,7 @@ def _agree(data: bytes, folder: Path) -> None:
             or "surrogate" in fault.message
             or "finite 32-bit" in fault.message
             or "digits" in fault.message
+            or fault.message.startswith("expected a whole number")  # 1.0 is an integer to a schema
             for fault in error.faults
         )
         assert not said or beyond, f"only the schema accepts: {error}"

@@ -24,6 +24,7 @@ BAD_JSON = {
     "overflow": ('{"a": 1e999}', r"\$\.a: expected a finite number"),
     "integer": ('{"a": 99999999999999999999}', r"\$\.a: expected a whole number of at most 64"),
     "digits": ("9" * 5000, "thousands of digits"),
+    "surrogate": (r'{"a": ["\ud800"]}', r"\$\.a\[0\]: expected Unicode text"),
     "mark": ("\ufeff{}", "byte-order mark"),
     "cut": ('{"a": ', "not JSON, line 1 column 7"),
 }

@@ -188,6 +188,14 @@ def test_a_scale_that_no_window_can_have_is_passed_over(tmp_path, number):
     assert (loaded.ui_scale, loaded.text_scale, loaded.palette) == (0.0, 1.0, "mine")
 
 
+def test_a_recent_file_whose_name_is_not_utf_8_does_not_stop_saving(tmp_path):
+    file = tmp_path / "settings.json"
+    Settings(recents=["/a/latin\udce9.json"]).save(file)
+    assert Settings.load(file).recents == ["/a/latin\udce9.json"]
+    file.write_text(json.dumps({"palette": "\ud800", "physics": "\ud800", "minimap": True}))
+    assert Settings.load(file).minimap
+
+
 def test_settings_that_are_nested_too_deeply_or_of_other_types_do_not_stop_a_start(tmp_path):
     file = tmp_path / "settings.json"
     file.write_text("[" * 100_000)
