@@ -1,5 +1,6 @@
 """Saving, autosave, recovery and changes from outside."""
 
+import json
 import os
 
 import pytest
