@@ -9,6 +9,7 @@ import dataclasses
 import enum
 import heapq
 import itertools
+import sys
 import threading
 import time
 import traceback
@@ -16,6 +17,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from editor.journal import Journal
+from editor.pauses import without_pauses
 from editor.priority import step_back
 from editor.recording import Action, Snapshot
 from editor.requests import (
@@ -105,7 +107,10 @@ class Job:
 
 def perform_in_simulation(request: Request, progress: Progress) -> Any:
     """Do a request in the simulation; imports JAX on the first call."""
-    progress.report(None, "Starting the simulation")
+    if "editor.simulation.perform" not in sys.modules:
+        progress.report(None, "Starting the simulation")
+        with without_pauses():
+            from editor import simulation
     from editor import simulation
 
     return simulation.perform(request, progress)

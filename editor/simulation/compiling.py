@@ -14,9 +14,10 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, Final
 
+from editor.pauses import without_pauses
 from editor.priority import step_back
 from editor.requests import Cancelled, Progress
-from editor.simulation.quiet import not_stored, without_pauses
+from editor.simulation.quiet import not_stored
 
 KEPT: Final = 24
 """Programs that are kept in memory, the last ones used: each holds some megabytes."""

@@ -17,6 +17,7 @@ import jax
 import numpy as np
 from jaxtyping import Array
 
+from editor.pauses import without_pauses
 from editor.requests import GetReady, Progress, Tailor
 from editor.simulation import disk
 from editor.simulation.compiling import FULL, QUICK, Programs, Recipe, Tier
@@ -227,7 +228,8 @@ def _loaded(level: Level, key: StepKey, progress: Progress) -> Compiled | None:
     """A step from disk, or None."""
     progress.report(None, "Compiling the level")
     state = first_state(level, key.static)
-    compiled = disk.load(key, (state, _no_action()), _results(state))
+    with without_pauses():
+        compiled = disk.load(key, (state, _no_action()), _results(state))
     if compiled is not None:
         PROGRAMS.put(key, compiled)
     return compiled

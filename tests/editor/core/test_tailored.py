@@ -150,7 +150,8 @@ def test_the_steps_that_were_used_last_are_kept():
 
 
 def test_nothing_that_compiling_changes_stays_changed():
-    from editor.simulation.quiet import not_stored, without_pauses
+    from editor.pauses import without_pauses
+    from editor.simulation.quiet import not_stored
 
     def settings():
         return gc.get_threshold(), jax.config.jax_persistent_cache_min_compile_time_secs
