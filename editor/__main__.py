@@ -106,9 +106,24 @@ def _run(options: Options) -> int:
     finally:
         session.autosaves.end()
         host.close()
-        for each in (session.worker, session.evaluator, session.library):
-            each.stop(0.0)
-        session.worker.stop(_PARTING_SECONDS)
+        stop(session)
+    return end(status)
+
+
+def stop(session: Session) -> None:
+    """Call everything off that goes on in the background, and wait a moment for it to end."""
+    for each in (session.worker, session.evaluator, session.library):
+        each.stop(0.0)
+    for each in (session.worker, session.evaluator):
+        each.stop(_PARTING_SECONDS)
+
+
+def end(status: int) -> int:
+    """Leave, at once where a thread still works.
+
+    Returns:
+        The status, where none does.
+    """
     if threading.active_count() > 1:
         # A compilation cannot be interrupted, and must not keep the app from closing.
         sys.stdout.flush()

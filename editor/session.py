@@ -22,7 +22,7 @@ from editor.document import Document, Outcome
 from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
 from editor.gallery.library import Library
 from editor.gallery.view import GalleryView
-from editor.jobs import Worker, WorkerSimulator
+from editor.jobs import Job, Worker, WorkerSimulator
 from editor.journal import Journal
 from editor.motion import Motion
 from editor.names import Names
@@ -163,6 +163,8 @@ class Session:
         """Whether Play may begin in a step that was compiled quickly; see `play_quickly`."""
         self.touched = 0.0
         """When the person did something last, on the clock of `time.monotonic` [s]."""
+        self.expected: Job | None = None
+        """A job that the person waits for; its result is shown at once when it comes."""
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]
@@ -445,7 +447,7 @@ class Session:
     def leave_play(self) -> None:
         """Drop gestures and stop playing."""
         self.driver.cancel()
-        self.pull = self.viewer.eager = None
+        self.pull = self.expected = None
         if self.playback.active:
             self.playback.stop()
         self.viewer.rival.stop()

@@ -54,8 +54,6 @@ class Viewer:
         self.run = RunWatch(worker)
         self.follow_run = True
         """Whether the newest checkpoint of the watched run is played as soon as it is there."""
-        self.eager: Job | None = None
-        """The loading of agent A, where it is to play as soon as it is there."""
         self.eye_open = False
         """Whether the panel with the agent's view is on the screen."""
         self.timeline_open = False

@@ -22,12 +22,12 @@ _ROUND_SECONDS: Final = 1.6
 
 def awaited(session: "Session") -> tuple[str, "Job"] | None:
     """What the person waits for, in words, and the job that does it; None where nobody waits."""
-    playback, viewer = session.playback, session.viewer
+    playback, expected = session.playback, session.expected
     job = getattr(playback.simulator, "job", None)
     if playback.waiting and job is not None:
         return (f"Preparing {playback.player}" if playback.player else "Preparing Play"), job
-    if viewer.eager is not None and not viewer.eager.finished:
-        return "Loading the agent", viewer.eager
+    if expected is not None and not expected.finished:
+        return expected.title, expected
     return None
 
 

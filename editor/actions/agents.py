@@ -93,10 +93,9 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
 
 def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     """Take a loaded agent; where somebody waits for it to play, it does."""
-    viewer = session.viewer
     _loaded(session, slot, path, job)
-    if viewer.eager is job:
-        viewer.eager = None
+    if session.expected is job:
+        session.expected = None
         if job.state is JobState.DONE and session.editing:
             play_agent(session)
 
@@ -208,7 +207,7 @@ def play_agent(session: Session) -> None:
     """Let agent A play the level, as soon as it is loaded; without one, ask which."""
     viewer = session.viewer
     if viewer.slots["a"].loading:
-        viewer.eager = viewer.slots["a"].job
+        session.expected = viewer.slots["a"].job
         return
     casting, summary = viewer.casting("a"), viewer.slots["a"].summary
     if casting is None or summary is None:

@@ -9,8 +9,10 @@ from editor.commands.base import Command, Selection
 from editor.commands.fields import PasteProperties
 from editor.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
 from editor.commands.rigid import component
+from editor.jobs import Job
 from editor.names import MAX_LENGTH
 from editor.prompts import TextQuestion
+from editor.requests import LoadAgent
 from editor.session import Session
 from editor.tools import TOOLS
 from editor.wording import describe
@@ -136,12 +138,19 @@ def cancel(session: Session) -> None:
     """Leave what is under way; again: back to Select; again: select nothing."""
     if session.driver.cancel():
         return
-    if session.viewer.eager is not None:
-        session.viewer.eager = None
+    if session.expected is not None and not session.expected.finished:
+        _expect_nothing(session, session.expected)
     elif session.tool is not TOOLS["select"]:
         session.choose_tool("select")
     else:
         session.selection = ()
+
+
+def _expect_nothing(session: Session, job: Job) -> None:
+    """Wait no longer for a result; an agent that was chosen is loaded all the same."""
+    session.expected = None
+    if not isinstance(job.request, LoadAgent):
+        job.cancel()
 
 
 def toggle_lock(session: Session) -> None:

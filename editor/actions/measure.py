@@ -115,7 +115,8 @@ def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None
         elif job.state is JobState.DONE:
             _show(session, job.result, source, casting, summary)
 
-    session.worker.submit(request, title="Opening the episode", urgent=True, done=done)
+    job = session.worker.submit(request, title="Opening the episode", urgent=True, done=done)
+    session.expected = job
 
 
 def _show(

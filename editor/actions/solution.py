@@ -43,7 +43,7 @@ def keep(session: Session) -> None:
     if not trace.snapshots[-1].tailored:
         _record(session, solution)
         return
-    session.worker.submit(
+    session.expected = session.worker.submit(
         PlaySolution(level=session.document.level.replace(solution=solution)),
         title="Playing the solution again",
         urgent=True,
@@ -77,7 +77,7 @@ def has_solution(session: Session) -> bool:
 def play(session: Session) -> None:
     """Show the recorded solution on the timeline."""
     level = session.document.level
-    session.worker.submit(
+    session.expected = session.worker.submit(
         PlaySolution(level=level),
         title="Playing the solution",
         urgent=True,

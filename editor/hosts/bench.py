@@ -435,7 +435,15 @@ def measure(size: tuple[int, int]) -> list[Row]:
     """
     launch = statistics.median(_launch() for _ in range(3))
     start = Row(code="PE5", metric="launch to third frame", value=f"{launch:.2f} s", target="1.5 s")
-    return [start, *_first_seconds(), *_core(), *_drawing(size), *_gallery(), *_playing(), *_watching()]
+    return [
+        start,
+        *_first_seconds(),
+        *_core(),
+        *_drawing(size),
+        *_gallery(),
+        *_playing(),
+        *_watching(),
+    ]
 
 
 def print_table(size: tuple[int, int]) -> None:
