@@ -75,8 +75,11 @@ def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
     assert [request.state for request in simulation.drawn] == [None]
     assert images.picture(session) is None, "Edit shows vectors"
     gui.key("space")
-    for _ in range(20):
+    # Pictures are drawn beside the steps: one that comes late is not shown, the next one may be.
+    for _ in range(200):
         settle(gui)
+        if images.picture(session) is not None and session.playback.step_count > 1:
+            break
     assert session.mode is Mode.PLAYING and session.action == NOOP
     assert session.playback.step_count > 1
     assert simulation.drawn[-1].state == "opaque"
