@@ -15,7 +15,7 @@ TESTS ?= 1
 WORKERS ?= 2
 
 VENV := .venv/bin
-PYTEST := $(VENV)/python -m pytest -n $(WORKERS) --dist loadfile
+PYTEST := $(VENV)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile

@@ -1,8 +1,10 @@
 """What every test shares: strict JAX settings, quick compilation and a persistent compile cache."""
 
+import collections
 import gc
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -27,6 +29,26 @@ def peer() -> Path:
     if not PEER.is_dir():
         pytest.skip("the peer's data is not here")
     return PEER
+
+
+@pytest.fixture
+def fully_optimised() -> Iterator[None]:
+    """Compile as users do: for tests that are about bits or speed."""
+    import jax
+
+    option = "jax_disable_most_optimizations"
+    before = jax.config.values[option]
+    jax.config.update(option, False)
+    jax.clear_caches()
+    yield
+    jax.config.update(option, before)
+    jax.clear_caches()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files with the most slow tests first, so that no worker waits for one at the end."""
+    slow = collections.Counter(item.path for item in items if item.get_closest_marker("slow"))
+    items.sort(key=lambda item: -slow[item.path])
 
 
 @pytest.fixture(autouse=True, scope="module")

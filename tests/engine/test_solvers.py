@@ -171,6 +171,7 @@ def test_a_motor_reaches_its_speed(run):
     check(run, "motor", np.sqrt((rest**2).mean()) < 0.01)
 
 
+@pytest.mark.usefixtures("fully_optimised")
 def test_the_same_bits_twice_and_alone_as_in_a_batch():
     solver = solver_named("balanced")
     levels = [LEVELS["stack"], LEVELS["pendulum"], LEVELS["elastic"]]
