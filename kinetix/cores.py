@@ -4,8 +4,9 @@ JAX sees a processor as so many devices as it was asked for. One device does lit
 parallel, so each core gets one. On a GPU or a TPU none of this matters.
 """
 
+import contextlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 from kinetix.errors import KinetixError
@@ -64,6 +65,21 @@ def use_all_cores(cores: int | None = None, *, unless_started: bool = False) -> 
             f"JAX has started already, with {jax.local_device_count()} × {jax.default_backend()}: "
             "call kinetix.use_all_cores() before the first array is made"
         ) from None
+
+
+def narrow_cores(fits: Callable[[int], bool]) -> None:
+    """Use fewer cores than were asked for, where work has no equal shares for so many.
+
+    Args:
+        fits: Tells whether that many have equal shares.
+    """
+    import jax
+
+    asked = jax.config.values["jax_num_cpu_devices"]
+    count = next((cores for cores in range(asked, 0, -1) if fits(cores)), asked)
+    if count != asked:
+        with contextlib.suppress(RuntimeError):  # JAX has started: it stays as it is
+            jax.config.update("jax_num_cpu_devices", count)
 
 
 def _set_by_user(devices: int) -> bool:

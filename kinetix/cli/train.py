@@ -8,6 +8,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
+from kinetix.cores import narrow_cores
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import field_notes
 
@@ -41,6 +42,8 @@ class Common:
     """How many processes train together."""
     process_id: int | None = None
     """Which of them this is, from 0."""
+    cores: int | None = None
+    """Processor cores to use, if they get equal shares (KINETIX_CORES, else all)."""
 
 
 def _arguments(algorithm: str) -> type[Common]:
@@ -83,12 +86,6 @@ def run(command: Common) -> int:
     from kinetix.training.settings import make_config
     from kinetix.training.setup import make_setup
 
-    if command.coordinator is not None:
-        join(
-            command.coordinator,
-            num_processes=command.num_processes,
-            process_id=command.process_id,
-        )
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
     own = {field.name for field in dataclasses.fields(Common)}
     values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
@@ -97,12 +94,19 @@ def run(command: Common) -> int:
         for field in dataclasses.fields(command)
         if field.name not in own and getattr(command, field.name) is not None
     }
+    chosen: dict[str, Any] = {"preset": command.preset, "file": command.config, "run": command.out}
+    rough = make_config(algorithm, values=values, **chosen)
+    narrow_cores(lambda cores: rough.fits_devices(cores * (command.num_processes or 1)))
+    if command.coordinator is not None:
+        join(
+            command.coordinator,
+            num_processes=command.num_processes,
+            process_id=command.process_id,
+        )
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
     if teacher is not None:
         values = _like(teacher.card) | values
-    config = make_config(
-        algorithm, preset=command.preset, file=command.config, values=values, run=command.out
-    )
+    config = make_config(algorithm, values=values, **chosen)
     if is_leader():
         setup = make_setup(config, gradient_steps=1, teacher=teacher)
         _announce(algorithm, config, estimate(setup))

@@ -15,12 +15,13 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from kinetix.errors import KinetixError
 
-_AXIS: Final = "worlds"
+WORLDS: Final = "worlds"
+"""The axis of the mesh of devices."""
 
 
 def worlds_mesh(devices: Sequence[Any] | None = None) -> Mesh:
     """Put devices in one row: by default all devices of all processes."""
-    return Mesh(np.array(jax.devices() if devices is None else devices), (_AXIS,))
+    return Mesh(np.array(jax.devices() if devices is None else devices), (WORLDS,))
 
 
 def spread(function: Callable[..., Any], *, replicated: tuple[int, ...] = ()) -> Callable[..., Any]:
@@ -60,14 +61,14 @@ def in_shares(
 
     def shares(*arguments: Any) -> Any:
         specs = tuple(
-            PartitionSpec() if index in replicated else PartitionSpec(_AXIS)
+            PartitionSpec() if index in replicated else PartitionSpec(WORLDS)
             for index in range(len(arguments))
         )
         split = jax.shard_map(
             function,
             mesh=mesh,
             in_specs=specs,
-            out_specs=PartitionSpec(_AXIS),
+            out_specs=PartitionSpec(WORLDS),
             # Loops inside start from constants, which the check takes for replicated values.
             check_vma=False,
         )
@@ -96,7 +97,7 @@ def place(batch: Any) -> Any:
         KinetixError: The number of worlds is no multiple of the number of local devices.
     """
     devices = jax.local_device_count()
-    sharding = NamedSharding(worlds_mesh(), PartitionSpec(_AXIS))
+    sharding = NamedSharding(worlds_mesh(), PartitionSpec(WORLDS))
 
     def put(x: Any) -> jax.Array:
         if x.shape[0] % devices:

@@ -125,6 +125,19 @@ class PpoConfig:
         """Environment steps of one update."""
         return self.num_steps * self.num_train_envs
 
+    def fits_devices(self, devices: int) -> bool:
+        """Tell whether that many devices get equal shares of environments and of minibatches.
+
+        Args:
+            devices: How many, over all processes.
+        """
+        if self.num_train_envs % devices:
+            return False
+        units = self.num_train_envs // devices
+        if self.full_minibatch_shuffle:
+            units *= self.num_steps
+        return units % self.num_minibatches == 0
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is compiled.
 

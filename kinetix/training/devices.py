@@ -1,24 +1,34 @@
-"""Several devices, of one machine or many: environments are split over them, the rest follows.
+"""Several devices, of one machine or many: each plays its share of the environments.
 
-The program stays the one that a single device runs; the compiler splits it along the arrays that
-are constrained here and averages what has to be averaged. So the same seed gives the same training
-on any number of devices, but for rounding.
+Playing and learning run `on_each_device`, with random numbers that belong to the environments, not
+to the devices; gradients are averaged. So the same seed gives the same training on any number of
+devices, but for rounding (and dropout), as long as the number divides the groups that the
+minibatches are shuffled in (`shuffle_groups`: powers of two).
 
 Over several machines every process runs the whole program; the first of them, the leader, is the
 only one that writes files.
 """
 
-import functools
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Final
 
 import jax
 import numpy as np
 from jax.experimental import multihost_utils
-from jax.sharding import Mesh, NamedSharding, PartitionSpec
+from jax.sharding import PartitionSpec
+from jaxtyping import Array
 
+from kinetix.environment.devices import WORLDS, worlds_mesh
 from kinetix.errors import KinetixError
+from kinetix.training.config import PpoConfig
 
-_AXIS = "environments"
+WHOLE: Final = PartitionSpec()
+"""What every device has all of."""
+OWN: Final = PartitionSpec(WORLDS)
+"""What is split along the first axis."""
+OWN_COLUMNS: Final = PartitionSpec(None, WORLDS)
+"""What is split along the second axis, the first being time."""
+_MOST_GROUPS: Final = 16
 
 
 def join(coordinator: str, *, num_processes: int | None, process_id: int | None) -> None:
@@ -72,33 +82,88 @@ def to_host(tree: Any) -> Any:
     return jax.tree.map(whole, tree)
 
 
-def over_devices(tree: Any) -> Any:
-    """Split every array of a tree along its first axis over all devices.
+def on_each_device(function: Callable[..., Any], ins: Any, outs: Any) -> Callable[..., Any]:
+    """Run a function on every device, with its share of what is split.
 
     Args:
-        tree: Arrays whose first axis counts environments; to be called under jit.
+        function: Of pytrees; inside, `average`, `own_keys` and `first_share` work.
+        ins: `WHOLE`, `OWN` or `OWN_COLUMNS` for each argument.
+        outs: The same for the results; what is `WHOLE` must be equal on all devices.
+
+    Returns:
+        A function to be called under jit.
     """
-    if jax.device_count() == 1:
-        return tree
-    return jax.lax.with_sharding_constraint(tree, _split())
+    mesh = worlds_mesh()
+    if mesh.size == 1:
+        return function
+    # Loops inside start from constants, which the check takes for replicated values.
+    return jax.shard_map(function, mesh=mesh, in_specs=ins, out_specs=outs, check_vma=False)
 
 
-def check_divisible(environments: int) -> None:
-    """Refuse a number of environments that cannot be split evenly.
+def average(tree: Any) -> Any:
+    """Average over the devices that run this apart from each other."""
+    return jax.lax.pmean(tree, WORLDS) if _apart() else tree
+
+
+def own_keys(key: Array, count: int) -> Array:
+    """Draw keys for this device's rows: those that the rows would have on a single device.
 
     Args:
-        environments: How many there are over all devices.
+        key: Random key, the same on all devices.
+        count: Rows of this device.
+    """
+    if not _apart():
+        return jax.random.split(key, count)
+    keys = jax.random.split(key, count * jax.device_count())
+    return jax.lax.dynamic_slice_in_dim(keys, jax.lax.axis_index(WORLDS) * count, count)
+
+
+def shuffle_groups(environments: int, steps: int, minibatches: int) -> int:
+    """Choose in how many groups environments are shuffled, so that no minibatch crosses devices.
+
+    Every minibatch takes equally many from each group, so a device needs no other's.
+
+    Args:
+        environments: Over all devices.
+        steps: How many rows an environment has that are shuffled one by one.
+        minibatches: Parts that each group is split into.
+    """
+    groups, devices = 1, jax.device_count()
+    while groups < _MOST_GROUPS and _even(environments, 2 * groups, steps, minibatches):
+        groups *= 2
+    return groups if groups % devices == 0 else devices
+
+
+def _even(environments: int, groups: int, steps: int, minibatches: int) -> bool:
+    return environments % groups == 0 and environments // groups * steps % minibatches == 0
+
+
+def shares() -> int:
+    """Count the devices that run this apart from each other."""
+    return jax.device_count() if _apart() else 1
+
+
+def _apart() -> bool:
+    return WORLDS in jax.sharding.get_abstract_mesh().manual_axes
+
+
+def check_divisible(config: PpoConfig) -> None:
+    """Refuse a training that cannot be split evenly.
+
+    Args:
+        config: The configuration.
 
     Raises:
-        KinetixError: It is no multiple of the number of devices.
+        KinetixError: Environments or minibatches have no equal shares.
     """
-    if environments % jax.device_count():
-        count = jax.device_count()
+    count = jax.device_count()
+    if config.num_train_envs % count:
         raise KinetixError(
-            f"num_train_envs = {environments} must be a multiple of the {count} devices"
+            f"num_train_envs = {config.num_train_envs} must be a multiple of the {count} devices"
         )
-
-
-@functools.cache
-def _split() -> NamedSharding:
-    return NamedSharding(Mesh(np.asarray(jax.devices()), (_AXIS,)), PartitionSpec(_AXIS))
+    if not config.fits_devices(count):
+        raise KinetixError(
+            f"num_train_envs = {config.num_train_envs} in num_minibatches = "
+            f"{config.num_minibatches} parts: {count} devices need a share of each part; "
+            "use fewer (--cores) or smaller numbers of parts"
+        )

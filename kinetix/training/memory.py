@@ -36,14 +36,15 @@ def estimate(setup: Setup) -> MemoryNeed:
         setup: The training.
     """
     config: PpoConfig = setup.config
+    devices = jax.device_count()
 
     def play(key: jax.Array) -> Any:
         learner = setup.start_learner(key, None)
-        playing = begin(setup.game, key, 1)
+        playing = begin(setup.game, key, devices)
         return rollout(setup.game, learner.params, playing, key, config.num_steps)
 
     playing, played = jax.eval_shape(play, jax.random.PRNGKey(0))
-    per_environment = _bytes(playing) + int(_COPIES * _bytes(played))
+    per_environment = (_bytes(playing) + int(_COPIES * _bytes(played))) // devices
     return MemoryNeed(per_environment=per_environment, available=_available())
 
 

@@ -195,7 +195,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     Raises:
         KinetixError: Something does not fit; the sentence says what.
     """
-    check_divisible(config.num_train_envs)
+    check_divisible(config)
     ued = UEDParams(legacy_ceiling=True) if config.parity == "kinetix-3" else UEDParams()
     static_env_params = static_env_params_from_size(
         config.size, frame_skip=config.frame_skip, physics=config.physics

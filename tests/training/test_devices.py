@@ -16,12 +16,16 @@ from kinetix.training.settings import make_config
 values = json.loads(sys.argv[1])
 trainer = make_trainer(make_config("ppo", values=values))
 state = trainer.start()
+program = trainer._update.lower(state).compile().as_text()
+moved = sum(program.count(f"{kind}(") for kind in ("all-gather", "all-to-all", "collective-permute"))
 rows = []
 for _ in range(3):
     state, metrics = trainer.update(state)
     rows.append({name: float(value) for name, value in metrics.items()})
 spread = len(state.playing.observation.sharding.device_set)
-print(json.dumps({"devices": jax.device_count(), "spread": spread, "rows": rows}))
+averaged = program.count("all-reduce(") + program.count("all-reduce-start(")
+report = {"spread": spread, "moved": moved, "averaged": averaged, "rows": rows}
+print(json.dumps(report | {"devices": jax.device_count()}))
 """
 
 _VALUES = {
@@ -59,8 +63,17 @@ def test_two_devices_learn_what_one_learns():
     one, two = (json.loads(_train(devices).stdout) for devices in (1, 2))
     assert (one["devices"], one["spread"]) == (1, 1)
     assert (two["devices"], two["spread"]) == (2, 2)
+    # Each plays and learns from its own environments: nothing goes from one to the other but means.
+    assert two["moved"] == 0 < two["averaged"]
     for a, b in zip(one["rows"], two["rows"], strict=True):
         assert a == pytest.approx(b, rel=1e-3, abs=1e-4, nan_ok=True)
+
+
+@pytest.mark.slow
+def test_minibatches_must_have_equal_shares():
+    done = _train(2, num_minibatches=8)
+    assert done.returncode == 1
+    assert "8 parts: 2 devices need a share of each part" in done.stderr
 
 
 @pytest.mark.slow

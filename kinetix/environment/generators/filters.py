@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key
 
+from kinetix.environment.devices import in_shares
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 
@@ -62,6 +63,8 @@ def noop_rewards(
     )
     key = jax.random.split(jax.random.key(0), worlds)  # Stepping without a reset draws nothing.
     advance = jax.vmap(player.step, in_axes=(0, 0, 0, None))
+    if worlds % jax.device_count() == 0:
+        advance = in_shares(advance, replicated=(3,))
 
     def unfinished(carry: tuple[Any, Array, Array, Array]) -> Array:
         return (carry[3] < steps) & ~jnp.all(carry[1])

@@ -43,8 +43,8 @@ def empty_buffer(level: Any, capacity: int) -> LevelBuffer:
     return LevelBuffer(
         levels=jax.tree.map(lambda x: jnp.zeros((capacity, *x.shape), x.dtype), level),
         filled=jnp.zeros(capacity, bool),
-        score=jnp.full(capacity, -jnp.inf),
-        max_return=jnp.full(capacity, -jnp.inf),
+        score=jnp.full(capacity, -jnp.inf, jnp.float32),
+        max_return=jnp.full(capacity, -jnp.inf, jnp.float32),
         last_draw=jnp.zeros(capacity, jnp.int32),
         draws=jnp.zeros((), jnp.int32),
     )

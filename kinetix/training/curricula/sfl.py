@@ -98,7 +98,7 @@ class Sfl:
             chosen=Chosen(
                 levels=levels,
                 tally=Tally(episodes=none, solved=none),
-                score=jnp.full(size, -jnp.inf),
+                score=jnp.full(size, -jnp.inf, jnp.float32),
             ),
             age=jnp.asarray(config.buffer_update_frequency, jnp.int32),
             pool=pool,

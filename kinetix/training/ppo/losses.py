@@ -4,6 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from kinetix.training.devices import average
+
 ADVANTAGE_EPSILON = 1e-8
 """Keeps the normalisation of equal advantages finite."""
 
@@ -56,12 +58,13 @@ def policy_loss(
     *,
     clip_eps: float,
 ) -> Float[Array, ""]:
-    """The clipped surrogate, to be minimised; advantages are normalised over the batch.
+    """The clipped surrogate, to be minimised; advantages are normalised over all devices' batch.
 
     Source: Schulman et al., "Proximal Policy Optimization Algorithms" (2017), eq. 7.
     """
-    spread = jnp.std(advantage) + ADVANTAGE_EPSILON
-    advantage = (advantage - jnp.mean(advantage)) / spread
+    centred = advantage - average(jnp.mean(advantage))
+    spread = jnp.sqrt(average(jnp.mean(centred**2))) + ADVANTAGE_EPSILON
+    advantage = centred / spread
     ratio = jnp.exp(log_prob - old_log_prob)
     clipped = jnp.clip(ratio, 1.0 - clip_eps, 1.0 + clip_eps)
     return -jnp.mean(jnp.minimum(ratio * advantage, clipped * advantage))

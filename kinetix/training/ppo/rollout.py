@@ -13,7 +13,7 @@ from kinetix.agents.normalisation import Normalisation, normalise
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
-from kinetix.training.devices import over_devices
+from kinetix.training.devices import OWN, OWN_COLUMNS, WHOLE, on_each_device, own_keys
 
 _TIMEOUT_CHUNK: Final = 64
 """Cut-off episodes whose last state is valued at once."""
@@ -99,17 +99,20 @@ def begin(game: Game, key: Array, count: int, levels: EnvState | None = None) ->
         count: How many.
         levels: Where each starts; None: the environment's own reset function.
     """
-    keys = jax.random.split(key, count)
-    observation, env_state = jax.vmap(game.env.reset, in_axes=(0, None, 0))(keys, None, levels)
-    playing = Playing(
-        env_state=env_state,
-        observation=observation,
-        carry=initial_carry(count),
-        begins=jnp.ones(count, bool),
-        episode_return=jnp.zeros(count),
-        episode_length=jnp.zeros(count, jnp.int32),
-    )
-    return over_devices(playing)
+
+    def start(keys: Array, levels: EnvState | None) -> Playing:
+        own = keys.shape[0]
+        observation, env_state = jax.vmap(game.env.reset, in_axes=(0, None, 0))(keys, None, levels)
+        return Playing(
+            env_state=env_state,
+            observation=observation,
+            carry=initial_carry(own),
+            begins=jnp.ones(own, bool),
+            episode_return=jnp.zeros(own),
+            episode_length=jnp.zeros(own, jnp.int32),
+        )
+
+    return on_each_device(start, (OWN, OWN), OWN)(jax.random.split(key, count), levels)
 
 
 def rollout(
@@ -137,13 +140,40 @@ def rollout(
         The environments afterwards, and what happened.
     """
 
+    def play(
+        params: Any,
+        statistics: Normalisation | None,
+        playing: Playing,
+        levels: EnvState | None,
+        keys: Array,
+    ) -> tuple[Playing, Rollout]:
+        return _play(game, params, playing, keys, levels, statistics)
+
+    happened: Any = Rollout(trajectory=OWN_COLUMNS, last_value=OWN, carry=OWN)  # pyright: ignore
+    shares = on_each_device(play, (WHOLE, WHOLE, OWN, OWN, WHOLE), (OWN, happened))
+    return shares(params, statistics, playing, levels, jax.random.split(key, length))
+
+
+def _play(
+    game: Game,
+    params: Any,
+    playing: Playing,
+    keys: Array,
+    levels: EnvState | None,
+    statistics: Normalisation | None,
+) -> tuple[Playing, Rollout]:
+    """`rollout` on one device: a step a key."""
+
     def step(playing: Playing, key: Array) -> tuple[Playing, Trajectory]:
         action_key, step_key = jax.random.split(key)
         observation = normalise(statistics, playing.observation)
         carry, policy, value = _apply(game, params, playing.carry, observation, playing.begins)
         live = game.live_controls(playing.env_state)
-        action = policy.sample(action_key)
-        keys = jax.random.split(step_key, playing.begins.shape[0])
+        count = playing.begins.shape[0]
+        action = jax.vmap(lambda key, logits: policy.replace(logits=logits).sample(key))(
+            own_keys(action_key, count), policy.logits
+        )
+        keys = own_keys(step_key, count)
         stepped = jax.vmap(game.env.step, in_axes=(0, 0, 0, None, 0))
         following, env_state, reward, done, info = stepped(
             keys, playing.env_state, action, None, levels
@@ -180,7 +210,7 @@ def rollout(
         return following_play, trajectory
 
     before = playing.carry
-    playing, trajectory = jax.lax.scan(step, playing, jax.random.split(key, length))
+    playing, trajectory = jax.lax.scan(step, playing, keys)
     observation = normalise(statistics, playing.observation)
     _, _, last_value = _apply(game, params, playing.carry, observation, playing.begins)
     return playing, Rollout(trajectory=trajectory, last_value=last_value, carry=before)

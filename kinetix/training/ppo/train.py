@@ -9,7 +9,6 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
 from kinetix.pytree import pytree
 from kinetix.training.config import PpoConfig
-from kinetix.training.devices import over_devices
 from kinetix.training.ppo.rollout import Playing, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
@@ -74,7 +73,7 @@ class Ppo:
         playing, played = rollout(
             setup.game,
             learner.params,
-            over_devices(state.playing),
+            state.playing,
             play_key,
             setup.config.num_steps,
             statistics=state.statistics,

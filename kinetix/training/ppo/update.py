@@ -4,13 +4,24 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import optax
 from flax import linen as nn
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from kinetix.agents.networks.recurrent import Carry
 from kinetix.pytree import pytree
 from kinetix.training.config import PpoConfig
+from kinetix.training.devices import (
+    OWN,
+    OWN_COLUMNS,
+    WHOLE,
+    average,
+    on_each_device,
+    own_keys,
+    shares,
+    shuffle_groups,
+)
 from kinetix.training.ppo.losses import generalised_advantages, policy_loss, value_loss
 from kinetix.training.ppo.rollout import Rollout, Trajectory
 
@@ -55,6 +66,23 @@ def learn(
     Returns:
         The improved learner, and means of the losses over all gradient steps.
     """
+
+    def improve(learner: Learner, rollout: Rollout, key: Array) -> tuple[Learner, dict[str, Array]]:
+        return _learn(config, network, optimiser, learner, rollout, key)
+
+    happened: Any = Rollout(trajectory=OWN_COLUMNS, last_value=OWN, carry=OWN)  # pyright: ignore
+    return on_each_device(improve, (WHOLE, happened, WHOLE), WHOLE)(learner, rollout, key)
+
+
+def _learn(
+    config: PpoConfig,
+    network: nn.Module,
+    optimiser: optax.GradientTransformation,
+    learner: Learner,
+    rollout: Rollout,
+    key: Array,
+) -> tuple[Learner, dict[str, Array]]:
+    """`learn` on one device, from its share of the rollout; gradients are those of all."""
     trajectory, carry = rollout.trajectory, rollout.carry
     advantage, target = generalised_advantages(
         trajectory.reward,
@@ -74,6 +102,7 @@ def learn(
         (_, report), gradient = differentiate(
             config, network, learner.params, part, part_carry, dropout_key
         )
+        gradient, report = average((gradient, report))
         report["loss/grad_norm"] = optax.tree.norm(gradient)
         change, state = optimiser.update(gradient, learner.optimiser, learner.params)
         params = optax.apply_updates(learner.params, change)
@@ -82,7 +111,7 @@ def learn(
     def epoch(learner: Learner, key: Array) -> tuple[Learner, dict[str, Array]]:
         shuffle_key, dropout_key = jax.random.split(key)
         parts, carries = _minibatches(config, batch, carry, shuffle_key)
-        keys = jax.random.split(dropout_key, config.num_minibatches)
+        keys = jax.random.split(own_keys(dropout_key, 1)[0], config.num_minibatches)
         return jax.lax.scan(gradient_step, learner, (parts, carries, keys))
 
     learner, reports = jax.lax.scan(epoch, learner, jax.random.split(key, config.update_epochs))
@@ -122,12 +151,15 @@ def _minibatches(
     """The rollout in shuffled parts, on a new leading axis.
 
     Whole environments stay together, so that memory can be replayed, unless single steps are asked
-    for.
+    for. Every part takes equally many from each group of environments.
     """
     parts = config.num_minibatches
     steps, environments = batch.advantage.shape
-    if config.full_minibatch_shuffle:
-        order = jax.random.permutation(key, steps * environments)
+    single = config.full_minibatch_shuffle
+    rows, everywhere = steps if single else 1, shares()
+    groups = shuffle_groups(environments * everywhere, rows, parts) // everywhere
+    order = _order(key, groups, rows, environments, parts)
+    if single:
 
         def shuffle(x: Array) -> Array:
             flat = x.reshape(steps * environments, *x.shape[2:])[order]
@@ -135,7 +167,6 @@ def _minibatches(
 
         empty = jnp.zeros((parts, steps * environments // parts, carry[0].shape[1]))
         return jax.tree.map(shuffle, batch), (empty, empty)
-    order = jax.random.permutation(key, environments)
 
     def split(x: Array) -> Array:
         shuffled = jnp.take(x, order, axis=1)
@@ -143,3 +174,11 @@ def _minibatches(
 
     first, second = (x[order].reshape(parts, -1, x.shape[1]) for x in carry)
     return jax.tree.map(split, batch), (first, second)
+
+
+def _order(key: Array, groups: int, steps: int, environments: int, parts: int) -> Int[Array, " m"]:
+    """Rows of a table (steps, environments) in the order of the parts, shuffled group by group."""
+    members = np.arange(steps * environments).reshape(steps, groups, environments // groups)
+    members = np.moveaxis(members, 1, 0).reshape(groups, -1)
+    shuffled = jax.vmap(jax.random.permutation)(own_keys(key, groups), jnp.asarray(members))
+    return shuffled.reshape(groups, parts, -1).swapaxes(0, 1).reshape(-1)
