@@ -17,7 +17,8 @@ values = json.loads(sys.argv[1])
 trainer = make_trainer(make_config("ppo", values=values))
 state = trainer.start()
 program = trainer._update.lower(state).compile().as_text()
-moved = sum(program.count(f"{kind}(") for kind in ("all-gather", "all-to-all", "collective-permute"))
+kinds = ("all-gather", "all-to-all", "collective-permute")
+moved = sum(program.count(f"{kind}(") for kind in kinds)
 rows = []
 for _ in range(3):
     state, metrics = trainer.update(state)
