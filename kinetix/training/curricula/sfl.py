@@ -19,7 +19,6 @@ from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
 from kinetix.training.config import SflConfig
 from kinetix.training.curricula.tally import Tally, learnability, play_tally, sfl_score
-from kinetix.training.devices import over_devices
 from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
@@ -238,7 +237,7 @@ class Sfl:
         # new ones in every update.
         anew = state.playing.begins | (config.parity is not None)
         fresh = begin(setup.game, begin_key, config.num_train_envs, levels)
-        playing = over_devices(_where(anew, fresh, state.playing))
+        playing = _where(anew, fresh, state.playing)
         owner = jnp.where(anew, following, state.owner)
         playing, played = rollout(
             setup.game,
