@@ -2,6 +2,8 @@
 
 import dataclasses
 import datetime
+import os
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -108,10 +110,19 @@ def _read(file: Path) -> Recovery:
             time=time if time.tzinfo else time.astimezone(),
             level=loads(record["level"], str(file)),
             base=base if isinstance(base, str) else None,
-            origin=tuple(Path(name) for name in record.get("origin", ())),
+            origin=tuple(_copies(record.get("origin", ()), file)),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise FileError(file, f"expected a copy of a level: {error}") from error
+
+
+def _copies(names: Iterable[str], file: Path) -> Iterator[Path]:
+    """Paths of copies beside a copy's run; a damaged record must not have other files removed."""
+    runs = file.parent.parent
+    for name in names:
+        path = Path(os.path.normpath(name))
+        if path.suffix == ".json" and runs in (path.parent, path.parent.parent):
+            yield path
 
 
 def _saved(recovery: Recovery) -> bool:

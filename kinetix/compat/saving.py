@@ -24,6 +24,8 @@ from kinetix.environment.rearrange import expand_state
 from kinetix.environment.reset import load_from_json_file
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import CheckpointError, KinetixError
+from kinetix.files.json_text import read_object
+from kinetix.files.regular import FileError
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import loads_document, resolve_path, save_level
 from kinetix.level.compile import Scene, compile_kinetix_env, level_from_scene
@@ -211,7 +213,7 @@ def load_pretrained_checkpoint(checkpoint_dir: str | Path) -> tuple[dict[str, An
     """
     directory = Path(checkpoint_dir)
     try:
-        config = json.loads((directory / _CONFIG).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise CheckpointError(f"{directory / _CONFIG}: cannot be read: {error}") from None
+        config = read_object(directory / _CONFIG, "agent")
+    except FileError as error:
+        raise CheckpointError(str(error)) from None
     return load_params(directory / _WEIGHTS), config

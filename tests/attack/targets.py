@@ -173,6 +173,34 @@ def _read_settings(data: bytes, folder: Path) -> None:
     settings.save(folder / "again.json")
 
 
+def _autosaves() -> tuple[bytes, ...]:
+    record = {"path": "/a/b.json", "format": "kinetix-level", "time": "2026-11-22T10:00:00+00:00"}
+    record |= {"base": "0" * 64, "origin": ["RUNS/older/1.json", "PLACE/precious.json"]}
+    return tuple(
+        json.dumps(record | {"level": level.decode()}).encode() for level in native_levels()[:3]
+    )
+
+
+def _read_autosave(data: bytes, folder: Path) -> None:
+    """Copies that earlier runs left: read, told about, and never a way to remove other files."""
+    from editor import recovery
+
+    runs, precious = folder / "autosave", folder / "precious.json"
+    copy = runs / "older" / "1.json"
+    copy.parent.mkdir(parents=True)
+    precious.write_text("mine")
+    places = (b"RUNS", str(runs).encode()), (b"PLACE", str(folder).encode())
+    for word, place in places:
+        data = data.replace(word, place)
+    copy.write_bytes(data)
+    found = recovery.find(runs)
+    assert copy.is_file() or not found.unreadable
+    for one in found.recoveries:
+        one.summary()
+        recovery.discard(one)
+    assert precious.read_text() == "mine"
+
+
 @functools.cache
 def _scripts() -> tuple[bytes, ...]:
     folder = Path(__file__).parents[1] / "editor" / "scripts"
@@ -350,6 +378,7 @@ TARGETS: dict[str, Target] = {
     "schema beside reader": Target(samples=native_levels, read=_agree, weight=200),
     "level set": Target(samples=level_sets, read=_read_set),
     "settings": Target(samples=_settings, read=_read_settings, weight=200),
+    "autosave": Target(samples=_autosaves, read=_read_autosave),
     "script": Target(samples=_scripts, read=_read_script),
     "trace": Target(samples=_traces, read=_read_trace, weight=200),
     "agent.json": Target(samples=_agents, read=_read_card, weight=200),
