@@ -9,7 +9,10 @@ from typing import Any, Final, Literal, TypeAlias
 
 from editor.jobs import Job, JobState, Worker
 from editor.requests import AgentSummary, Evaluate, EvaluatedLevel, Standing
+from kinetix.agents.compare import Contender, labels_of
+from kinetix.agents.comparison_files import text_of
 from kinetix.agents.results import LevelFailure, LevelResult, Provenance, report
+from kinetix.version import __version__
 
 Column: TypeAlias = Literal["level", "solve_rate", "mean_return", "mean_length"]
 COLUMNS: Final[tuple[Column, ...]] = ("level", "solve_rate", "mean_return", "mean_length")
@@ -164,13 +167,18 @@ class Evaluation:
         """Return the lines of `kinetix eval --json`; the summary once all levels are done."""
         if self.plan is None or self.standing is None:
             return []
+        told = self._told(agent)
+        lines = report(told, self.plan.provenance(agent))
+        return lines if len(told) == len(self.plan.levels) else lines[:-1]
+
+    def _told(self, agent: int) -> list[LevelResult | LevelFailure]:
+        """What is known of an agent, in the order of the levels."""
+        assert self.plan is not None and self.standing is not None
         known: dict[str, LevelResult | LevelFailure] = {
             failure.level: failure for k, failure in self.standing.failures if k == agent
         }
         known |= {result.level: result for result in self.results(agent)}
-        told = [known[level.name] for level in self.plan.levels if level.name in known]
-        lines = report(told, self.plan.provenance(agent))
-        return lines if len(told) == len(self.plan.levels) else lines[:-1]
+        return [known[level.name] for level in self.plan.levels if level.name in known]
 
     def summary(self, agent: int) -> dict[str, Any] | None:
         """The summary that `kinetix eval` prints last, once all levels of an agent are done."""
@@ -183,6 +191,30 @@ class Evaluation:
             return []
         known = {s.result.level: s.result for s in self.standing.scores if s.agent == agent}
         return [known[level.name] for level in self.plan.levels if level.name in known]
+
+    def contenders(self) -> list[Contender]:
+        """Return the agents of which all levels are done, with what is known of each."""
+        if self.plan is None or self.standing is None:
+            return []
+        labels = labels_of([self.plan.provenance(k) for k in range(len(self.plan.agents))])
+        found = []
+        for agent, label in enumerate(labels):
+            results = self._told(agent)
+            if len(results) == len(self.plan.levels):
+                whence = self.plan.provenance(agent)
+                found.append(Contender(label=label, provenance=whence, results=tuple(results)))
+        return found
+
+    def comparison_text(self, suffix: str) -> str:
+        """Return the comparison as `kinetix compare --out` writes it.
+
+        Args:
+            suffix: `.json` or `.html`.
+        """
+        assert self.plan is not None
+        names = (level.name for level in self.plan.levels)
+        hashes = dict(zip(names, self.plan.hashes, strict=True))
+        return text_of(suffix, self.contenders(), hashes, __version__)
 
     def json_lines(self) -> str:
         """The lines that `kinetix eval --json` prints, an agent after the other."""

@@ -41,6 +41,8 @@ class Viewer:
 
     def __init__(self, worker: Worker, evaluator: Worker, rival: Simulator) -> None:
         self.slots: dict[SlotName, AgentSlot] = {name: AgentSlot() for name in SLOTS}
+        self.contenders: tuple[AgentSummary, ...] = ()
+        """Agents that are evaluated besides those of the slots."""
         self.seed = 0
         self.attempt = 0
         self.deterministic = False

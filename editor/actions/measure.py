@@ -1,11 +1,22 @@
 """Evaluations: which levels, start, keep the results, open an attempt."""
 
 from pathlib import Path
+from typing import Final
 
 from editor.actions import file
+from editor.actions.agents import about_agent, known_agents
 from editor.evaluation import Plan
 from editor.jobs import Job, JobState
-from editor.requests import AgentSummary, Casting, EvaluatedLevel, Opened, OpenEpisode
+from editor.prompts import Choice, FileQuestion, MenuQuestion
+from editor.requests import (
+    SCRIPTED,
+    AgentSummary,
+    Casting,
+    EvaluatedLevel,
+    LoadAgent,
+    Opened,
+    OpenEpisode,
+)
 from editor.results import Record, Trial
 from editor.session import Session
 from kinetix.errors import CommandError
@@ -88,6 +99,71 @@ def start_evaluation(
         deterministic=deterministic,
     )
     session.viewer.evaluation.start(plan)
+
+
+def ask_contender(session: Session) -> None:
+    """Ask for one more agent to measure, or for all checkpoints of a training run."""
+    choices = []
+    for path, label in known_agents(session):
+        if path in SCRIPTED:
+            continue
+        choices.append(Choice(id=path, label=label))
+        if steps_in(Path(path)):
+            choices.append(Choice(id=f"{_EVERY}{path}", label=f"{label}, every checkpoint"))
+    browsing = Choice(id="browse", label="Another folder…")
+
+    def answer(choice: str | None) -> None:
+        if choice == "browse":
+            _browse_contender(session)
+        elif choice is not None and choice.startswith(_EVERY):
+            for path in steps_in(Path(choice.removeprefix(_EVERY))):
+                add_contender(session, str(path))
+        elif choice is not None:
+            add_contender(session, choice)
+
+    session.ask(
+        MenuQuestion(title="Measure too", choices=(*choices, browsing), at=None, answer=answer)
+    )
+
+
+_EVERY: Final = "every:"
+
+
+def steps_in(run: Path) -> list[Path]:
+    """Return the folders of a training run's checkpoints, the oldest first."""
+    folder = run / "checkpoints"
+    found = [path for path in folder.glob("*") if path.name.isdecimal()] if folder.is_dir() else []
+    return sorted(found, key=lambda path: int(path.name))
+
+
+def _browse_contender(session: Session) -> None:
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            add_contender(session, str(path))
+
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Folder of an agent or of a training run",
+            folder=Path.cwd(),
+            answer=answer,
+            describe=about_agent,
+            wanted="an agent or a training run",
+        )
+    )
+
+
+def add_contender(session: Session, path: str) -> None:
+    """Load an agent to be measured besides those of the slots."""
+
+    def done(job: Job) -> None:
+        if job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+        elif job.state is JobState.DONE:
+            known = session.viewer.contenders
+            session.viewer.contenders = tuple(dict.fromkeys((*known, job.result)))
+
+    session.worker.submit(LoadAgent(path=path), title="Loading the agent", done=done)
 
 
 def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None:

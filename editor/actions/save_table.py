@@ -1,5 +1,6 @@
 """Writes the table of an evaluation to a file."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from editor.prompts import FileQuestion
@@ -9,7 +10,10 @@ from kinetix.level.atomic import write_atomically
 
 
 def ask_save(session: Session) -> None:
-    """Ask where the table shall go: `.csv`, or `.jsonl` with the lines of `kinetix eval`."""
+    """Ask where the table shall go.
+
+    `.csv`; `.jsonl` with the lines of `kinetix eval`; `.html` or `.json` as of `kinetix compare`.
+    """
 
     def answer(path: Path | None) -> None:
         if path is not None:
@@ -18,10 +22,10 @@ def ask_save(session: Session) -> None:
     session.ask(
         FileQuestion(
             purpose="save",
-            title="Save the table (.csv or .jsonl)",
+            title="Save the table (.csv, .jsonl, .html or .json)",
             folder=Path.cwd(),
             name="evaluation.csv",
-            suffixes=(".csv", ".jsonl"),
+            suffixes=(".csv", ".jsonl", ".html", ".json"),
             answer=answer,
         )
     )
@@ -35,9 +39,16 @@ def save_table(session: Session, path: Path) -> None:
         LevelError: The file cannot be written.
     """
     evaluation = session.viewer.evaluation
-    texts = {".csv": evaluation.csv_text, ".jsonl": evaluation.json_lines}
+    texts: dict[str, Callable[[], str]] = {
+        ".csv": evaluation.csv_text,
+        ".jsonl": evaluation.json_lines,
+        ".html": lambda: evaluation.comparison_text(".html"),
+        ".json": lambda: evaluation.comparison_text(".json"),
+    }
     suffix = path.suffix.lower()
     if suffix not in texts:
-        raise CommandError(f"{path.name}: expected a name that ends in .csv or .jsonl")
+        raise CommandError(f"{path.name}: expected a name that ends in {', '.join(texts)}")
+    if suffix in (".html", ".json") and not evaluation.contenders():
+        raise CommandError("Wait until an agent has played all levels.")
     write_atomically(path, texts[suffix]().encode())
     session.toast(f"Wrote {path}", "success")

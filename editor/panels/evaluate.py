@@ -9,13 +9,14 @@ from imgui_bundle import imgui
 from editor import widgets
 from editor.actions import measure
 from editor.actions.save_table import ask_save
-from editor.evaluation import Column, Row, best
+from editor.evaluation import Column, Plan, Row, best
 from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.panels.base import Panel
 from editor.physics import PHYSICS
 from editor.prompts import FileQuestion
 from editor.requests import SCRIPTED, AgentRef, AgentSummary
 from editor.widgets import px
+from kinetix.agents.compare import labels_of, leaderboard, paired
 from kinetix.agents.results import EpisodeResult, LevelResult
 from kinetix.paths import levels_dir
 
@@ -44,6 +45,10 @@ _HEADS: Final[dict[Column, str]] = {
     "mean_length": "Steps",
 }
 MOST_ATTEMPTS: Final = 1000
+_MOST_WORDS: Final = 60
+"""Letters of the names of agents that are shown; the rest is told by the tooltip."""
+_MOST_WIDE: Final = 2
+"""Agents with columns for return and length; of more only the rates are shown, as a heat map."""
 _ATTEMPTS: Final = 250.0
 """Width of the attempts beside the table [px at 100 %]."""
 
@@ -88,6 +93,11 @@ def scripted_summary(name: str) -> AgentSummary:
     )
 
 
+def _columns(agents: int) -> tuple[Column, ...]:
+    """Columns per agent."""
+    return ("solve_rate", "mean_return", "mean_length") if agents <= _MOST_WIDE else ("solve_rate",)
+
+
 def _label(words: str) -> None:
     """What the next field is."""
     widgets.beside(170, gap=12)
@@ -118,6 +128,7 @@ class EvaluatePanel(Panel):
 
     def __init__(self) -> None:
         self._form = _Form()
+        self._plan: Plan | None = None
 
     def draw(self, session: "Session") -> None:
         """Draw the form, then what is known."""
@@ -160,7 +171,8 @@ class EvaluatePanel(Panel):
     def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
         scripted = tuple(scripted_summary(name) for name in self._form.scripted)
         loaded = tuple(a for a in session.viewer.agents if a.ref.path not in self._form.scripted)
-        return (*loaded, *scripted)
+        others = tuple(a for a in session.viewer.contenders if a not in loaded)
+        return (*loaded, *others, *scripted)
 
     def _fields(self, session: "Session") -> None:
         form = self._form
@@ -183,26 +195,39 @@ class EvaluatePanel(Panel):
         if changed:
             form.seed = max(seed, 0)
         widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
-        imgui.same_line()
+        widgets.beside(140, gap=8)
         imgui.set_next_item_width(px(140))
         options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
-        names = [agent.name for agent in session.viewer.agents]
-        if (
-            imgui.get_item_rect_max().x + px(430)
-            < imgui.get_window_pos().x + imgui.get_window_width()
-        ):
-            imgui.same_line(0, px(16))
-        imgui.align_text_to_frame_padding()
-        widgets.muted(f"Agents: {', '.join(names) or 'none loaded'}")
+        self._who(session)
         for name in SCRIPTED:
-            imgui.same_line(0, px(12))
+            widgets.beside(90, gap=12)
             on = name in form.scripted
             changed, on = widgets.checkbox(session, f"evaluate.{name}", name, on)
             if changed:
                 kept = tuple(other for other in form.scripted if other != name)
                 form.scripted = (*kept, name) if on else kept
+
+    def _who(self, session: "Session") -> None:
+        """The agents that are measured, and more of them."""
+        viewer = session.viewer
+        names = [agent.name for agent in (*viewer.agents, *viewer.contenders)]
+        words = f"Agents: {', '.join(names) or 'none loaded'}"
+        shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
+        widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)
+        imgui.align_text_to_frame_padding()
+        widgets.muted(shown)
+        if shown != words:
+            widgets.tooltip("Agents", ", ".join(names))
+        imgui.same_line(0, px(8))
+        if widgets.button(session, "evaluate.more", "Add…"):
+            session.queue(lambda: measure.ask_contender(session))
+        widgets.tooltip("Measure too", "Another agent, or every checkpoint of a training run.")
+        if viewer.contenders:
+            imgui.same_line(0, px(4))
+            if widgets.button(session, "evaluate.fewer", "Only A and B"):
+                viewer.contenders = ()
 
     def _choose_source(self, session: "Session", picked: str) -> None:
         form = self._form
@@ -236,7 +261,7 @@ class EvaluatePanel(Panel):
     def _run(self, session: "Session") -> None:
         form, evaluation = self._form, session.viewer.evaluation
         who = self._agents(session)
-        imgui.same_line(0, px(16))
+        widgets.beside(130, gap=16)
         if evaluation.running:
             if widgets.button(session, "evaluate.cancel", "Cancel"):
                 session.queue(evaluation.cancel)
@@ -272,7 +297,7 @@ class EvaluatePanel(Panel):
 
     def _table(self, session: "Session", size: tuple[float, float]) -> None:
         form, evaluation = self._form, session.viewer.evaluation
-        plan = evaluation.plan
+        plan = self._plan = evaluation.plan
         assert plan is not None
         flags = (
             imgui.TableFlags_.row_bg.value
@@ -282,16 +307,18 @@ class EvaluatePanel(Panel):
             | imgui.TableFlags_.borders_inner_h.value
         )
         count = len(plan.agents)
-        if not imgui.begin_table("results", 1 + 3 * count, flags, size):
+        shown = _columns(count)
+        if not imgui.begin_table(f"results{len(shown)}", 1 + len(shown) * count, flags, size):
             return
         imgui.table_setup_scroll_freeze(1, 1)
         flags = (
             imgui.TableColumnFlags_.default_sort.value | imgui.TableColumnFlags_.width_stretch.value
         )
         imgui.table_setup_column(_HEADS["level"], flags, 1.2)
-        for agent in plan.agents:
-            mark = f"  {agent.name}" if count > 1 else ""
-            for column in ("solve_rate", "mean_return", "mean_length"):
+        labels = labels_of([plan.provenance(k) for k in range(count)])
+        for agent, label in zip(plan.agents, labels, strict=True):
+            mark = f"  {label}" if count > 1 else ""
+            for column in shown:
                 if column != "solve_rate":
                     mark = ""  # the columns of an agent stand together
                 imgui.table_setup_column(
@@ -326,6 +353,24 @@ class EvaluatePanel(Panel):
         if words:
             imgui.same_line(0, px(14))
             widgets.text(f"Mean solve rate   {'    '.join(words)}")
+        if len(evaluation.plan.agents) > 1 and len(words) == len(evaluation.plan.agents):
+            self._differences(session)
+
+    def _differences(self, session: "Session") -> None:
+        """How far the best is ahead of the others, on equal draws."""
+        contenders = session.viewer.evaluation.contenders()
+        first, *others = leaderboard(contenders)
+        by_label = {contender.label: contender for contender in contenders}
+        told = []
+        for row in others:
+            pair = paired(by_label[first["label"]], by_label[row["label"]])
+            if pair.difference is not None:
+                span = f"{pair.low:+.2f} to {pair.high:+.2f}"
+                told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+        if told:
+            more = f", and {len(told) - 2} more" if len(told) > 2 else ""
+            widgets.small(f"{first['label']} leads: {', '.join(told[:2])}{more}")
+            widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
     def _take_sorting(self) -> None:
         wish = imgui.table_get_sort_specs()
@@ -338,8 +383,10 @@ class EvaluatePanel(Panel):
         if column == 0:
             form.sort = "level"
         else:
-            form.sort_agent, kind = divmod(column - 1, 3)
-            form.sort = ("solve_rate", "mean_return", "mean_length")[kind]
+            plan = self._plan
+            shown = _columns(len(plan.agents) if plan is not None else 1)
+            form.sort_agent, kind = divmod(column - 1, len(shown))
+            form.sort = shown[kind]
         wish.specs_dirty = False
 
     def _row(self, session: "Session", row: Row) -> None:
@@ -349,7 +396,7 @@ class EvaluatePanel(Panel):
         widgets.text(shown)
         if shown != row.name:
             widgets.tooltip(row.name)
-        winner = best(row.results)
+        winner, wide = best(row.results), len(row.results) <= _MOST_WIDE
         for agent, result in enumerate(row.results):
             imgui.table_next_column()
             if result is None:
@@ -358,10 +405,16 @@ class EvaluatePanel(Panel):
                     widgets.tooltip(row.name, row.errors[agent])
                 else:
                     widgets.text("…", COLOURS.faint)
-                imgui.table_next_column()
-                imgui.table_next_column()
+                if wide:
+                    imgui.table_next_column()
+                    imgui.table_next_column()
                 continue
+            if not wide:
+                tint = u32(alpha(COLOURS.good, 0.45 * result.solve_rate))
+                imgui.table_set_bg_color(imgui.TableBgTarget_.cell_bg.value, tint)
             self._rate(session, row, agent, result, winner)
+            if not wide:
+                continue
             imgui.table_next_column()
             widgets.text(f"{result.mean_return:.3f}", COLOURS.muted)
             imgui.table_next_column()

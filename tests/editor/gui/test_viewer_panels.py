@@ -1,12 +1,14 @@
 """The viewer's panels under headless imgui: buttons, fields, table, timeline, plots."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 
 from editor import actions, play_side
-from editor.actions import agents, export, watch
+from editor.actions import agents, export, measure, watch
+from editor.actions.save_table import save_table
 from editor.agent_overlay import most_entropy, value_range
 from editor.browser import nothing_here
 from editor.evaluation import Plan
@@ -18,13 +20,22 @@ from editor.panels.timeline import marks_of
 from editor.playback import Mode
 from editor.prompts import FileQuestion
 from editor.recording import Mind
-from editor.requests import AgentView, EvaluatedLevel, ExportFilm, LoadAgent, ViewTable
+from editor.requests import (
+    AgentView,
+    EvaluatedLevel,
+    ExportFilm,
+    LoadAgent,
+    Score,
+    Standing,
+    ViewTable,
+)
 from editor.results import Results
 from editor.session import Session
 from editor.settings import Settings
+from kinetix.agents.compare import leaderboard
 from kinetix.paths import checkpoints_dir
 from tests.editor.core.helpers import FakeSimulator, a_level
-from tests.editor.core.test_viewer import Stage, a_summary, a_trace
+from tests.editor.core.test_viewer import Stage, a_result, a_summary, a_trace
 
 
 class ViewerStage(Stage):
@@ -260,6 +271,47 @@ def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
     (request,) = [r for r in with_agent.stage.asked if isinstance(r, ExportFilm)]
     assert request.rival.player == "Other"
     assert len(request.rival.snapshots) > 5
+
+
+def test_any_number_of_agents_is_compared_and_saved_as_a_page(with_agent, tmp_path):
+    session = with_agent.session
+    for name in ("one", "two"):
+        with_agent.stage.agents[f"/agents/{name}"] = a_summary(name)
+        measure.add_contender(session, f"/agents/{name}")
+    settle(with_agent)
+    assert [agent.name for agent in session.viewer.contenders] == ["one", "two"]
+    with_agent.stage.evaluate = _as_good_as_their_number
+    front(with_agent, "evaluate")
+    with_agent.click("evaluate.run")
+    settle(with_agent)
+    name = session.document.level.name
+    assert with_agent.shows(f"evaluate.{name}.2")
+    board = leaderboard(session.viewer.evaluation.contenders())
+    assert [row["label"] for row in board] == ["two", "one", "Tester"]
+    for suffix in (".html", ".json"):
+        save_table(session, tmp_path / f"table{suffix}")
+    page = (tmp_path / "table.html").read_text()
+    assert page.index(">two<") < page.index(">one<") < page.index(">Tester<")
+    stored = json.loads((tmp_path / "table.json").read_text())
+    assert stored["format"] == "kinetix-comparison"
+    assert stored["differences"][0]["levels"] == 1
+
+
+def _as_good_as_their_number(request, progress):
+    (level,) = request.levels
+    total = request.attempts
+    scores = tuple(
+        Score(agent=k, result=a_result(level.name, *["won"] * k, *["lost"] * (total - k)))
+        for k in range(len(request.agents))
+    )
+    return Standing(done=1, total=1, scores=scores)
+
+
+def test_the_checkpoints_of_a_run_are_in_order(tmp_path):
+    for step in ("100", "20", "x", "3"):
+        (tmp_path / "checkpoints" / step).mkdir(parents=True)
+    assert [path.name for path in measure.steps_in(tmp_path)] == ["3", "20", "100"]
+    assert measure.steps_in(tmp_path / "gone") == []
 
 
 def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):
