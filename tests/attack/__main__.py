@@ -15,6 +15,10 @@ from tests.attack.tally import Tally
 from tests.attack.targets import TARGETS
 
 
+_READING_ROUNDS = 20
+"""Killing takes a minute, so it is done once in so many rounds of reading."""
+
+
 def main() -> int:
     """Attack until the time is over; 1 if anything went wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -37,7 +41,7 @@ def main() -> int:
             folder.mkdir()
             for name in readers:
                 _attack(tally, name, random_, folder, until)
-            if "kills" in chosen:
+            if "kills" in chosen and rounds % _READING_ROUNDS == 0:
                 from tests.attack.kills import kill_writers
 
                 kill_writers(tally, random_, folder)
