@@ -9,7 +9,7 @@ from typing import Any, Final
 import msgspec
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
-from kinetix.level.faults import FaultCollector
+from kinetix.level.faults import FaultCollector, bounds_text
 from kinetix.level.json_text import DuplicateKeys
 from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sizes import SIZES
@@ -130,6 +130,23 @@ def static_env_params(capacity: Capacity) -> dict[str, Any]:
         "num_motor_bindings": 4,
         "num_thruster_bindings": 2,
     }
+
+
+_STATIC_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "num_solver_iterations": (0, 1000),
+    "solver_batch_size": (1, 1024),
+    "downscale": (1, 4096),
+    "frame_skip": (1, 1000),
+    "num_motor_bindings": (1, 64),
+    "num_thruster_bindings": (1, 64),
+}
+"""What can be stepped and drawn; `screen_dim` has `LARGEST_SCREEN`."""
+_PARAMETER_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "dt": (1e-6, 1.0),
+    "pixels_per_unit": (1, 10_000),
+}
+LARGEST_SCREEN: Final = 8192
+"""Most pixels of a picture's side."""
 
 
 Reader = Callable[[Any, str, FaultCollector], Any]
@@ -340,7 +357,10 @@ def read_parameters(value: Any, path: str, faults: FaultCollector) -> dict[str, 
     if _named_size(value, path, faults):
         return dict(ENV_PARAMS)
     block = value["params"] if _is_wrapped(value) else value
-    return read_keys(block, path, faults, _PARAMETER_READERS)
+    parameters = read_keys(block, path, faults, _PARAMETER_READERS)
+    if not faults.faults:
+        _check_ranges(parameters, _PARAMETER_RANGES, path, faults)
+    return parameters
 
 
 def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]:
@@ -352,6 +372,7 @@ def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]
     static = read_keys(block, path, faults, _STATIC_READERS, frozenset({"downscale"}))
     if faults.faults:
         return static
+    _check_ranges(static, _STATIC_RANGES, path, faults)
     for name, only in (
         ("max_polygon_vertices", VERTEX_ROWS),
         ("num_static_fixated_polys", ARENA_BODIES),
@@ -361,6 +382,21 @@ def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]
     if static.get("num_polygons", ARENA_BODIES) < ARENA_BODIES:
         faults.expect("E007", f"{path}.num_polygons", f"x ≥ {ARENA_BODIES}", static["num_polygons"])
     return static
+
+
+def _check_ranges(
+    values: dict[str, Any],
+    ranges: dict[str, tuple[float, float]],
+    path: str,
+    faults: FaultCollector,
+) -> None:
+    for name, (low, high) in ranges.items():
+        if name in values and not low <= values[name] <= high:
+            faults.expect("E007", f"{path}.{name}", bounds_text(low, high), values[name])
+    for k, side in enumerate(values.get("screen_dim", ())):
+        if not 1 <= side <= LARGEST_SCREEN:
+            place = f"{path}.screen_dim[{k}]"
+            faults.expect("E007", place, bounds_text(1, LARGEST_SCREEN), side)
 
 
 def _is_wrapped(value: Any) -> bool:

@@ -14,7 +14,6 @@ from tests.attack.mutate import Mutator
 from tests.attack.tally import Tally
 from tests.attack.targets import TARGETS
 
-
 _READING_ROUNDS = 20
 """Killing takes a minute, so it is done once in so many rounds of reading."""
 

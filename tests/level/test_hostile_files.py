@@ -7,7 +7,7 @@ import pytest
 
 from kinetix.cli import main
 from kinetix.errors import LevelError
-from kinetix.level.codec import load_level, loads, save_level
+from kinetix.level.codec import dumps, load_level, loads, save_level
 from kinetix.level.model import MAX_STEPS, Level, Solution
 from kinetix.level.sets import build_set, gather_levels, load_set, save_set, within_reach
 
@@ -32,6 +32,26 @@ def _level(**changes):
 def test_parameters_of_kinetix_env_that_are_something_else(key, value):
     tree = {"env_state": {}, "env_params": {}, "static_env_params": {}} | {key: value}
     with pytest.raises(LevelError, match=r"\$\."):
+        loads(json.dumps(tree))
+
+
+@pytest.mark.parametrize(
+    ("block", "name", "value"),
+    [
+        ("static_env_params", "frame_skip", 0),
+        ("static_env_params", "frame_skip", 10**9),
+        ("static_env_params", "num_motor_bindings", 10**9),
+        ("static_env_params", "downscale", 0),
+        ("static_env_params", "screen_dim", {"0": 1000000, "1": 500}),
+        ("env_params", "dt", 0.0),
+        ("env_params", "dt", -1.0),
+    ],
+)
+def test_parameters_that_nothing_can_be_stepped_with(block, name, value):
+    tree = json.loads(dumps(load_level("s/first_flight"), format="kinetix-env"))
+    loads(json.dumps(tree))
+    tree[block][name] = value
+    with pytest.raises(LevelError, match=rf"\$\.{block}\.{name}.*: expected"):
         loads(json.dumps(tree))
 
 
