@@ -5,6 +5,7 @@ or when the field is left. Values beyond the usual range are shown as unusual, n
 format's own limits they stop, which is said.
 """
 
+import contextlib
 import dataclasses
 import functools
 import math
@@ -347,9 +348,10 @@ class Editor:
         ids, radians = self.ids, session.settings.radians
         values, info = [], None
         for record in selected_records(session.document.shown, ids):
-            if _has(record, path):
-                info = field_info(type(record), path)
+            # A polygon is a body, but has no radius.
+            with contextlib.suppress(CommandError, KeyError):
                 values.append(float(read_field(record, path)))
+                info = field_info(type(record), path)
         if info is None:
             raise CommandError(f"Nothing that is selected has a field {path!r}.")
         known = info
@@ -373,12 +375,21 @@ class Editor:
             radians=radians,
         )
 
-    def pair(self, session: "Session", path: str) -> None:
-        """The two components of a vector side by side."""
-        width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / 2
+    def pair(
+        self, session: "Session", path: str, *, default: tuple[float, float] | None = None
+    ) -> None:
+        """The two components of a vector side by side, and an arrow back to the default."""
+        room, gap = 0.0, imgui.get_style().item_spacing.x
+        if default is not None:
+            value, agrees = shared_value(session.document.shown, self.ids, path)
+            differs = not agrees or value != default
+            room = imgui.get_frame_height() + widgets.px(2) if differs else 0.0
+        width = (imgui.get_content_region_avail().x - gap - room) / 2
         self.field(session, f"{path}.x", width=width, prefix="x  ")
         imgui.same_line()
         self.field(session, f"{path}.y", width=width, prefix="y  ")
+        if default is not None:
+            self.reset(session, path, default)
 
     def switch(self, session: "Session", path: str, label: str = "") -> None:
         """A yes-or-no field of the selection."""
@@ -426,12 +437,14 @@ class Editor:
         imgui.same_line(0, widgets.px(2))
         if widgets.icon_button(session, f"reset.{path}", Icons.reset, tint=COLOURS.faint):
             session.queue(SetField(ids=ids, field=path, value=default))
-        widgets.tooltip(f"Back to {_plain(default)}")
+        widgets.tooltip(f"Reset to {_plain(default)}")
 
 
 def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
+    if isinstance(value, tuple):
+        return ", ".join(f"{each:g}" for each in value)
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
@@ -463,14 +476,6 @@ def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
 def _preview(session: "Session", command: Command) -> None:
     if session.editing and not session.driver.active:
         session.document.preview(command)
-
-
-def _has(record: Record, path: str) -> bool:
-    try:
-        field_info(type(record), path)
-    except KeyError:
-        return False
-    return True
 
 
 def segments(

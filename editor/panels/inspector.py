@@ -9,6 +9,7 @@ from editor.commands.base import EntityId
 from editor.commands.fields import SetField, selected_records, shared_value
 from editor.controls import key_caps
 from editor.look import FONTS, Icons
+from editor.panels import shape_fields
 from editor.panels.base import Panel
 from editor.panels.fields import Editor, segments
 from editor.widgets import px
@@ -78,27 +79,7 @@ class Inspector(Panel):
                 widgets.wrapped(session.document.name_of(ids[0]))
             else:
                 widgets.wrapped(counts(records))
-        if len(ids) == 1 and isinstance(records[0], Joint):
-            joint = records[0]
-            self._ends(session, joint)
         imgui.dummy((0, px(2)))
-
-    def _ends(self, session: "Session", joint: Joint) -> None:
-        for label, end in (("A", joint.a), ("B", joint.b)):
-            if label == "B":
-                imgui.same_line()
-                widgets.muted("·")
-                imgui.same_line()
-            widgets.muted(label)
-            imgui.same_line(0, px(4))
-            self._link(session, end, session.document.name_of(end))
-
-    def _link(self, session: "Session", entity: EntityId, label: str) -> None:
-        if imgui.text_link(f"{label}###link-{entity}"):
-            session.queue(lambda: setattr(session, "selection", (entity,)))
-        widgets.probe(session, f"inspector.link.{entity}")
-        if imgui.is_item_hovered():
-            session.highlighted = (entity,)
 
     def _bodies(self, session: "Session", records: list[Record]) -> None:
         edit = self._editor
@@ -110,8 +91,7 @@ class Inspector(Panel):
                 if opened:
                     widgets.row("Position")
                     edit.pair(session, "position")
-                    widgets.row("Angle")
-                    edit.field(session, "angle")
+                    self._number(session, "Angle", "angle", 0.0)
         if widgets.section("Shape"):
             self._shape(session, records)
         if widgets.section("Body"):
@@ -120,30 +100,29 @@ class Inspector(Panel):
             with widgets.property_table("motion") as opened:
                 if opened:
                     widgets.row("Velocity")
-                    edit.pair(session, "velocity")
-                    widgets.row("Spin")
-                    edit.field(session, "angular_velocity")
+                    edit.pair(session, "velocity", default=(0.0, 0.0))
+                    self._number(session, "Spin", "angular_velocity", 0.0)
 
     def _shape(self, session: "Session", records: list[Record]) -> None:
-        shapes = [record.shape for record in records if isinstance(record, Body)]
+        bodies = [record for record in records if isinstance(record, Body)]
+        polygons = [body for body in bodies if not isinstance(body.shape, Circle)]
         with widgets.property_table("shape") as opened:
             if not opened:
                 return
-            if all(isinstance(shape, Circle) for shape in shapes):
+            if len(polygons) < len(bodies):
                 widgets.row("Radius")
                 self._editor.field(session, "shape.radius")
-            elif len(shapes) == 1 and not isinstance(shapes[0], Circle):
-                xs = [x for x, _ in shapes[0].vertices]
-                ys = [y for _, y in shapes[0].vertices]
-                widgets.row("Size")
-                imgui.align_text_to_frame_padding()
-                size = f"{max(xs) - min(xs):.3g} × {max(ys) - min(ys):.3g} m"
-                widgets.text(size)
-                widgets.tooltip(size, "Drag the handles on the canvas to resize.")
-            else:
-                widgets.row("Size")
-                imgui.align_text_to_frame_padding()
-                widgets.muted("several shapes")
+            if polygons:
+                shape_fields.size_rows(session, self._editor, polygons)
+            shape_fields.mass_rows(session, bodies)
+        if len(bodies) == 1 and polygons:
+            opened = widgets.section("Corners", opened=False)
+            widgets.probe(session, "inspector.corners")
+            if not opened:
+                return
+            with widgets.property_table("corners") as opened:
+                if opened:
+                    shape_fields.corner_rows(session, self._editor, bodies[0])
 
     def _body_rows(self, session: "Session") -> None:
         edit = self._editor
@@ -171,6 +150,10 @@ class Inspector(Panel):
         if widgets.section("Joint"):
             edit.options(session, "kind", (("revolute", "Hinge"), ("fixed", "Weld")))
         hinges = [record for record in records if isinstance(record, Joint)]
+        if len(hinges) == 1:
+            with widgets.property_table("joint") as opened:
+                if opened:
+                    shape_fields.joint_rows(session, edit, hinges[0])
         if all(joint.kind == "fixed" for joint in hinges):
             widgets.small("A weld holds place and angle; motor and limits have no effect.")
             return
@@ -200,11 +183,9 @@ class Inspector(Panel):
                 return
             widgets.row("Limited")
             edit.switch(session, "limits.on")
-            widgets.row("Least")
-            edit.field(session, "limits.min")
-            widgets.row("Greatest")
-            edit.field(session, "limits.max")
-            widgets.row("Zero at", "Angle of B minus angle of A that counts as zero.")
+            self._number(session, "Min", "limits.min", 0.0)
+            self._number(session, "Max", "limits.max", 0.0)
+            widgets.row("Reference angle", "Angle of B minus angle of A that counts as zero.")
             edit.field(session, "reference_angle")
 
     def _thrusters(self, session: "Session", records: list[Record]) -> None:
@@ -217,8 +198,7 @@ class Inspector(Panel):
             widgets.row("Key")
             self._binding(session, "binding", THRUSTER_BINDINGS, MOTOR_BINDINGS)
             self._number(session, "Power", "power", 1.0)
-            widgets.row("Direction", "Where it pushes, relative to its body.")
-            self._editor.field(session, "angle")
+            self._number(session, "Direction", "angle", 0.0)
             widgets.row("Position", "In the body's own frame.")
             self._editor.pair(session, "position")
 

@@ -109,7 +109,7 @@ def test_several_things_are_changed_each_from_its_own_value(make_gui):
     level = a_level()
     first, second, *rest = level.bodies
     level = level.replace(bodies=(first, second.replace(density=3.0), *rest))
-    gui = make_gui(level=level)
+    gui = make_gui(level=level, size=(1440, 1400))
     gui.session.selection = (1, 2)
     gui.frames(2)
     edit_text(gui, "inspector.density", "*=2")
@@ -167,3 +167,79 @@ def test_the_history_speaks_of_angles_as_the_fields_do(make_gui, radians, label)
     gui.click("outliner.1")
     edit_text(gui, "inspector.angle", "1.57" if radians else "90")
     assert gui.session.document.history.undo_label == label
+
+
+def width_and_height(body):
+    xs, ys = zip(*body.shape.vertices, strict=True)
+    return max(xs) - min(xs), max(ys) - min(ys)
+
+
+def test_width_and_height_are_typed_and_the_middle_stays(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.width", "0.8")
+    edit_text(gui, "inspector.height", "/=2")
+    assert width_and_height(gui.level.body(1)) == pytest.approx((0.8, 0.2), abs=1e-5)
+    assert gui.level.body(1).position == pytest.approx((2.0, 2.0))
+    edit_text(gui, "inspector.width", "0")
+    assert width_and_height(gui.level.body(1))[0] == pytest.approx(0.02, abs=1e-4)
+    assert gui.session.toasts[-1].text.startswith("Width is at least 0.02 m")
+
+
+def test_mass_and_inertia_are_shown_and_follow(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    assert gui.shows("inspector.mass")
+    assert gui.shows("inspector.inertia")
+
+
+def test_a_corner_is_typed_and_a_hollow_shape_refused(make_gui):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.click("outliner.1")
+    gui.click("inspector.corners")
+    gui.frames(3)
+    edit_text(gui, "inspector.corner.0.x", "2.4")
+    corners = [(x + 2.0, y + 2.0) for x, y in a_level().body(1).shape.vertices]
+    from kinetix.level.geometry import world_vertices
+
+    found = sorted(world_vertices(gui.level.body(1)))
+    expected = sorted([(2.4, 2.2), *corners[1:]])
+    for corner, wanted in zip(found, expected, strict=True):
+        assert corner == pytest.approx(wanted, abs=1e-4)
+    before = gui.level
+    edit_text(gui, "inspector.corner.0.x", "1.0")
+    assert gui.level == before
+    assert "cannot go there" in gui.session.toasts[-1].text
+
+
+def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.selection = (5,)
+    gui.frames(3)
+    gui.click("inspector.body_b")
+    gui.click("inspector.body_b.3")
+    joint = gui.level.joints[0]
+    assert (joint.a, joint.b) == (1, 3)
+    edit_text(gui, "inspector.joint.x", "1.9")
+    from editor.picking import joint_position
+
+    assert joint_position(gui.level, gui.level.joints[0])[0] == pytest.approx(1.9, abs=1e-5)
+    gui.click("inspector.body_a")
+    gui.click("inspector.body_a.3")
+    assert "two different bodies" in gui.session.toasts[-1].text
+
+
+@pytest.mark.parametrize(
+    ("path", "typed"), [("angle", "30"), ("angular_velocity", "20"), ("density", "3")]
+)
+def test_fields_have_an_arrow_back_to_the_default(make_gui, path, typed):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.click("outliner.1")
+    before = gui.level.body(1)
+    assert not gui.shows(f"reset.{path}")
+    edit_text(gui, f"inspector.{path}", typed)
+    gui.click(f"reset.{path}")
+    assert gui.level.body(1) == before
+    edit_text(gui, "inspector.velocity.x", "2")
+    gui.click("reset.velocity")
+    assert gui.level.body(1) == before
