@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import file, outside
+from editor.actions import agents, file, measure, outside
 from editor.gallery import filing
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan, export_set, refused
@@ -15,6 +15,8 @@ from kinetix.errors import CommandError, LevelError
 from kinetix.level.sets import load_set
 from kinetix.paths import levels_dir, user_levels_dir
 
+ATTEMPTS: Final = 20
+"""Per level and agent, where nothing else was said."""
 MAX_OPENED: Final = 12
 """Most levels that are opened at once: each is a tab."""
 
@@ -76,6 +78,35 @@ def open_chosen(session: Session) -> None:
     opened = [file.open_path(session, card.file) for card in chosen]
     if any(opened):
         session.gallery.open = False
+
+
+def play_agent(session: Session) -> None:
+    """Open the chosen level and let agent A play it; without one, ask which."""
+    first, *others = _chosen(session)
+    if others:
+        raise CommandError("Choose one level to be played.")
+    if file.open_path(session, first.file):
+        session.gallery.open = False
+        agents.play_agent(session)
+
+
+def evaluate(session: Session) -> None:
+    """Measure the loaded agents on the chosen levels, as *Evaluate* does at first."""
+    who = tuple(dict.fromkeys((*session.viewer.agents, *session.viewer.contenders)))
+    if not who:
+        agents.choose("a")(session)
+        raise CommandError("Choose an agent first, then evaluate again.")
+    measure.start_evaluation(
+        session,
+        who,
+        tuple(card.path for card in _chosen(session)),
+        attempts=ATTEMPTS,
+        seed=0,
+        physics="",
+        deterministic=session.viewer.deterministic,
+    )
+    session.gallery.open = False
+    session.view.front = "evaluate"
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:

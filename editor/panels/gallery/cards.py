@@ -11,6 +11,7 @@ from editor.gallery.card import Card
 from editor.look import COLOURS, SMALL, Icons, Rgba, alpha, u32
 from editor.panels.gallery.head import SIZE_LABELS
 from editor.panels.menu import item
+from editor.results import HUMAN
 from editor.textures import TextureStore
 from editor.thumbs import Thumbs
 from editor.widgets import px
@@ -161,8 +162,10 @@ class CardGrid:
         if card.path not in session.gallery.selection:
             session.gallery.selection = (card.path,)
             session.gallery.focus = card.path
-        for action_id in ("gallery.open", "gallery.add_to_set"):
+        for action_id in ("gallery.open", "gallery.play_agent", "gallery.evaluate"):
             item(session, action_id)
+        imgui.separator()
+        item(session, "gallery.add_to_set")
         imgui.separator()
         for action_id in ("gallery.rename", "gallery.duplicate", "gallery.delete"):
             item(session, action_id)
@@ -228,7 +231,13 @@ def _signs(session: "Session", card: Card) -> list[tuple[str, Rgba]]:
         signs.append((Icons.error, COLOURS.bad))
     elif card.warnings:
         signs.append((Icons.warning, COLOURS.warn))
-    if any(record.solved for record in session.results.of(card.sha256).values()):
+    records = session.results.of(card.sha256)
+    measured = [one.solve_rate for trial, one in records.items() if trial.player != HUMAN]
+    if measured:
+        # What the best agent makes of it: how hard the level is.
+        best = max(measured)
+        signs.append((f"{Icons.agent} {best:.0%}", COLOURS.good if best else COLOURS.warn))
+    elif any(record.solved for record in records.values()):
         signs.append((Icons.trophy, COLOURS.good))
     elif card.solved:
         signs.append((Icons.good, COLOURS.faint))

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from kinetix.level.sets import load_set
 from kinetix.paths import levels_dir
 from kinetix.render.palette import KINETIX
 from tests.editor.core.helpers import a_session, texts
+from tests.editor.core.test_viewer import a_summary
 
 SQUARE = Polygon(vertices=((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)))
 
@@ -367,6 +369,26 @@ def test_a_set_is_put_together_and_exported(session, tmp_path):
     assert sorted(each.split for each in loaded.levels) == ["eval", "train"]
     assert "1 to train on, 1 to evaluate on" in texts(session)[-1]
     assert session.gallery.plan is None
+
+
+def test_chosen_levels_are_evaluated_and_one_is_played_by_the_agent(session):
+    choose(session, "Rocket")
+    assert actions.run(session, "gallery.evaluate")
+    assert "Choose an agent first" in texts(session)[-1]
+    session.prompts.clear()
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    plan = session.viewer.evaluation.plan
+    assert [Path(level.source).stem for level in plan.levels] == ["rocket"]
+    assert (plan.attempts, plan.physics_of(0)) == (20, "jax2d")
+    assert not session.gallery.open
+    session.viewer.evaluation.cancel()
+    actions.run(session, "level.gallery")
+    choose(session, "Rocket")
+    actions.run(session, "gallery.play_agent")
+    assert session.document.level.name == "Rocket"
+    assert session.playback.player == "Tester"
 
 
 def test_folders_come_and_go(session, tmp_path):
