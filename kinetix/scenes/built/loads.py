@@ -58,8 +58,7 @@ def _pinned_row() -> tuple[Trial, ...]:
 
 
 def _rocking() -> tuple[Trial, ...]:
-    def trial(width: float) -> Trial:
-        height = 0.8
+    def trial(width: float, height: float) -> Trial:
         alpha = math.atan(width / height)
         theta = 0.5 * alpha
         # It stands on its lower left corner at the origin, leaning to the left.
@@ -71,7 +70,7 @@ def _rocking() -> tuple[Trial, ...]:
         values = {"width": width, "height": height}
         return Trial(level=b.build(), duration=3.0, name=f"{width:g}×{height:g} m", values=values)
 
-    return trial(0.1), trial(0.2)
+    return trial(0.4, 1.2), trial(0.4, 1.6)
 
 
 def _spun_joint() -> tuple[Trial, ...]:
