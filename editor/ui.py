@@ -12,8 +12,9 @@ from editor.actions.dispatch import IDLE
 from editor.camera import ARENA
 from editor.canvas import Canvas
 from editor.dialogs import Dialogs
+from editor.fonts import Fallbacks
 from editor.jobs import Job, JobState
-from editor.look import COLOURS, Icons
+from editor.look import COLOURS, FONTS, Icons
 from editor.panels.agents import AgentsPanel
 from editor.panels.base import Panel
 from editor.panels.controls import ControlsPanel
@@ -64,6 +65,8 @@ _CANVAS_FLAGS: Final = (
     | imgui.WindowFlags_.no_nav_inputs.value
 )
 _CANVAS: Final = "Canvas"
+_FALLBACK_FRAME: Final = 20
+"""The system's fonts are looked for after the window can be used."""
 _WARM_UP_FRAME: Final = 3
 """JAX is imported only after the window can be used."""
 _LAYOUT_FRAMES: Final = 30
@@ -118,6 +121,7 @@ class Ui:
         """Ids of panels to bring to the front, one a frame."""
         self.preparation = Preparation(session, self._compiled)
         self._row = layouts.LowerRow()
+        self._fallbacks = Fallbacks([each for each in (FONTS.regular, FONTS.bold) if each])
         self._seen: set[str] = set()
         """Ids of the panels that were on the screen in the last frame."""
         self._front_before: frozenset[str] = frozenset()
@@ -169,8 +173,10 @@ class Ui:
         actions.handle(self.session, event)
 
     def before_frame(self) -> None:
-        """Put the panels where a stored layout has them: last time's, or a kept one."""
+        """Do what Dear ImGui takes only between frames: stored layouts, further fonts."""
         asked, settings = self.session.view, self.session.settings
+        if imgui.get_frame_count() > _FALLBACK_FRAME:
+            self._fallbacks.step()
         if self._rescaled:
             self._restore(self._rescaled)
             self._rescaled = ""

@@ -30,7 +30,8 @@ class LogPanel(Panel):
             session.clipboard.set("\n".join(lines))
         widgets.probe(session, "log.copy")
         imgui.begin_child("lines")
-        with widgets.font(FONTS.mono, SMALL):
+        # The letters of all scripts, which the other font lacks.
+        with widgets.font(FONTS.regular, SMALL):
             for line in lines:
                 colour = COLOURS.bad if line.startswith("Traceback") else COLOURS.muted
                 widgets.wrapped(line.rstrip(), colour)
