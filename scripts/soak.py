@@ -3,7 +3,8 @@
     python scripts/soak.py --minutes 30
 
 Prints the resident memory every few seconds, and at the end how much it has grown since everything
-had been done once, and what that makes in 30 minutes (a straight line through the measurements).
+had been done once, and what that makes in 30 minutes (a straight line through the measurements);
+threads and open files that are left, and the frame that took the window's thread longest.
 """
 
 import argparse
@@ -11,13 +12,14 @@ import itertools
 import os
 import statistics
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from editor import actions
 from editor.actions import file
-from editor.events import KeyEvent, Pointer, PointerEvent
+from editor.events import InputEvent, KeyEvent, Pointer, PointerEvent
 from editor.hosts.offscreen import OffscreenHost
 from editor.playback import Mode
 from editor.results import Results
@@ -30,12 +32,19 @@ TARGET_MB = 50.0
 _WARM_UP_ROUNDS = 3
 """After so many rounds everything has been compiled and every cache been filled."""
 _FRAME = 1 / 60
+LONGEST_FRAME = 0.25
+"""Most processor time of the window's thread in one frame after the warm-up [s]."""
 
 
 def resident_mb() -> float:
     """Resident memory of this process [MB]."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def open_files() -> int:
+    """How many files, pipes and sockets this process has open."""
+    return len(os.listdir("/proc/self/fd"))
 
 
 class Soak:
@@ -46,17 +55,31 @@ class Soak:
         self.session = host.session
         self.levels = itertools.cycle(sorted(levels_dir().glob("s/*.json")))
         self.rounds = 0
+        self.slowest = 0.0
+        """Processor time of the slowest frame after the warm-up [s]."""
+
+    @property
+    def warm(self) -> bool:
+        """Whether everything has been done often enough to be judged."""
+        return self.rounds >= _WARM_UP_ROUNDS
+
+    def step(self, *events: InputEvent) -> None:
+        """Draw a frame."""
+        began = time.thread_time()
+        self.host.step(events, _FRAME)
+        if self.warm:
+            self.slowest = max(self.slowest, time.thread_time() - began)
 
     def frames(self, count: int) -> Iterator[None]:
         """Draw frames; a step of the soak each."""
         for _ in range(count):
-            self.host.step((), _FRAME)
+            self.step()
             yield
 
     def key(self, name: str) -> None:
         """Press and release a key."""
         for pressed in (True, False):
-            self.host.step((KeyEvent(key=name, pressed=pressed),), _FRAME)
+            self.step(KeyEvent(key=name, pressed=pressed))
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Draw with the mouse, in level metres."""
@@ -68,7 +91,7 @@ class Soak:
             (Pointer.RELEASE, end, 1),
         ):
             event = PointerEvent(kind=kind, world=at, screen=to_screen(at), button=button)
-            self.host.step((event,), _FRAME)
+            self.step(event)
 
     def run(self) -> Iterator[None]:
         """One round: open, draw, undo, play, look at the gallery, close."""
@@ -83,15 +106,15 @@ class Soak:
             actions.run(session, "edit.undo")
             yield from self.frames(5)
         actions.run(session, "run.play_human")
-        self.host.step((KeyEvent(key="left", pressed=True),), _FRAME)
+        self.step(KeyEvent(key="left", pressed=True))
         deadline = time.monotonic() + 120
         while session.playback.step_count < 120 and time.monotonic() < deadline:
             if session.mode is Mode.ENDED:
                 break
-            self.host.step((), _FRAME)
+            self.step()
             time.sleep(0.004)
             yield
-        self.host.step((KeyEvent(key="left", pressed=False),), _FRAME)
+        self.step(KeyEvent(key="left", pressed=False))
         actions.run(session, "run.stop")
         yield from self.frames(10)
         actions.run(session, "level.gallery")
@@ -125,6 +148,7 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
     soak = Soak(host)
     start = shown = time.monotonic()
     settled: list[tuple[float, float]] = []
+    held: tuple[int, int] | None = None
     work = soak.run()
     while (elapsed := (time.monotonic() - start) / 60) < minutes:
         if next(work, soak) is soak:
@@ -133,9 +157,11 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
             shown = time.monotonic()
             memory = resident_mb()
             write(f"{elapsed:6.2f} min  {memory:8.1f} MB  {soak.rounds} rounds\n")
-            if soak.rounds >= _WARM_UP_ROUNDS:
+            if soak.warm:
                 settled.append((elapsed, memory))
+                held = held or (threading.active_count(), open_files())
     textures = host._pictures.texture_count
+    now = (threading.active_count(), open_files())
     session.worker.stop(5)
     session.evaluator.stop(5)
     session.library.stop(5)
@@ -150,7 +176,13 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
         f"a straight line makes that {expected:.0f} MB in 30 min (target {TARGET_MB:.0f}); "
         f"{textures} textures of the app's own\n"
     )
-    return int(expected > TARGET_MB)
+    threads, files = (after - before for after, before in zip(now, held or now, strict=True))
+    write(
+        f"{threads:+} threads, {files:+} open files; slowest frame {1000 * soak.slowest:.0f} ms of "
+        f"processor time (at most {1000 * LONGEST_FRAME:.0f})\n"
+    )
+    # The gallery's thread and a worker's come and go; what leaks does so every round.
+    return int(expected > TARGET_MB or max(threads, files) > 8 or soak.slowest > LONGEST_FRAME)
 
 
 if __name__ == "__main__":
