@@ -110,7 +110,8 @@ def run(command: Render) -> int:
             write_film(path, frames, kind=kind, per_second=FRAME_RATE, comment=comment)
     else:
         *_, last = moments
-        _picture(last, command).save(command.out)
+        with replacing(command.out) as path:
+            _picture(last, command).save(path, format="PNG")
     print(command.out)
     return 0
 

@@ -65,7 +65,7 @@ def _attack(tally: Tally, name: str, random_: random.Random, folder: Path, until
             return
         own = folder / f"{name.replace(' ', '_')}_{k}"
         own.mkdir()
-        data = Mutator(random_.getrandbits(64)).damaged(random_.choice(samples))
+        data = target.damage(Mutator(random_.getrandbits(64)), random_.choice(samples))
         if name == "command line":
             data = random_.randbytes(8)
         tally.attempt(name, data, lambda data=data, own=own: target.read(data, own))

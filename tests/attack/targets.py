@@ -24,6 +24,7 @@ from kinetix.level.sets import build_set, dumps_set, gather_levels, is_set_file,
 from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
 from kinetix.paths import checkpoints_dir, levels_dir
+from tests.attack.mutate import Mutator
 
 FIXTURES = Path(__file__).parents[1] / "level" / "fixtures"
 
@@ -36,6 +37,8 @@ class Target:
     """Good content, to be damaged."""
     read: Callable[[bytes, Path], object]
     """Reads damaged content by way of a folder of its own; raises only `KinetixError`."""
+    damage: Callable[[Mutator, bytes], bytes] = Mutator.damaged
+    """Does the damage."""
     weight: int = 100
     """How often it is attacked, compared with others; slow readers get less."""
 
@@ -246,6 +249,42 @@ def _traces() -> tuple[bytes, ...]:
     return packed.getvalue(), plain.getvalue()
 
 
+def _damaged_arrays(mutator: Mutator, sample: bytes) -> bytes:
+    """Other types, shapes and numbers in an archive that is whole; or damage to its bytes."""
+    random_ = mutator.random
+    if random_.random() < 0.3:
+        return mutator.damaged(sample)
+    with np.load(io.BytesIO(sample)) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    name = random_.choice(list(arrays))
+    array = arrays[name]
+    match random_.randrange(7):
+        case 0:
+            del arrays[name]
+        case 1:
+            arrays[random_.choice(list(arrays))] = array
+        case 2 if array.dtype.kind == "f":
+            array = array.copy()
+            array.flat[: random_.randrange(array.size + 1)] = random_.choice(
+                (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e-40)
+            )
+            arrays[name] = array
+        case 3:
+            arrays[name] = np.array(random_.choice((0, -1, 2**62, 1e300, np.nan, "x", True, b"x")))
+        case 4:
+            arrays[name] = array[None]
+        case 5:
+            arrays[name] = array[..., :0] if array.ndim else array[None][:0]
+        case _:
+            kind = random_.choice(("<f8", "<f2", "<i8", "<u1", "<c8", "<U3", "|S3"))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                arrays[name] = np.zeros(array.shape, kind)
+    packed = io.BytesIO()
+    np.savez(packed, **arrays)
+    return packed.getvalue()
+
+
 def _read_trace(data: bytes, folder: Path) -> None:
     from editor.trace_files import read_trace, write_trace
 
@@ -380,7 +419,7 @@ TARGETS: dict[str, Target] = {
     "settings": Target(samples=_settings, read=_read_settings, weight=200),
     "autosave": Target(samples=_autosaves, read=_read_autosave),
     "script": Target(samples=_scripts, read=_read_script),
-    "trace": Target(samples=_traces, read=_read_trace, weight=200),
+    "trace": Target(samples=_traces, read=_read_trace, damage=_damaged_arrays, weight=200),
     "agent.json": Target(samples=_agents, read=_read_card, weight=200),
     "agent": Target(samples=_agents, read=_read_agent, weight=4),
     "arrays of an agent": Target(samples=_agent_arrays, read=_read_arrays, weight=4),

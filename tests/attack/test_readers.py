@@ -24,7 +24,7 @@ def test_damaged_files_end_in_one_sentence(name, tmp_path):
     for k in range(_INPUTS.get(name, target.weight)):
         mutator = Mutator(zlib.crc32(f"{name} {k}".encode()))
         sample = samples[k % len(samples)]
-        data = sample if k < len(samples) else mutator.damaged(sample)
+        data = sample if k < len(samples) else target.damage(mutator, sample)
         folder = tmp_path / str(k)
         folder.mkdir()
         tally.attempt(name, data, lambda data=data, folder=folder: target.read(data, folder))
