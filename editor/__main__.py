@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
-import kinetix
 from editor.actions.agents import load_agent
 from editor.autosaves import Autosaves
 from editor.names import Names
@@ -21,6 +20,7 @@ from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded
 from kinetix.paths import levels_dir
+from kinetix.version import __version__
 
 if TYPE_CHECKING:
     from editor.hosts.pygame_host import PygameHost
@@ -185,7 +185,7 @@ def main() -> int:
         0, or 1 when what was asked for cannot be done (the reason is on stderr).
     """
     if sys.argv[1:] == ["--version"]:
-        sys.stdout.write(f"{kinetix.__version__}\n")
+        sys.stdout.write(f"{__version__}\n")
         return 0
     missing = [name for name in _TOOLKIT if importlib.util.find_spec(name) is None]
     if missing:

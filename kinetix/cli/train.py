@@ -3,7 +3,7 @@
 import dataclasses
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, Final, Union
 
 import tyro
 
@@ -30,7 +30,10 @@ class Common:
     config: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Hyper-parameters by name; flags win over it."""
     preset: str | None = None
-    """Named hyper-parameters: small, paper, kinetix-3; the file and flags win over them."""
+    """Named hyper-parameters: small, paper, kinetix-3; the file and flags win over them. Without
+    preset and file: small, which fits a laptop."""
+    seeds: int = 1
+    """Train so many times, with the seeds seed, seed + 1, …, into RUN/seed_…"""
     from_agent: Annotated[str | None, tyro.conf.arg(name="from", metavar="AGENT")] = None
     """Fine-tune this agent instead of starting from nothing."""
     dummy_env: bool = False
@@ -66,6 +69,7 @@ def _arguments(algorithm: str) -> type[Common]:
     return made
 
 
+_SMALL: Final = "small"
 _ARGUMENTS = {name: _arguments(name) for name in CONFIGS}
 
 Train: Any = Union[  # noqa: UP007 (made at run time)
@@ -80,11 +84,9 @@ def run(command: Common) -> int:
     """Train to the end; 0 when that is reached."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
+    from kinetix.errors import KinetixError
     from kinetix.training.devices import is_leader, join
-    from kinetix.training.memory import estimate
-    from kinetix.training.run import train
     from kinetix.training.settings import make_config
-    from kinetix.training.setup import make_setup
 
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
     own = {field.name for field in dataclasses.fields(Common)}
@@ -94,8 +96,10 @@ def run(command: Common) -> int:
         for field in dataclasses.fields(command)
         if field.name not in own and getattr(command, field.name) is not None
     }
-    chosen: dict[str, Any] = {"preset": command.preset, "file": command.config, "run": command.out}
-    rough = make_config(algorithm, values=values, **chosen)
+    if command.seeds < 1:
+        raise KinetixError(f"--seeds {command.seeds}: expected at least 1")
+    chosen: dict[str, Any] = {"preset": _preset(command), "file": command.config}
+    rough = make_config(algorithm, values=values, run=command.out, **chosen)
     narrow_cores(lambda cores: rough.fits_devices(cores * (command.num_processes or 1)))
     if command.coordinator is not None:
         join(
@@ -106,16 +110,41 @@ def run(command: Common) -> int:
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
     if teacher is not None:
         values = _like(teacher.card) | values
-    config = make_config(algorithm, values=values, **chosen)
+    if chosen["preset"] != command.preset and is_leader():
+        _say(f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers")
+    first = int(values.get("seed", 0))
+    for seed in range(first, first + command.seeds):
+        out = command.out if command.seeds == 1 else command.out / f"seed_{seed}"
+        if command.seeds > 1:
+            values["seed"] = seed
+        _train(algorithm, make_config(algorithm, values=values, run=out, **chosen), out, teacher)
+    return 0
+
+
+def _preset(command: Common) -> str | None:
+    """The preset of a new run: the small one where nothing is chosen."""
+    from kinetix.training.settings import CONFIG
+
+    runs = (command.out, *command.out.glob("seed_*"))
+    chosen = command.preset or command.config or any((run / CONFIG).is_file() for run in runs)
+    return command.preset if chosen else _SMALL
+
+
+def _train(algorithm: str, config: Any, out: Path, teacher: Any) -> None:
+    """Train once, telling how it goes."""
+    from kinetix.training.devices import is_leader
+    from kinetix.training.memory import estimate
+    from kinetix.training.run import train
+    from kinetix.training.setup import make_setup
+
     if is_leader():
         setup = make_setup(config, gradient_steps=1, teacher=teacher)
         _announce(algorithm, config, estimate(setup))
         if setup.cut_short():
             _say(f"warning: {setup.cut_short()}")
-    last = train(algorithm, config, command.out, teacher=teacher, report=_report, say=_say)
+    last = train(algorithm, config, out, teacher=teacher, report=_report, say=_say)
     if is_leader():
         print(last)
-    return 0
 
 
 def _announce(algorithm: str, config: Any, need: Any) -> None:
@@ -150,8 +179,9 @@ def _report(report: Any) -> None:
         f"{report.steps_per_second:,.0f}/s",
         f"return {metrics.get('episode_return', float('nan')):.3f}",
         f"solved {metrics.get('episode_solved', float('nan')):.3f}",
-        f"{_duration(report.seconds_left)} left",
     ]
+    if report.seconds_left is not None:
+        parts.append(f"{_duration(report.seconds_left)} left")
     evaluated = metrics.get("eval/hand_designed_episode_solve_rate")
     if evaluated is not None:
         parts.append(f"evaluation {evaluated:.3f}")

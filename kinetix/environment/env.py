@@ -13,6 +13,7 @@ from kinetix.engine.batch import worlds_last
 from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
+from kinetix.environment.checks import check_action, check_params, check_state
 from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
@@ -150,6 +151,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         Raises:
             KinetixError: There is neither an override nor a `reset_fn`, or the state does not fit.
         """
+        check_params(env_params)
         state = self._start(key, override_reset_state)
         return self._observe(state), state
 
@@ -178,6 +180,9 @@ class KinetixEnv(MethodsOfKinetixEnv):
         Raises:
             KinetixError: As for `reset`.
         """
+        check_params(env_params)
+        check_state(state, self.physics_engine)
+        check_action(action, self.actions)
         params = self.env_params if env_params is None else env_params
         override = None if override_reset_state is None else self._fitted(override_reset_state)
         if self.auto_reset and override is None:
@@ -212,8 +217,8 @@ class KinetixEnv(MethodsOfKinetixEnv):
         if self.reset_fn is None:
             raise KinetixError(
                 "the environment was made with reset_fn=None: pass a level as "
-                "override_reset_state, or make it with a reset function such as "
-                "make_reset_fn_list_of_levels(…)"
+                "override_reset_state to reset and step, make it with a reset function such as "
+                "make_reset_fn_list_of_levels(…), or with auto_reset=False, so that episodes end"
             )
         return self.reset_fn
 

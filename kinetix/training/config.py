@@ -88,6 +88,9 @@ class PpoConfig:
     """Environment steps in all."""
     bootstrap_on_timeout: bool = True
     """Count the value of the last state where the time limit cut an episode."""
+    stagger_starts: bool = True
+    """Begin the very first episodes anywhere before their time limit, so that later ones do not all
+    end in the same update (not under parity)."""
     rms_norm: bool = False
     """Normalise observations by their running mean and variance."""
     full_minibatch_shuffle: bool = False
@@ -298,6 +301,18 @@ ALGORITHM_DEFAULTS: dict[str, dict[str, object]] = {
     "dr": {"replay_prob": 0.0},
 }
 """What differs between algorithms that share a kind of configuration."""
+
+
+def algorithm_of(config: PpoConfig) -> str:
+    """Return the name of the algorithm that a configuration is for."""
+    if isinstance(config, SflConfig):
+        return "sfl"
+    if isinstance(config, ReplayConfig):
+        if config.use_accel:
+            return "accel"
+        return "plr" if config.replay_prob else "dr"
+    return "ppo"
+
 
 RESUMABLE = frozenset(
     {

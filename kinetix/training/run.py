@@ -29,6 +29,7 @@ from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks
+from kinetix.training.pace import Pace
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.resume import (
     StoredProgress,
@@ -71,7 +72,8 @@ class Report:
     updates: int
     env_steps: int
     steps_per_second: float
-    seconds_left: float
+    seconds_left: float | None
+    """How long the rest takes, evaluations included [s]; None while that is not known."""
     metrics: Mapping[str, float]
 
 
@@ -142,7 +144,7 @@ def train(
         for sink in sinks:
             stack.callback(sink.close)
         run = _Run(algorithm=algorithm, trainer=trainer, out=out, sinks=sinks, stop=stop)
-        state, progress = _loop(run, state, progress, report)
+        state, progress = _loop(run, state, progress, report, say)
         if progress.updates < config.num_updates:
             say(f"stopped after update {progress.updates}; saved, the same command resumes here")
             raise stop.error()
@@ -177,24 +179,35 @@ class _Run:
 
 
 def _loop(
-    run: _Run, state: Any, progress: StoredProgress, report: Callable[[Report], None] | None
+    run: _Run,
+    state: Any,
+    progress: StoredProgress,
+    report: Callable[[Report], None] | None,
+    say: Say,
 ) -> tuple[Any, StoredProgress]:
     """Update until the end, or until somebody asks to stop."""
     algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
     evaluation = TrainingEvaluation(trainer.setup)
     updates = config.num_updates
+    pace = Pace(updates=updates, eval_freq=config.eval_freq)
     stopping = False
+    if progress.updates < updates:
+        say("compiling the first update")
     while progress.updates < updates and not stopping:
         began = time.monotonic()
         state, metrics = trainer.update(state)
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
         took = time.monotonic() - began
+        pace.updated(took)
         done = progress.updates + 1
         progress = StoredProgress(updates=done, seconds=progress.seconds + took)
         last = done == updates
         if config.eval_freq and (done % config.eval_freq == 0 or last):
+            say(f"evaluating after update {done}")
+            began = time.monotonic()
             numbers |= evaluation(_agent(algorithm, trainer, state, progress, {}))
+            pace.evaluated(time.monotonic() - began)
         numbers |= _timing(config, progress, took)
         for sink in run.sinks:
             sink.write(numbers)
@@ -202,7 +215,7 @@ def _loop(
         if done % config.checkpoint_save_freq == 0 or last or stopping:
             _save(run, state, progress, numbers)
         if report is not None and is_leader():
-            report(_report(config, progress, took, numbers))
+            report(_report(config, progress, took, numbers, pace.seconds_left(done)))
     return state, progress
 
 
@@ -216,14 +229,18 @@ def _timing(config: PpoConfig, progress: StoredProgress, took: float) -> dict[st
 
 
 def _report(
-    config: PpoConfig, progress: StoredProgress, took: float, metrics: Mapping[str, float]
+    config: PpoConfig,
+    progress: StoredProgress,
+    took: float,
+    metrics: Mapping[str, float],
+    seconds_left: float | None,
 ) -> Report:
     return Report(
         update=progress.updates,
         updates=config.num_updates,
         env_steps=progress.updates * config.steps_per_update,
         steps_per_second=config.steps_per_update / max(took, 1e-9),
-        seconds_left=(config.num_updates - progress.updates) * took,
+        seconds_left=seconds_left,
         metrics=metrics,
     )
 

@@ -155,7 +155,17 @@ class Setup:
         Args:
             key: Random key.
         """
-        return begin(self.game, key, self.config.num_train_envs)
+        playing = begin(self.game, key, self.config.num_train_envs)
+        if not self.config.stagger_starts or self.config.parity is not None:
+            return playing
+        # Otherwise episodes that time out do so all at once, for a long while.
+        state = playing.env_state
+        own = state.labels.max_timesteps
+        limit = jnp.where(own > 0, own, self.env.env_params.max_timesteps)
+        spread = jax.random.uniform(jax.random.fold_in(key, 1), limit.shape)
+        timestep = jnp.floor(spread * limit).astype(state.timestep.dtype)
+        state = dataclasses.replace(state, timestep=timestep)
+        return dataclasses.replace(playing, env_state=state)
 
     def learn(
         self,

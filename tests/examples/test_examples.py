@@ -15,6 +15,7 @@ NEEDS = {"sb3_ppo": "stable_baselines3"}
 """Packages of examples that are no dependency: without them the example is skipped."""
 
 RUNS = {
+    "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper"],
     "sb3_ppo": ["--steps", "4096", "--envs", "8"],
     "random_level_replay": ["--steps", "8", "--out", "film.gif"],
     "handmade_level_replay": [],

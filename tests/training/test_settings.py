@@ -107,3 +107,17 @@ def test_every_field_has_a_note():
     assert notes["batch_size"] == "Random levels that are scored at once."
     assert notes["learning_rate"].startswith("Step size of Adam")
     assert all(notes.values())
+
+
+def test_a_configuration_knows_its_algorithm():
+    from kinetix.training.config import CONFIGS, algorithm_of
+
+    assert {name: algorithm_of(make_config(name)) for name in CONFIGS} == {
+        name: name for name in CONFIGS
+    }
+
+
+def test_the_papers_numbers_come_with_the_papers_environment():
+    config = make_config("ppo", preset="paper")
+    assert (config.parity, config.physics, config.size) == ("kinetix-3", "jax2d", "s")
+    assert config.num_train_envs == 2048

@@ -1,0 +1,97 @@
+"""What is asked of the arguments of `reset` and `step`, while they are traced: one sentence each.
+
+Types and shapes are known then, so a check costs nothing in a compiled step. Values are not: what
+lies outside an action's range is clipped, or counts as no action (`env.action_space().contains`
+tells).
+"""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from kinetix.engine.pipeline import empty_cache
+from kinetix.environment.actions import AbstractAction
+from kinetix.environment.params import PhysicsEngine
+from kinetix.environment.spaces import Box
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.compile import capacity_of_world
+from kinetix.level.sizes import describe_capacity
+
+_ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
+
+
+def check_params(env_params: Any) -> None:
+    """Refuse what is no `EnvParams`.
+
+    Raises:
+        KinetixError: It is something else.
+    """
+    if env_params is not None and not hasattr(env_params, "dense_reward_scale"):
+        raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {_ORDER}")
+
+
+def check_state(state: Any, engine: PhysicsEngine) -> None:
+    """Refuse a state that an environment of these sizes and this physics cannot step.
+
+    Raises:
+        KinetixError: It is no state, a batch, of another size or of another physics.
+    """
+    if not isinstance(state, EnvState):
+        inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
+        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {_ORDER}")
+    if jnp.ndim(state.timestep):
+        raise KinetixError(
+            f"state: expected one state, got a batch of shape {jnp.shape(state.timestep)}: "
+            "use jax.vmap(env.step, in_axes=(0, 0, 0, None))"
+        )
+    have, want = capacity_of_world(state.world), engine.spec.capacity
+    if have != want:
+        raise KinetixError(
+            f"state: expected the sizes of the environment, {describe_capacity(want)} (polygons, "
+            f"circles, joints, thrusters), got {describe_capacity(have)}: "
+            "kinetix.environment.rearrange.expand_state makes a level larger"
+        )
+    if _form(state.physics.cache) != _cache_form(engine):
+        raise KinetixError(
+            "state: it was made for another physics than the environment's: start from "
+            "env.reset(key, env_params, state), or load the level with "
+            "load_from_json_file(path, physics=…)"
+        )
+
+
+def check_action(action: Any, actions: AbstractAction) -> None:
+    """Refuse an action of another shape or type.
+
+    Raises:
+        KinetixError: It is one; the sentence says what is expected.
+    """
+    space: Any = actions.action_space
+    if jnp.shape(action) != space.shape:
+        batch = jnp.shape(action)[1:] == space.shape
+        why = "use jax.vmap(env.step) for a batch" if batch else "see env.action_space()"
+        raise KinetixError(
+            f"action of shape {jnp.shape(action)}: expected {space.shape} ({actions.name}); {why}"
+        )
+    real = jnp.issubdtype(jnp.result_type(action), jnp.floating)
+    if real and not isinstance(space, Box):
+        raise KinetixError(
+            f"action of type {jnp.result_type(action).name}: expected integers ({actions.name}); "
+            "for reals make the environment with ActionType.CONTINUOUS"
+        )
+
+
+def _kind(value: Any) -> str:
+    shape = jnp.shape(value) if hasattr(value, "dtype") else None
+    return type(value).__name__ if shape is None else f"an array of shape {shape}"
+
+
+def _form(tree: Any) -> Any:
+    return jax.tree.structure(tree), tuple(jnp.shape(leaf) for leaf in jax.tree.leaves(tree))
+
+
+@functools.cache
+def _cache_form(engine: PhysicsEngine) -> Any:
+    return _form(empty_cache(engine.spec, engine.solver))

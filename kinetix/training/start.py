@@ -1,0 +1,57 @@
+"""Training from Python: one call from words to an agent."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from kinetix.agents.agent import Agent, load_agent
+from kinetix.training.config import PpoConfig, algorithm_of
+from kinetix.training.run import Report
+from kinetix.training.run import train as run_training
+from kinetix.training.settings import CONFIG, make_config
+
+
+def train(
+    config: PpoConfig | str = "ppo",
+    out: str | Path = "runs/latest",
+    *,
+    preset: str | None = None,
+    start_from: str | Path | Agent | None = None,
+    report: Callable[[Report], None] | None = None,
+    say: Callable[[str], None] | None = print,
+    **fields: Any,
+) -> Agent:
+    """Train an agent, or go on with a training that was stopped.
+
+    Args:
+        config: A configuration (`make_config`), or the name of an algorithm: `ppo`, `sfl`, `plr`,
+            `accel`, `dr`.
+        out: The run's directory; the same one goes on where it stopped.
+        preset: `small` (the default, which fits a laptop), `paper` or `kinetix-3`; only with the
+            name of an algorithm.
+        start_from: An agent to fine-tune.
+        report: Called after every update.
+        say: Takes what there is to say besides.
+        **fields: Hyper-parameters by name, such as `levels=("s/goalkeeper",)`; only with the name
+            of an algorithm.
+
+    Returns:
+        The trained agent; `out` holds it too.
+
+    Raises:
+        KinetixError: A word or number is not allowed; the sentence names it.
+    """
+    out = Path(out)
+    if isinstance(config, str):
+        fresh = not (out / CONFIG).is_file()
+        algorithm = config
+        config = make_config(
+            algorithm, preset=preset or ("small" if fresh else None), values=fields, run=out
+        )
+    else:
+        algorithm = algorithm_of(config)
+    teacher = start_from
+    if teacher is not None and not isinstance(teacher, Agent):
+        teacher = load_agent(teacher)
+    last = run_training(algorithm, config, out, teacher=teacher, report=report, say=say)
+    return load_agent(last)

@@ -1,0 +1,63 @@
+"""Wrong arguments of `reset` and `step` get one sentence with what to do."""
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+from kinetix import EnvParams, StaticEnvParams, make_kinetix_env
+from kinetix.environment.params import static_env_params_from_size
+from kinetix.environment.reset import level_state
+from kinetix.errors import KinetixError
+from tests.environment.conftest import small_level
+
+KEY = jax.random.key(0)
+ACTION = jnp.zeros(6, jnp.int32)
+
+
+def sentence(env, *arguments):
+    with pytest.raises(KinetixError) as error:
+        env.step(*arguments)
+    return str(error.value)
+
+
+def test_actions(small_env, small_state):
+    step = (KEY, small_state)
+    assert sentence(small_env, *step, ACTION[:5]) == (
+        "action of shape (5,): expected (6,) (multi_discrete); see env.action_space()"
+    )
+    assert "use jax.vmap(env.step) for a batch" in sentence(small_env, *step, ACTION[None])
+    assert "expected integers (multi_discrete)" in sentence(small_env, *step, ACTION * 1.0)
+
+
+def test_arguments_in_another_order(small_env, small_state):
+    assert "state: expected an EnvState, got an array of shape (6,)" in sentence(
+        small_env, KEY, ACTION, small_state
+    )
+    assert "env_params: expected EnvParams, got StaticEnvParams" in sentence(
+        small_env, KEY, small_state, ACTION, StaticEnvParams()
+    )
+    with pytest.raises(KinetixError, match=r"got EnvState; the order is .*reset\(key, env_params"):
+        small_env.reset(KEY, small_state)
+
+
+def test_states_of_something_else(small_env, small_state):
+    batch = jax.tree.map(lambda x: jnp.asarray(x)[None], small_state)
+    assert "got a batch of shape (1,): use jax.vmap(env.step" in sentence(
+        small_env, KEY, batch, ACTION
+    )
+    larger = level_state(small_level(), static_env_params_from_size("m", physics="drift"))
+    assert "s (polygons, circles, joints, thrusters), got m: " in sentence(
+        small_env, KEY, larger, ACTION
+    )
+    other = level_state(small_level(), static_env_params_from_size("s", physics="jax2d"))
+    assert "another physics than the environment's: start from env.reset" in sentence(
+        small_env, KEY, other, ACTION
+    )
+    # And that is what works.
+    _, state = small_env.reset(KEY, None, other)
+    small_env.step(KEY, state, ACTION)
+
+
+def test_no_reset_function(small_static, small_state):
+    env = make_kinetix_env("multi_discrete", "blind", None, EnvParams(), small_static)
+    assert "auto_reset=False, so that episodes end" in sentence(env, KEY, small_state, ACTION)
