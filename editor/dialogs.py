@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor import widgets
 from editor.browser import FileBrowser, thumbnail
+from editor.keys import label as chord_label
 from editor.look import COLOURS, FONTS
 from editor.prompts import Choice, FileQuestion, MenuQuestion, Question, TextQuestion
 from editor.widgets import px
@@ -205,7 +206,10 @@ class Dialogs:
         imgui.end_popup()
 
     def _choice(self, session: "Session", prompt: MenuQuestion, choice: Choice) -> None:
-        pressed = imgui.menu_item_simple(f"{choice.label}###{choice.id}", choice.detail or None)
+        if choice.separated:
+            imgui.separator()
+        beside = chord_label(choice.chord) if choice.chord else choice.detail
+        pressed = imgui.menu_item_simple(f"{choice.label}###{choice.id}", beside or None)
         widgets.probe(session, f"list.{choice.id}")
         if imgui.is_item_hovered() and choice.ids:
             session.highlighted = tuple(choice.ids)

@@ -18,6 +18,10 @@ class Choice:
     """A further line in a quieter tone."""
     ids: tuple[int | str, ...] = ()
     """Entities to highlight while the row is hovered."""
+    chord: str = ""
+    """The keys that do the same, as actions name them."""
+    separated: bool = False
+    """Whether a line stands above the row."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,12 @@
 """From events and time to actions: key chords, the pointer, the queue, the clock."""
 
+import functools
 from pathlib import Path
 from typing import Final
 
 from editor.actions import agents, export, file, outside, play, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
+from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
 from editor.controls import PAD, PAD_ACTIONS
@@ -114,7 +116,10 @@ def handle(session: Session, event: InputEvent) -> bool:
             return session.editing and session.driver.text(text)
         case PointerEvent():
             with session.guard():
-                use_pointer(session, event)
+                table = Table(
+                    words=functools.partial(_words, session), run=functools.partial(run, session)
+                )
+                use_pointer(session, event, table)
         case WheelEvent():
             move_wheel(session, event)
         case PadEvent():
@@ -129,6 +134,13 @@ def handle(session: Session, event: InputEvent) -> bool:
         case _:
             return False
     return True
+
+
+def _words(session: Session, action_id: str) -> tuple[str, str]:
+    """Return label and first chord of an action."""
+    action = BY_ID[action_id]
+    chosen = chords(session, action)
+    return action.label, chosen[0] if chosen else ""
 
 
 def _dropped(session: Session, path: Path) -> None:

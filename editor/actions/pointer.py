@@ -4,26 +4,31 @@ import dataclasses
 import math
 from typing import Final
 
+from editor.actions import context
 from editor.camera import ZOOM_NOTCH
 from editor.controls import NOOP
 from editor.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
 from editor.picking import bodies_at
 from editor.playback import Mode
-from editor.prompts import Choice, MenuQuestion
 from editor.requests import Pull
 from editor.session import Session
 from editor.tools.base import DRAG_PIXELS
-from editor.tools.select.idle import under_pointer
 from kinetix.level.geometry import to_local
 
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
 
 
-def use_pointer(session: Session, event: PointerEvent) -> None:
-    """Give a pointer event to whom it concerns."""
+def use_pointer(session: Session, event: PointerEvent, table: context.Table) -> None:
+    """Give a pointer event to whom it concerns.
+
+    Args:
+        session: The app.
+        event: The event.
+        table: The action table, for the menu of a right click.
+    """
     session.cursor, session.cursor_screen = event.world, event.screen
     session.modifiers = event.modifiers
-    if _panned(session, event):
+    if _panned(session, event, table):
         return
     if event.button not in (0, LEFT):
         return
@@ -41,8 +46,8 @@ def move_wheel(session: Session, event: WheelEvent) -> None:
         session.camera = session.camera.panned((-30.0 * event.dx, 0.0))
 
 
-def _panned(session: Session, event: PointerEvent) -> bool:
-    """Middle or right drag pans; a right click lists what lies under the pointer."""
+def _panned(session: Session, event: PointerEvent, table: context.Table) -> bool:
+    """Pan by a middle or right drag; a right click opens the menu of the place."""
     if event.kind is Pointer.PRESS and event.button in PAN_BUTTONS and not session.driver.active:
         session.pan = (event.screen, event.screen, False)
         return True
@@ -59,26 +64,8 @@ def _panned(session: Session, event: PointerEvent) -> bool:
     elif event.kind is Pointer.RELEASE:
         session.pan = None
         if not moved and event.button == RIGHT and session.editing:
-            _stack_menu(session, event)
+            context.open_menu(session, event, table)
     return True
-
-
-def _stack_menu(session: Session, event: PointerEvent) -> None:
-    under = under_pointer(session, event)
-    if not under:
-        return
-
-    def answer(choice: str | None) -> None:
-        if choice is not None:
-            session.selection = (under[int(choice)],)
-
-    choices = tuple(
-        Choice(id=str(k), label=session.document.name_of(entity), ids=(entity,))
-        for k, entity in enumerate(under)
-    )
-    session.ask(
-        MenuQuestion(title="Under the pointer", choices=choices, at=event.screen, answer=answer)
-    )
 
 
 def _pull(session: Session, event: PointerEvent) -> None:

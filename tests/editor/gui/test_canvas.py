@@ -93,3 +93,12 @@ def test_thrusters_have_caps_too(make_gui):
     )
     gui = make_gui(level=alone)
     assert set(caps(gui)) == {6}
+
+
+def test_paste_in_the_menu_means_the_place_that_was_clicked(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.selection = (3,)
+    gui.key("ctrl+c")
+    gui.click_world(3.0, 1.5, button=3)
+    gui.click("list.edit.paste")
+    assert gui.level.bodies[-1].position == pytest.approx((3.0, 1.5), abs=0.03)

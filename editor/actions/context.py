@@ -1,0 +1,165 @@
+"""The menu of a right click: what lies there, and what one would do with it."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Final
+
+from editor.commands.base import Command, EntityId, Selection
+from editor.commands.fields import SetField, read_field, selected_records
+from editor.events import PointerEvent
+from editor.prompts import Choice, MenuQuestion
+from editor.session import Session
+from editor.tools.select.idle import under_pointer
+from kinetix.level.model import ArenaBody, Body, Joint, Record, Thruster
+
+_ROLES: Final = (("green", "Make Green"), ("blue", "Make Blue"), ("red", "Make Red"))
+_ARRANGING: Final = (
+    "edit.cut",
+    "edit.copy",
+    "edit.duplicate",
+    "edit.rename",
+    "edit.mirror_horizontal",
+    "edit.forward",
+    "edit.back",
+    "edit.lock",
+    "edit.hide",
+    "view.frame_selection",
+    "edit.delete",
+)
+_EMPTY: Final = (
+    "edit.paste",
+    "edit.select_all",
+    "tool.rectangle",
+    "tool.circle",
+    "tool.triangle",
+    "view.fit",
+    "view.grid",
+    "snap.smart",
+    "edit.hide",
+)
+"""Rows for an empty place, by action."""
+
+Run = Callable[[], None]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Table:
+    """The action table, as the menu needs it."""
+
+    words: Callable[[str], tuple[str, str]]
+    """Label and chord of an action, by its id."""
+    run: Callable[[str], object]
+    """Does an action now."""
+
+
+def open_menu(session: Session, event: PointerEvent, table: Table) -> None:
+    """Ask what to do at a place.
+
+    Args:
+        session: The app.
+        event: The click.
+        table: The action table.
+    """
+    under = under_pointer(session, event)
+    runs: dict[str, Run] = {}
+    choices: list[Choice] = []
+
+    def add(key: str, label: str, run: Run, *, chord: str = "", gap: bool = False) -> None:
+        runs[key] = run
+        choices.append(Choice(id=key, label=label, chord=chord, separated=gap))
+
+    def answer(key: str | None) -> None:
+        if key is not None:
+            runs[key]()
+
+    for k, entity in enumerate(under):
+        runs[str(k)] = _selecting(session, (entity,))
+        name = session.document.name_of(entity)
+        choices.append(Choice(id=str(k), label=name, ids=(entity,)))
+    target = _target(session, under)
+    for number, (label, command) in enumerate(_changes(session, target)):
+        run = _executing(session, target, command)
+        add(f"change.{label.lower()}", label, run, gap=number == 0)
+    names = _names(target) if target else _EMPTY
+    for number, action in enumerate(names):
+        label, chord = table.words(action)
+        run = _running(session, target or session.selection, event, table, action)
+        add(action, label, run, chord=chord, gap=number == 0 and bool(choices))
+    title = "Under the pointer" if under else "Here"
+    session.ask(MenuQuestion(title=title, choices=tuple(choices), at=event.screen, answer=answer))
+
+
+def _target(session: Session, under: Selection) -> Selection:
+    """Return what the rows act on: the selection when it was clicked, else the uppermost thing."""
+    if not under:
+        return ()
+    clicked = any(entity in session.selection for entity in under)
+    return session.selection if clicked else under[:1]
+
+
+def _names(target: Selection) -> tuple[str, ...]:
+    """Return the actions for things; the arena's parts can neither be moved nor deleted."""
+    if all(isinstance(entity, str) for entity in target):
+        return ("view.frame_selection",)
+    return _ARRANGING
+
+
+def _changes(session: Session, target: Selection) -> list[tuple[str, Command]]:
+    """Return the changes of properties that fit all of some things."""
+    records = selected_records(session.document.level, target)
+    kinds = {type(record) for record in records}
+    if not records or len(kinds) > 1:
+        return []
+    return [
+        (label, SetField(ids=target, field=field, value=value))
+        for label, field, value in _rows(records)
+        if not all(read_field(record, field) == value for record in records)
+    ]
+
+
+def _rows(records: list[Record]) -> list[tuple[str, str, object]]:
+    """Return label, field and value of each change; those that change nothing are left out."""
+    first = records[0]
+    if isinstance(first, Body | ArenaBody):
+        rows: list[tuple[str, str, object]] = [(words, "role", role) for role, words in _ROLES]
+        rows.append(("Take the Role Away", "role", "none"))
+        if isinstance(first, Body):
+            rows += [("Fix in Place", "fixed", True), ("Let It Move", "fixed", False)]
+        return rows
+    if isinstance(first, Joint):
+        rows = [("Make a Hinge", "kind", "revolute"), ("Make a Weld", "kind", "fixed")]
+        if all(isinstance(record, Joint) and record.kind != "fixed" for record in records):
+            rows += [
+                ("Add a Motor", "motor.on", True),
+                ("Remove the Motor", "motor.on", False),
+                ("Limit the Angle", "limits.on", True),
+                ("Remove the Limits", "limits.on", False),
+            ]
+        return rows
+    if isinstance(first, Thruster):
+        return [("First Key", "binding", 0), ("Second Key", "binding", 1)]
+    return []
+
+
+def _selecting(session: Session, chosen: tuple[EntityId, ...]) -> Run:
+    return lambda: setattr(session, "selection", chosen)
+
+
+def _executing(session: Session, target: Selection, command: Command) -> Run:
+    def run() -> None:
+        session.selection = target
+        session.execute(command)
+
+    return run
+
+
+def _running(
+    session: Session, target: Selection, event: PointerEvent, table: Table, action: str
+) -> Run:
+    def run() -> None:
+        session.selection = target
+        # The pointer is over the menu by now; the place that was clicked is meant.
+        session.cursor = event.world
+        table.run(action)
+
+    return run
