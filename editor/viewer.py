@@ -54,6 +54,8 @@ class Viewer:
         self.rival = Follower(rival)
         self.evaluation = Evaluation(evaluator)
         self.run = RunWatch(worker)
+        self.other_runs: tuple[RunWatch, ...] = ()
+        """Runs whose curves are shown beside those of `run`; their agents are not taken."""
         self.follow_run = True
         """Whether the newest checkpoint of the watched run is played as soon as it is there."""
         self.eye_open = False

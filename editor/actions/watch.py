@@ -8,6 +8,7 @@ from editor.actions.measure import keep_results
 from editor.jobs import Job, JobState
 from editor.prompts import FileQuestion
 from editor.requests import Observe
+from editor.run_watch import RunWatch
 from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
@@ -38,6 +39,35 @@ def ask_run(session: Session) -> None:
     )
 
 
+def ask_beside(session: Session) -> None:
+    """Ask for another run whose curves are shown beside those of the watched one."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            add_run(session, str(path))
+
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Folder of another training run",
+            folder=Path(session.viewer.run.path).parent,
+            answer=answer,
+            describe=_about_run,
+            wanted="a training run",
+        )
+    )
+
+
+def add_run(session: Session, path: str) -> None:
+    """Show the curves of another run beside those of the watched one; each run once."""
+    viewer = session.viewer
+    if path in (viewer.run.path, *(other.path for other in viewer.other_runs)):
+        return
+    other = RunWatch(session.worker)
+    other.watch(path)
+    viewer.other_runs = (*viewer.other_runs, other)
+
+
 def _about_run(path: Path) -> str:
     files = ("metrics.jsonl", "checkpoints", "config.toml")
     found = any((path / name).exists() for name in files)
@@ -50,6 +80,8 @@ def update_viewer(session: Session) -> None:
     viewer.evaluation.tick()
     keep_results(session)
     viewer.run.tick(session.time, functools.partial(_newer, session))
+    for other in viewer.other_runs:
+        other.tick(session.time, lambda _: None)
     _rival(session)
     if viewer.eye_open:
         _look(session)

@@ -25,6 +25,7 @@ from editor.requests import (
     EvaluatedLevel,
     ExportFilm,
     LoadAgent,
+    RunNews,
     Score,
     Standing,
     ViewTable,
@@ -312,6 +313,28 @@ def test_the_checkpoints_of_a_run_are_in_order(tmp_path):
         (tmp_path / "checkpoints" / step).mkdir(parents=True)
     assert [path.name for path in measure.steps_in(tmp_path)] == ["3", "20", "100"]
     assert measure.steps_in(tmp_path / "gone") == []
+
+
+def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
+    session, viewer = gui.session, gui.session.viewer
+    name = "eval_avg/hand_designed_episode_solve_rate_s/goalkeeper"
+    row = {"timing/num_env_steps": 10.0, "loss/entropy": 1.0, name: 0.5}
+    gui.stage.news = RunNews(rows=(row, row | {name: 0.7}), total=2, newest=None)
+    watch.watch_run(session, "/runs/one")
+    watch.add_run(session, "/runs/two")
+    watch.add_run(session, "/runs/one")  # is there already
+    (other,) = viewer.other_runs
+    settle(gui)
+    assert len(other.rows) == len(viewer.run.rows) == 2
+    front(gui, "training")
+    assert gui.shows(f"training.plot.{name}")  # so few levels are shown at once
+    gui.click("training.log")
+    gui.click("training.band")
+    gui.frames(4)
+    assert not [toast for toast in session.toasts if toast.kind == "error"]
+    gui.click("training.drop.1")
+    gui.frames(3)
+    assert viewer.other_runs == ()
 
 
 def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):
