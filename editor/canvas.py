@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions, events, gauges, picking
+from editor.actions import context
 from editor.actions.view import shows_panels
 from editor.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.camera import ARENA, Camera, Point
@@ -184,6 +185,8 @@ class Canvas:
                     modifiers=_modifiers(),
                 ),
             )
+        if self._on_cap(session, mouse):
+            return
         if session.editing and not session.driver.active and not self._down:
             # Every frame, as what lies under a resting pointer may change: handles follow.
             self._pointer(session, events.Pointer.MOVE, mouse if inside else _NOWHERE, 0)
@@ -201,6 +204,22 @@ class Canvas:
         self._mouse = mouse
         if self.hovered and session.editing:
             imgui.set_mouse_cursor(_CURSORS[session.driver.feedback.cursor].value)
+
+    def _on_cap(self, session: "Session", mouse: Point) -> bool:
+        """Let a click on a key cap choose another key; whether the pointer is on one in Edit."""
+        free = session.editing and session.tool.id == "select" and not session.driver.active
+        if not (free and self.hovered and not self._down and session.settings.key_caps):
+            return False
+        found = next((cap for cap in self.caps if _inside(mouse, cap.low, cap.high)), None)
+        if found is None:
+            return False
+        session.hovered, self._mouse = found.entity, mouse
+        session.cursor = session.camera.to_world(mouse)
+        imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
+        if imgui.is_mouse_clicked(0):
+            entity = found.entity
+            session.queue(lambda: context.ask_key(session, entity, mouse))
+        return not any(imgui.is_mouse_clicked(button) for button in (1, 2))
 
     def _pointer(
         self, session: "Session", kind: events.Pointer, mouse: tuple[float, float], button: int
@@ -407,6 +426,10 @@ class Canvas:
 
 
 _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)
+
+
+def _inside(point: Point, low: Point, high: Point) -> bool:
+    return low[0] <= point[0] <= high[0] and low[1] <= point[1] <= high[1]
 
 
 def _modifiers() -> events.Modifiers:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from typing import Final
 
-from editor.overlay import Line, Style
+from editor.overlay import Label, Line, Style
 from kinetix.level.geometry import FLOOR_TOP, bounds, world_vertices
 from kinetix.level.model import Body, Circle, Level, Point
 
@@ -22,6 +22,8 @@ ARENA_X: Final = (0.0, 2.5, 5.0)
 ARENA_Y: Final = (FLOOR_TOP, 2.5, 5.0)
 """Edges and middle of the playable square, the floor's surface below [m]."""
 _SAME: Final = 1e-9
+_SHORTEST: Final = 0.1
+"""Shorter guides have no length beside them [m]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -319,6 +321,18 @@ def _gridded(
     if apart is not None and abs(value - apart[axis]) <= APART:
         return None
     return _Catch(shift=value - point[axis], value=value, start=None, feature=point)
+
+
+def measured(guides: Iterable[Line]) -> tuple[Line | Label, ...]:
+    """Return guides with their lengths beside them; very short ones stay without."""
+    marks: list[Line | Label] = []
+    for guide in guides:
+        marks.append(guide)
+        length = math.dist(guide.a, guide.b)
+        if length >= _SHORTEST:
+            middle = ((guide.a[0] + guide.b[0]) / 2, (guide.a[1] + guide.b[1]) / 2)
+            marks.append(Label(at=middle, text=f"{length:.2f} m"))
+    return tuple(marks)
 
 
 def _guides(catches: Sequence[_Catch | None], shift: Point) -> Iterable[Line]:

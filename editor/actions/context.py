@@ -6,11 +6,20 @@ from typing import Final
 
 from editor.commands.base import Command, EntityId, Selection
 from editor.commands.fields import SetField, read_field, selected_records
+from editor.controls import key_caps
 from editor.events import PointerEvent
 from editor.prompts import Choice, MenuQuestion
 from editor.session import Session
 from editor.tools.select.idle import under_pointer
-from kinetix.level.model import ArenaBody, Body, Joint, Record, Thruster
+from kinetix.level.model import (
+    MOTOR_BINDINGS,
+    THRUSTER_BINDINGS,
+    ArenaBody,
+    Body,
+    Joint,
+    Record,
+    Thruster,
+)
 
 _ROLES: Final = (("green", "Make Green"), ("blue", "Make Blue"), ("red", "Make Red"))
 _ARRANGING: Final = (
@@ -87,6 +96,38 @@ def open_menu(session: Session, event: PointerEvent, table: Table) -> None:
         add(action, label, run, chord=chord, gap=number == 0 and bool(choices))
     title = "Under the pointer" if under else "Here"
     session.ask(MenuQuestion(title=title, choices=tuple(choices), at=event.screen, answer=answer))
+
+
+def ask_key(session: Session, entity: int, at: tuple[float, float]) -> None:
+    """Ask which key shall drive a joint or thruster.
+
+    Args:
+        session: The app.
+        entity: Id of the joint or thruster.
+        at: Where the menu opens [px].
+    """
+    level = session.document.level
+    thruster = any(thruster.id == entity for thruster in level.thrusters)
+    field = "binding" if thruster else "motor.binding"
+    first, count = (MOTOR_BINDINGS, THRUSTER_BINDINGS) if thruster else (0, MOTOR_BINDINGS)
+    (record,) = selected_records(level, (entity,))
+    present = read_field(record, field)
+    keys = session.control_keys
+    choices = tuple(
+        Choice(
+            id=str(binding),
+            label="  ".join(key_caps(first + binding, keys)) or f"control {first + binding}",
+            detail="now" if binding == present else "",
+        )
+        for binding in range(count)
+    )
+
+    def answer(choice: str | None) -> None:
+        if choice is not None:
+            session.execute(SetField(ids=(entity,), field=field, value=int(choice)))
+
+    title = f"Key of {session.document.name_of(entity)}"
+    session.ask(MenuQuestion(title=title, choices=choices, at=at, answer=answer))
 
 
 def _target(session: Session, under: Selection) -> Selection:

@@ -105,6 +105,34 @@ class MoveJoint:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class RehangJoint:
+    """Puts a joint at another place and on the bodies there; motor and limits stay."""
+
+    joint: int
+    bodies: tuple[BodyReference, BodyReference]
+    point: Point
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Move joint to other bodies"
+
+    def apply(self, level: Level) -> Level:
+        """Join the other bodies.
+
+        Raises:
+            CommandError: There is no such joint, a body is missing, or both are the same.
+        """
+
+        def rehung(joint: Joint) -> Joint:
+            fresh = joint_between(level, self.bodies, self.point, joint.kind)
+            return fresh.replace(id=joint.id, motor=joint.motor, limits=joint.limits)
+
+        return _with_joint(level, self.joint, rehung)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class ReassignJoint:
     """Lets a joint hold another body; the anchor stays where it is in the world."""
 

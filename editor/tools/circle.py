@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from editor.commands.bodies import AddBody
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Label, Line, Style
-from editor.snapping import apart_from, snap_point
+from editor.snapping import apart_from, measured, snap_point
 from editor.tools.base import Feedback, Gesture, Tool
 from kinetix.level.model import Body, Circle
 
@@ -54,7 +54,7 @@ class CircleTool(Tool):
                 body = Body(id=1, shape=Circle(radius=radius), position=centre)
                 command = AddBody(body=body)
             marks = (
-                *snapped.guides,
+                *measured(snapped.guides),
                 Line(a=centre, b=end, style=Style.PREVIEW),
                 Label(at=end, text=f"radius {radius:.2f} m"),
             )

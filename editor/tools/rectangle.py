@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from editor.commands.bodies import AddBody
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Label
-from editor.snapping import apart_from, snap_point
+from editor.snapping import apart_from, measured, snap_point
 from editor.tools.base import Feedback, Gesture, Tool
 from kinetix.level.model import Body, Point, Polygon
 
@@ -77,5 +77,5 @@ class RectangleTool(Tool):
                 command = AddBody(body=body)
             label = Label(at=snapped.point, text=f"{width:.2f} × {height:.2f} m")
             feedback = Feedback(
-                command=command, marks=(*snapped.guides, label), cursor=Cursor.CROSS
+                command=command, marks=(*measured(snapped.guides), label), cursor=Cursor.CROSS
             )

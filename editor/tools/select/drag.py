@@ -1,15 +1,17 @@
 """Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from editor.commands.bodies import PLACE_DECIMALS
 from editor.commands.group import Move
-from editor.commands.joints import MoveJoint
+from editor.commands.joints import MoveJoint, RehangJoint
 from editor.commands.thrusters import PlaceThruster
-from editor.events import Pointer, PointerEvent
-from editor.overlay import Cursor, Label
-from editor.snapping import snap_point, snap_shift
+from editor.events import Point, Pointer, PointerEvent
+from editor.overlay import Cursor, Label, Mark
+from editor.picking import bodies_at
+from editor.snapping import measured, snap_point, snap_shift
 from editor.tools.base import Feedback, Gesture
+from editor.tools.joint import pair_marks
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -45,21 +47,45 @@ def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -
         if event.kind is Pointer.RELEASE:
             return command
         label = Label(at=event.world, text=f"{dx:+.2f}, {dy:+.2f} m")
-        feedback = Feedback(command=command, marks=(*snapped.guides, label), cursor=Cursor.MOVE)
+        feedback = Feedback(
+            command=command, marks=(*measured(snapped.guides), label), cursor=Cursor.MOVE
+        )
 
 
 def drag_joint(session: "Session", press: PointerEvent, joint: int) -> Gesture:
-    """Move a joint's anchor."""
+    """Move a joint's anchor; dropped where other bodies lie over each other, it joins those."""
     del press
     available, snapped = session.targets(), None
     feedback = Feedback(cursor=Cursor.MOVE)
     while True:
         event = yield feedback
         snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
-        command = MoveJoint(joint=joint, point=snapped.point)
+        command = _joint_at(session, joint, snapped.point)
         if event.kind is Pointer.RELEASE:
             return command
-        feedback = Feedback(command=command, marks=snapped.guides, cursor=Cursor.MOVE)
+        marks: tuple[Mark, ...] = measured(snapped.guides)
+        if isinstance(command, RehangJoint):
+            names = " and ".join(session.document.name_of(body) for body in command.bodies)
+            pair = pair_marks(session.document.level, command.bodies, command.point)
+            marks = (*marks, *pair, Label(at=event.world, text=f"joins {names}"))
+        feedback = Feedback(command=command, marks=marks, cursor=Cursor.MOVE)
+
+
+def _joint_at(session: "Session", joint_id: int, point: Point) -> MoveJoint | RehangJoint:
+    """Return the edit that puts a joint at a point: on its bodies while they reach there."""
+    level = session.document.level
+    joint = next(joint for joint in level.joints if joint.id == joint_id)
+    hidden = session.document.hidden
+    under = [body for body in bodies_at(level, point) if body not in hidden]
+    kept = [end for end in (joint.a, joint.b) if end in under]
+    if len(kept) == 2 or len(under) < 2:
+        return MoveJoint(joint=joint_id, point=point)
+    others = [body for body in under if body not in kept]
+    first, second = [*kept, *others][:2]
+    if isinstance(first, str) and isinstance(second, str):
+        return MoveJoint(joint=joint_id, point=point)
+    bodies: Any = (first, second)
+    return RehangJoint(joint=joint_id, bodies=bodies, point=point)
 
 
 def drag_thruster(session: "Session", press: PointerEvent, thruster: int) -> Gesture:
@@ -73,4 +99,4 @@ def drag_thruster(session: "Session", press: PointerEvent, thruster: int) -> Ges
         command = PlaceThruster(thruster=thruster, point=snapped.point)
         if event.kind is Pointer.RELEASE:
             return command
-        feedback = Feedback(command=command, marks=snapped.guides, cursor=Cursor.MOVE)
+        feedback = Feedback(command=command, marks=measured(snapped.guides), cursor=Cursor.MOVE)

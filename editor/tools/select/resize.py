@@ -8,7 +8,7 @@ from editor.commands.group import Scale, SetVertices, Stretch
 from editor.events import Pointer, PointerEvent
 from editor.overlay import Cursor, Handle, HandleKind, Label
 from editor.picking import selected_bodies
-from editor.snapping import apart_from, snap_point
+from editor.snapping import apart_from, measured, snap_point
 from editor.tools.base import Feedback, Gesture
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
@@ -49,7 +49,7 @@ def resize(session: "Session", handle: Handle) -> Gesture:
             command, text = _stretched(bodies[0], bodies[0].shape, handle, snapped.point, event)
         if event.kind is Pointer.RELEASE:
             return command
-        marks = (*snapped.guides, Label(at=snapped.point, text=text))
+        marks = (*measured(snapped.guides), Label(at=snapped.point, text=text))
         feedback = Feedback(command=command, marks=marks, cursor=Cursor.RESIZE)
 
 

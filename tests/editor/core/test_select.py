@@ -70,7 +70,7 @@ def test_alt_click_goes_deeper_at_any_time(session, hand):
 def test_a_right_click_lists_the_stack(session, hand):
     hand.click((2.15, 2.0), button=3)
     (prompt,) = session.prompts
-    assert [choice.ids for choice in prompt.choices] == [(5,), (2,), (1,)]
+    assert [choice.ids for choice in prompt.choices if choice.ids] == [(5,), (2,), (1,)]
     session.answer(prompt, "1")
     assert session.selection == (2,)
 
@@ -307,3 +307,31 @@ def test_selecting_never_changes_the_level(session, hand):
 def test_the_level_of_the_helpers_is_sound():
     level = a_level()
     assert gap(level, level.joints[0]) < 1e-6
+
+
+def test_a_joint_dropped_on_other_bodies_joins_them_and_keeps_its_motor():
+    level = a_level()
+    ball = level.body(3).replace(id=9, position=(4.1, 3.0), role="none")
+    level = level.replace(bodies=(*level.bodies, ball), next_id=10)
+    session = a_session(level)
+    session.selection = (5,)
+    hand = Hand(session)
+    hand.drag((2.2, 2.0), (4.05, 3.0))
+    joint = session.document.level.joints[0]
+    assert {joint.a, joint.b} == {3, 9}
+    assert joint.motor.speed == 2.0
+    assert joint.id == 5
+    hand.drag((4.05, 3.0), (3.0, 1.5))
+    joint = session.document.level.joints[0]
+    assert {joint.a, joint.b} == {3, 9}
+
+
+def test_guides_tell_their_length():
+    from editor.overlay import Label, Line, Style
+    from editor.snapping import measured
+
+    long = Line(a=(1.0, 1.0), b=(1.0, 2.5), style=Style.GUIDE)
+    short = Line(a=(1.0, 1.0), b=(1.02, 1.0), style=Style.GUIDE)
+    labels = [mark for mark in measured((long, short)) if isinstance(mark, Label)]
+    assert [label.text for label in labels] == ["1.50 m"]
+    assert labels[0].at == (1.0, 1.75)

@@ -102,3 +102,16 @@ def test_paste_in_the_menu_means_the_place_that_was_clicked(make_gui):
     gui.click_world(3.0, 1.5, button=3)
     gui.click("list.edit.paste")
     assert gui.level.bodies[-1].position == pytest.approx((3.0, 1.5), abs=0.03)
+
+
+def test_a_click_on_a_key_cap_chooses_another_key(make_gui):
+    gui = make_gui(level=a_level())
+    for entity, choice, value in (
+        (5, "2", lambda: gui.level.joints[0].motor.binding),
+        (6, "1", lambda: gui.level.thrusters[0].binding),
+    ):
+        place = caps(gui)[entity]
+        gui.click_at((place.low[0] + place.high[0]) / 2, (place.low[1] + place.high[1]) / 2)
+        assert gui.session.prompts
+        gui.click(f"list.{choice}")
+        assert value() == int(choice)
