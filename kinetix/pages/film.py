@@ -10,7 +10,14 @@ from jaxtyping import Float
 
 from kinetix.level.controls import channels_in_use
 from kinetix.level.geometry import arena_bodies
-from kinetix.level.model import Body, Circle, Joint, Level
+from kinetix.level.model import (
+    MOTOR_BINDINGS,
+    THRUSTER_BINDINGS,
+    Body,
+    Circle,
+    Joint,
+    Level,
+)
 from kinetix.render.palette import KINETIX, ROLE_NAMES, Rgb
 
 MILLIMETRES: Final = 1000.0
@@ -67,7 +74,7 @@ def scene_of(level: Level) -> dict[str, Any]:
                 "at": list(thruster.position),
                 "angle": thruster.angle,
                 "power": thruster.power,
-                "channel": 4 + thruster.binding,
+                "channel": MOTOR_BINDINGS + thruster.binding,
                 "colour": _css(KINETIX.thruster_bindings[thruster.binding]),
             }
             for thruster in level.thrusters
@@ -96,10 +103,17 @@ def packed(film: Film) -> dict[str, Any]:
         "count": len(rows),
         "seconds": _base64(np.rint(film.seconds[rows] * 1000), "<u4"),
         "poses": _base64(np.rint(poses).astype(np.int64) & 0xFFFF, "<u2"),
-        "actions": None if film.actions is None else _base64(film.actions[rows] * 100, "<i1"),
+        "actions": None if film.actions is None else _base64(_controls(film.actions[rows]), "<i1"),
         "value": _curve(film.value, rows),
         "entropy": _curve(film.entropy, rows),
     }
+
+
+def _controls(actions: Float[np.ndarray, "k u"]) -> Float[np.ndarray, "k 6"]:
+    """Hundredths, as many controls as a page knows."""
+    wide = np.zeros((len(actions), MOTOR_BINDINGS + THRUSTER_BINDINGS))
+    wide[:, : actions.shape[1]] = actions[:, : wide.shape[1]]
+    return np.rint(np.clip(wide, -1, 1) * 100)
 
 
 def _curve(values: np.ndarray | None, rows: np.ndarray) -> str | None:

@@ -12,6 +12,7 @@ from kinetix.level.atomic import write_atomically
 from kinetix.level.model import Level
 from kinetix.pages.film import Film
 from kinetix.pages.page import MOST_FILMS, page_of
+from kinetix.pages.recorded import film_of_file
 
 if TYPE_CHECKING:
     from kinetix.environment.runs import Run
@@ -47,10 +48,11 @@ class Page:
 
 
 def show(*shown: Any) -> Page:
-    """Return a page that plays what `kinetix.simulate` gave: in a notebook it is shown.
+    """Return a page that plays a run of `kinetix.simulate` or an episode; notebooks show it.
 
     Args:
-        *shown: One run, film or level, or two of the same level to be played side by side.
+        *shown: A run, the path of an episode that the editor recorded (`.npz`), a film or a level;
+            or two of the same level, to be played side by side.
 
     Raises:
         KinetixError: It is something else, or of different levels.
@@ -83,6 +85,8 @@ def film_of_run(run: "Run", *, title: str = "") -> Film:
 def _film(one: Any) -> Film:
     if isinstance(one, Film):
         return one
+    if isinstance(one, str | Path):
+        return film_of_file(Path(one))
     if isinstance(one, Level):
         bodies = one.bodies
         return Film(
@@ -95,5 +99,6 @@ def _film(one: Any) -> Film:
     if type(one).__name__ == "Run":  # its module imports JAX
         return film_of_run(one)
     raise KinetixError(
-        f"show: expected a run of kinetix.simulate, a film or a level, got {type(one).__name__}"
+        "show: expected a run of kinetix.simulate, the file of an episode (.npz), a film or a "
+        f"level, got {type(one).__name__}"
     )

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 import kinetix
+from editor.trace_files import write_trace
 from kinetix.cli import main
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.pages.film import Film, packed, scene_of
 from kinetix.pages.page import page_of
+from tests.editor.core.helpers import a_level
+from tests.editor.core.test_viewer import a_trace
 
 
 def a_film(count=257, name="m/leapfrog", **changes):
@@ -82,6 +85,20 @@ def test_words_of_a_level_cannot_leave_the_page_s_data():
 def _poses(level, count):
     bodies = len(level.bodies)
     return {"position": np.zeros((count, bodies, 2)), "angle": np.zeros((count, bodies))}
+
+
+def test_an_episode_of_the_editor_is_shown(tmp_path):
+    trace = a_trace()
+    write_trace(trace, a_level(), tmp_path / "episode.npz")
+    (film,) = read(kinetix.show(tmp_path / "episode.npz").html)["films"]
+    assert (film["title"], film["count"]) == ("Tester", len(trace.snapshots))
+    poses = numbers(film["poses"], "<u2").reshape(film["count"], -1, 3)
+    last = poses[-1, :, :2].astype("<i2") / 1000
+    np.testing.assert_allclose(last, trace.snapshots[-1].position, atol=6e-4)
+    (tmp_path / "no.npz").write_bytes(b"nothing")
+    for name in ("no.npz", "gone.npz"):
+        with pytest.raises(KinetixError, match=name):
+            kinetix.show(tmp_path / name)
 
 
 def test_what_cannot_be_shown_is_said():
