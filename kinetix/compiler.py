@@ -1,13 +1,16 @@
 """Options of the XLA compiler: all of them here. Everything is correct without them, only slower.
 
 They are read when JAX starts, so they are set when `kinetix` is imported; whoever has started JAX
-before does without.
+before does without. They hold for the whole process and its children: JAX takes options of a single
+program for the outermost `jit` alone, which is the user's. `KINETIX_COMPILER_OPTIONS=0` declines.
 """
 
 import os
 from collections.abc import MutableMapping
 from typing import Final
 
+DECLINED: Final = "KINETIX_COMPILER_OPTIONS"
+"""Variable that leaves XLA as it is when it says 0."""
 _FLAGS: Final = {
     # Worlds are lanes, so kernels are loops over 16 numbers at a time where the processor has room.
     "--xla_cpu_prefer_vector_width": "512",
@@ -30,6 +33,8 @@ def ask_for_options(variables: MutableMapping[str, str] = os.environ) -> None:
     Args:
         variables: The variables of the process.
     """
+    if variables.get(DECLINED, "").strip() == "0":
+        return
     set_before = variables.get("XLA_FLAGS", "")
     ours = [f"{flag}={value}" for flag, value in _FLAGS.items() if flag not in set_before]
     variables["XLA_FLAGS"] = " ".join([set_before, *ours]).strip()

@@ -47,3 +47,12 @@ def test_the_compiler_obeys(imports: str, wanted: str, monkeypatch: pytest.Monke
         check=True,
     )
     assert done.stdout.strip() == wanted
+
+
+def test_they_can_be_declined():
+    variables = {"KINETIX_COMPILER_OPTIONS": "0", "XLA_FLAGS": "--xla_dump_to=/tmp/x"}
+    ask_for_options(variables)
+    assert variables["XLA_FLAGS"] == "--xla_dump_to=/tmp/x"
+    variables["KINETIX_COMPILER_OPTIONS"] = "1"
+    ask_for_options(variables)
+    assert "xla_cpu_prefer_vector_width" in variables["XLA_FLAGS"]
