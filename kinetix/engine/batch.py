@@ -18,6 +18,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 from jaxtyping import Array, Int, Shaped
 
+from kinetix.engine.machine import takes_whole_batches, whole_batches
 from kinetix.engine.store import Store
 
 Tree = Any
@@ -91,11 +92,25 @@ _RUN.multiple_results = True
 
 @_RUN.def_impl
 def _run(*leaves: Array, program: _Program) -> list[Array]:
-    return _compiled(program)(*leaves)
+    return _alone(program)(*leaves)
 
 
 @functools.lru_cache(maxsize=64)
-def _compiled(program: _Program) -> Callable[..., list[Array]]:
+def _alone(program: _Program) -> Callable[..., list[Array]]:
+    """The primitive by itself, so that it is lowered for the device that runs it."""
+    return jax.jit(functools.partial(_RUN.bind, program=program))
+
+
+def _on_processor(*leaves: Array, program: _Program) -> list[Array]:
+    return _compiled(program, takes_whole_batches())(*leaves)
+
+
+def _on_accelerator(*leaves: Array, program: _Program) -> list[Array]:
+    return _compiled(program, True)(*leaves)
+
+
+@functools.lru_cache(maxsize=64)
+def _compiled(program: _Program, whole: bool) -> Callable[..., list[Array]]:
     """Traced once for all its uses in a program.
 
     Environments make new kernels whenever they are traced: what is long unused must be let go.
@@ -103,7 +118,11 @@ def _compiled(program: _Program) -> Callable[..., list[Array]]:
 
     @jax.jit
     def worlds(*leaves: Array) -> list[Array]:
-        done = _by_tiles(program, leaves)
+        if whole:
+            with whole_batches():
+                done = program.kernel(*program.arguments(leaves))
+        else:
+            done = _by_tiles(program, leaves)
         shapes = program.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 
@@ -146,7 +165,8 @@ def _split(x: Array, size: int) -> Array:
 
 
 batching.primitive_batchers[_RUN] = _batched
-mlir.register_lowering(_RUN, mlir.lower_fun(_run, multiple_results=True))
+mlir.register_lowering(_RUN, mlir.lower_fun(_on_accelerator, multiple_results=True))
+mlir.register_lowering(_RUN, mlir.lower_fun(_on_processor, multiple_results=True), platform="cpu")
 
 
 def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:

@@ -14,6 +14,8 @@ import numpy as np
 from jax.lax import GatherDimensionNumbers, GatherScatterMode
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
+from kinetix.engine.machine import takes_whole_batches
+
 T = TypeVar("T")
 
 MOST_ROWS = 32
@@ -31,7 +33,7 @@ def take(values: T, index: Int[Array, "k n"]) -> T:
         The same tree of arrays (k, …, n).
     """
     table = jax.tree.leaves(values)[0].shape[0]
-    if table > MOST_ROWS:
+    if table > MOST_ROWS or takes_whole_batches():
         return jax.tree.map(lambda x: _gather(x, index), values)
 
     def pick(k: Int[Array, ""], found: T) -> T:
@@ -89,6 +91,9 @@ def onto(values: T, index: Int[Array, "k n"], rows: int) -> T:
         The same tree of arrays (rows, n).
     """
     table = np.arange(rows, dtype=np.int32)[:, None]
+    if takes_whole_batches():
+        here = table[None] == index[:, None]
+        return jax.tree.map(lambda x: jnp.where(here, x[:, None], 0).sum(axis=0), values)
 
     def add(k: Int[Array, ""], total: T) -> T:
         here = table == row(index, k)
@@ -102,6 +107,8 @@ def onto(values: T, index: Int[Array, "k n"], rows: int) -> T:
 def marked(index: Int[Array, "k n"], rows: int) -> Bool[Array, "rows n"]:
     """Which rows of a table any of the entries names."""
     table = np.arange(rows, dtype=np.int32)[:, None]
+    if takes_whole_batches():
+        return jnp.any(table[None] == index[:, None], axis=0)
 
     def mark(k: Int[Array, ""], found: Bool[Array, "rows n"]) -> Bool[Array, "rows n"]:
         return found | (table == row(index, k))

@@ -1,0 +1,28 @@
+"""What a step is made for: the one place that tells processors from accelerators.
+
+A processor wants few worlds at a time, intermediate results stored once and loops over short
+tables. An accelerator wants the whole batch as one program of few and large operations, so there
+nothing is tiled, a store is the identity, and tables are looked up at once.
+"""
+
+import contextlib
+import contextvars
+from collections.abc import Iterator
+from typing import Final
+
+_WHOLE: Final = contextvars.ContextVar("whole", default=False)
+
+
+def takes_whole_batches() -> bool:
+    """Tell whether what is traced now is meant for an accelerator."""
+    return _WHOLE.get()
+
+
+@contextlib.contextmanager
+def whole_batches() -> Iterator[None]:
+    """Trace what follows as for an accelerator; also the way to run that program on a processor."""
+    token = _WHOLE.set(True)
+    try:
+        yield
+    finally:
+        _WHOLE.reset(token)
