@@ -1,5 +1,6 @@
 """The one way to declare a JAX dataclass in this project."""
 
+import dataclasses
 from typing import Any, TypeVar, dataclass_transform
 
 from flax import struct
@@ -36,3 +37,15 @@ def pytree(cls: type[T]) -> type[T]:
     # JAX unflattens through __init__ with placeholders, which a type-checking hook would refuse.
     made.__no_type_check__ = True
     return made
+
+
+def short_repr(record: Any) -> str:
+    """Return a record as text with only the fields that differ from their defaults."""
+    fields = dataclasses.fields(record)
+    shown = [
+        f"{field.name}={value!r}"
+        for field in fields
+        if not isinstance(value := getattr(record, field.name), type(field.default))
+        or value != field.default
+    ]
+    return f"{type(record).__name__}({', '.join(shown)})"

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.compat.names import MODULES, Place
+from kinetix.environment.observations.features import Layout
+from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.files.limits import CHECKPOINT_FILES, DEPTH, LIMITS, MEMBERS, MIB
 from kinetix.level.codec import load_level
 from kinetix.level.json_schema import level_schema, level_set_schema
@@ -48,6 +50,27 @@ def _place(name: str, place: Place, module: str) -> str:
     if place.name != name and ".compat" not in place.home:
         where = f"`{place.home}.{place.name}`"
     return f"works, and warns; better: {place.instead}" if place.old else where
+
+
+def observation_columns() -> str:
+    """One table for each kind of row that an agent sees."""
+    layout = Layout.of(EnvParams(), StaticEnvParams())
+    kinds = {
+        "A circle": layout.circle,
+        "A polygon": layout.polygon,
+        "A joint, seen from one of its bodies": layout.joint,
+        "A thruster": layout.thruster,
+    }
+    rows: list[str] = []
+    for title, features in kinds.items():
+        rows += [f"### {title}: {len(features)} numbers", ""]
+        rows += ["| | name | unit | meaning |", "| --- | --- | --- | --- |"]
+        rows += [
+            f"| {index} | `{feature.name}` | {feature.unit} | {feature.meaning} |"
+            for index, feature in enumerate(features)
+        ]
+        rows.append("")
+    return "\n".join(rows)
 
 
 def _table(name: str, part: dict[str, Any]) -> str:

@@ -103,6 +103,11 @@ class Agent:
         """SHA-256 over the names, shapes and bytes of its parameters, as `agent.json` has it."""
         return digest(self.params["params"])
 
+    def __repr__(self) -> str:
+        """Name, what it sees and what it does."""
+        card = self.card
+        return f"<Agent {card.name!r}: {card.observation.type} → {card.action.type}>"
+
     @property
     def frame_skip(self) -> int:
         """Physics steps that the agent holds an action for."""

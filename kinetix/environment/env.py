@@ -32,6 +32,7 @@ from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.errors import KinetixError
 from kinetix.lazy import lazy_names
 from kinetix.level.compile import empty_scene
+from kinetix.level.sizes import describe_capacity
 from kinetix.pytree import pytree
 
 ResetFunction = Callable[[Array], EnvState]
@@ -91,6 +92,14 @@ class KinetixEnv(MethodsOfKinetixEnv):
     """Whether `step` goes on with a new episode where one is done."""
     keep_terminal_observation: bool = False
     """Whether `info` carries the observation that auto-reset replaces."""
+
+    def __repr__(self) -> str:
+        """What is seen, done and simulated."""
+        static = self.static_env_params
+        return (
+            f"<KinetixEnv: {self.observations.name} → {self.actions.name}, "
+            f"size {describe_capacity(static.capacity)}, {static.physics}>"
+        )
 
     @property
     def name(self) -> str:

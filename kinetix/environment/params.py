@@ -9,7 +9,7 @@ from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Parameters
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import parse_capacity
-from kinetix.pytree import pytree, static
+from kinetix.pytree import pytree, short_repr, static
 
 LEVEL_FRAME_SKIP: Final = 2
 """Physics steps per environment step in every named size and in native levels."""
@@ -65,6 +65,8 @@ class EnvParams:
     num_shape_roles: int = 4
     """Neutral, green, blue, red."""
 
+    __repr__ = short_repr
+
 
 @pytree
 class StaticEnvParams:
@@ -100,6 +102,8 @@ class StaticEnvParams:
     """Whether two bodies of one jointed component that overlap count as touching."""
     features: Features = static(default=Features())
     """What the levels use; less than everything specialises the compiled step."""
+
+    __repr__ = short_repr
 
     @property
     def capacity(self) -> Capacity:

@@ -50,6 +50,20 @@ class EnvState(FieldsOfKinetixEnv):
     last_distance: Float[Array, ""]
     """Green-to-blue distance after the last step [m], −1 before the first one."""
 
+    def __repr__(self) -> str:
+        """Sizes and batch; the arrays are many."""
+        batch = jnp.shape(self.timestep)
+        of = f", batch {batch}" if batch else ""
+        bodies = self.world.bodies
+        sizes = {
+            "polygons": jnp.shape(bodies.vertex_count),
+            "circles": jnp.shape(bodies.radius),
+            "joints": jnp.shape(self.world.joints.active),
+            "thrusters": jnp.shape(self.world.thrusters.active),
+        }
+        slots = ", ".join(f"{shape[-1]} {name}" for name, shape in sizes.items())
+        return f"<EnvState: slots for {slots}{of}>"
+
     @property
     def bodies(self) -> BodiesView:
         """Positions, velocities and activity of all bodies, polygons first."""

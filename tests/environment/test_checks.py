@@ -61,3 +61,14 @@ def test_states_of_something_else(small_env, small_state):
 def test_no_reset_function(small_static, small_state):
     env = make_kinetix_env("multi_discrete", "blind", None, EnvParams(), small_static)
     assert "auto_reset=False, so that episodes end" in sentence(env, KEY, small_state, ACTION)
+
+
+def test_texts_of_records_are_short(small_env, small_state):
+    assert repr(EnvParams()) == "EnvParams()"
+    assert repr(StaticEnvParams(num_circles=3)) == "StaticEnvParams(num_circles=3)"
+    assert repr(small_state) == (
+        "<EnvState: slots for 5 polygons, 2 circles, 1 joints, 1 thrusters>"
+    )
+    batch = jax.tree.map(lambda x: jnp.asarray(x)[None], small_state)
+    assert repr(batch).endswith(", batch (1,)>")
+    assert repr(small_env) == "<KinetixEnv: symbolic_entity → multi_discrete, size s, drift>"

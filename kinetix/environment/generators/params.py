@@ -3,7 +3,7 @@
 import math
 
 from kinetix.level.model import InertiaModel
-from kinetix.pytree import pytree, static
+from kinetix.pytree import pytree, short_repr, static
 
 
 @pytree
@@ -74,6 +74,8 @@ class UEDParams:
     """Moment of inertia of generated bodies: the peer's (disc m·r²/4) or the true one."""
     legacy_ceiling: bool = static(default=False)
     """Whether the ceiling has the peer's slanted outer edge (first corner at x = 5)."""
+
+    __repr__ = short_repr
 
     @property
     def floor_probabilities(self) -> tuple[float, float, float, float]:
