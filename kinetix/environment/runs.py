@@ -114,6 +114,8 @@ def simulate(
     steps = _steps(seconds, dt)
     solver = solver_named(physics)
     rows = _action_rows(actions, steps)
+    # There is no step for no body at all.
+    specialised = specialised and bool(level.bodies)
     spec = SceneSpec(capacity=needed_capacity(level) if specialised else capacity_of(level))
     if specialised:
         features = features_of(level, capacity=spec.capacity)

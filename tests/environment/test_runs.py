@@ -58,6 +58,11 @@ def test_bodies_come_in_the_level_s_order():
         run.index(7)
 
 
+def test_a_level_without_bodies_stays_empty():
+    run = kinetix.simulate(kinetix.LevelBuilder().build(), 0.1)
+    assert (run.ids.shape, run.position.shape) == ((0,), (7, 0, 2))
+
+
 def wheel(auto=False):
     b = kinetix.LevelBuilder(gravity=(0, 0))
     post, disc = b.rectangle(2, 2, 0.1, 0.1, fixed=True), b.circle(2, 2, 0.3)
