@@ -6,6 +6,7 @@ points. A snap never moves anything further than its threshold.
 
 import bisect
 import dataclasses
+import itertools
 import math
 from collections.abc import Collection, Iterable, Sequence
 from typing import Final
@@ -22,6 +23,10 @@ ARENA_X: Final = (0.0, 2.5, 5.0)
 ARENA_Y: Final = (FLOOR_TOP, 2.5, 5.0)
 """Edges and middle of the playable square, the floor's surface below [m]."""
 _SAME: Final = 1e-9
+_GAP_NOISE: Final = 1e-4
+"""Gaps that differ by less are equal [m]."""
+Rectangle = tuple[float, ...]
+"""Left, bottom, right, top [m]."""
 _SHORTEST: Final = 0.1
 """Shorter guides have no length beside them [m]."""
 
@@ -199,6 +204,8 @@ class _Catch:
     start: Point | None
     """Where the guide begins; None for the grid, which needs none."""
     feature: Point
+    gaps: tuple[Line, ...] = ()
+    """Equal gaps, shown instead of the guide."""
 
 
 def _snap(
@@ -290,7 +297,30 @@ def _spaced(
     middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
     neighbour = (before or after)[0]
     start = ((neighbour[0] + neighbour[2]) / 2, (neighbour[1] + neighbour[3]) / 2)
-    return _Catch(shift=value - box[low], value=value, start=start, feature=middle)
+    shift = value - box[low]
+    gaps = _gaps(box, axis, shift, before[:2], after[:2])
+    return _Catch(shift=shift, value=value, start=start, feature=middle, gaps=gaps)
+
+
+def _gaps(
+    box: Rectangle,
+    axis: int,
+    shift: float,
+    before: Sequence[Rectangle],
+    after: Sequence[Rectangle],
+) -> tuple[Line, ...]:
+    """Return the equal gaps of a row of boxes, as lines from edge to edge."""
+    low, high = axis, axis + 2
+    moved = tuple(value + (shift if k % 2 == axis else 0.0) for k, value in enumerate(box))
+    row = [*reversed(before), moved, *after]
+    height = (box[1 - axis] + box[3 - axis]) / 2
+    found = [(a[high], b[low]) for a, b in itertools.pairwise(row) if b[low] > a[high]]
+    beside = [(p, q) for p, q in found if moved[low] in (p, q) or moved[high] in (p, q)]
+    width = min((q - p for p, q in beside), default=0.0)
+    equal = [(p, q) for p, q in found if abs(q - p - width) < _GAP_NOISE]
+    ends = [((p, height), (q, height)) for p, q in equal]
+    flipped = [tuple((y, x) for x, y in pair) for pair in ends] if axis else ends
+    return tuple(Line(a=pair[0], b=pair[1], style=Style.GUIDE, arrow=True) for pair in flipped)
 
 
 def _flush(
@@ -338,6 +368,9 @@ def measured(guides: Iterable[Line]) -> tuple[Line | Label, ...]:
 def _guides(catches: Sequence[_Catch | None], shift: Point) -> Iterable[Line]:
     for axis, catch in enumerate(catches):
         if catch is None or catch.start is None:
+            continue
+        if catch.gaps:
+            yield from catch.gaps
             continue
         end = (catch.feature[0] + shift[0], catch.feature[1] + shift[1])
         start = catch.start

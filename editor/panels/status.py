@@ -39,7 +39,19 @@ class StatusBar:
             for words, tint in right:
                 imgui.same_line(x)
                 widgets.text(words, tint)
+                self._opens_problems(session, words)
                 x += imgui.calc_text_size(words).x + gap
+
+    def _opens_problems(self, session: "Session", words: str) -> None:
+        """Let a click on the counts of errors and warnings open the list."""
+        if words[:1] not in (Icons.error, Icons.warning):
+            return
+        widgets.probe(session, "status.problems")
+        if imgui.is_item_hovered():
+            imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
+            widgets.tooltip("Problems", "Click to see them.")
+            if imgui.is_mouse_clicked(0):
+                session.view.front = "problems"
 
     def _hint(self, session: "Session") -> str:
         if session.gallery.open:

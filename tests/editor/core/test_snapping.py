@@ -157,3 +157,20 @@ def test_angles_snap(degrees, expected):
 
 def test_angles_may_be_left_alone():
     assert snap_angle(0.2, math.radians(15), within=0.01) == 0.2
+
+
+def test_equal_gaps_are_shown_with_their_width():
+    from editor.snapping import measured
+
+    def ball(number, x):
+        return Body(id=number, shape=Circle(radius=0.2), position=(x, 2.2))
+
+    moving = ball(3, 2.13)
+    available = targets(level(ball(1, 0.8), ball(2, 3.6)))
+    rules = Rules(smart=True, grid=None, catch=0.08, release=0.12)
+    snapped = snap_shift((moving,), (0.03, 0.0), rules, available)
+    assert snapped.point[0] == pytest.approx(0.07, abs=1e-6)
+    gaps = [guide for guide in snapped.guides if guide.arrow]
+    widths = [math.dist(gap.a, gap.b) for gap in gaps]
+    assert widths == pytest.approx([1.0, 1.0], abs=1e-5)
+    assert "1.00 m" in [getattr(mark, "text", "") for mark in measured(snapped.guides)]

@@ -256,3 +256,11 @@ def test_messages_stand_beside_the_arena_and_under_menus(make_gui, size, scale):
         toast = gui.probe("toast.0.close")
         assert toast.low[0] > right or toast.low[1] > bottom
         assert top < bottom
+
+
+def test_the_counts_in_the_status_line_open_the_problems(gui):
+    gui.frames(40)
+    assert not gui.shows("problems.E101")
+    gui.click("status.problems")
+    gui.frames(8)
+    assert gui.shows("problems.E101")
