@@ -39,13 +39,13 @@ def pytree(cls: type[T]) -> type[T]:
     return made
 
 
-def short_repr(record: Any) -> str:
+def short_repr(self: Any) -> str:
     """Return a record as text with only the fields that differ from their defaults."""
-    fields = dataclasses.fields(record)
+    fields = dataclasses.fields(self)
     shown = [
         f"{field.name}={value!r}"
         for field in fields
-        if not isinstance(value := getattr(record, field.name), type(field.default))
+        if not isinstance(value := getattr(self, field.name), type(field.default))
         or value != field.default
     ]
-    return f"{type(record).__name__}({', '.join(shown)})"
+    return f"{type(self).__name__}({', '.join(shown)})"

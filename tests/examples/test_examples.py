@@ -11,10 +11,11 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
-NEEDS = {"sb3_ppo": "stable_baselines3"}
+NEEDS = {"sb3_ppo": "stable_baselines3", "jaxued_replay": "jaxued"}
 """Packages of examples that are no dependency: without them the example is skipped."""
 
 RUNS = {
+    "jaxued_replay": ["--levels", "8", "--attempts", "2", "--steps", "4"],
     "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper"],
     "sb3_ppo": ["--steps", "4096", "--envs", "8"],
     "random_level_replay": ["--steps", "8", "--out", "film.gif"],
