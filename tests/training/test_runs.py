@@ -204,12 +204,13 @@ def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, 
     ends = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated}[number]
     with pytest.raises(ends):
         train("ppo", config, tmp_path / "run", report=report, say=said.append)
-    assert said[0].startswith("stopping after this update")
-    assert said[1].startswith("stopped after update 4; saved")
+    told = " ".join(said)
+    assert "stopping after this update" in told
+    assert "stopped after update 4; saved" in told
     # Four is a regular checkpoint; what comes next must not depend on that.
     assert len(read_metrics(tmp_path / "run")) == 4
     train("ppo", config, tmp_path / "run", say=said.append)
-    assert said[2] == "resuming from update 4 of 6"
+    assert "resuming from update 4 of 6" in said
     assert _without_time(read_metrics(tmp_path / "run")) == _without_time(read_metrics(finished))
     _same_parameters(finished, tmp_path / "run")
 
