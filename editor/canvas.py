@@ -21,6 +21,7 @@ from editor.marks import CapPlace, Marker
 from editor.minimap import Minimap
 from editor.modes import MODE_LOOK
 from editor.overlay import Cursor
+from editor.path_overlay import paint_paths
 from editor.play_image import PlayImage
 from editor.play_side import OUTCOMES, paint_side
 from editor.playback import Mode
@@ -270,6 +271,7 @@ class Canvas:
         if settings.key_caps:
             self._key_caps(session, marker)
         if session.editing:
+            paint_paths(session, painter)
             self._edit_marks(session, marker)
         else:
             self._players(session, painter, where, split=split)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
 
 from editor.recording import Snapshot, Trace
 from kinetix.agents.results import LevelFailure, LevelResult
@@ -171,6 +171,31 @@ class OpenEpisode:
     level: EvaluatedLevel
     casting: Casting
     physics: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class TracePaths:
+    """Note where the green shape is in all attempts on a level. Gives `AttemptPaths`."""
+
+    level: EvaluatedLevel
+    casting: Casting
+    """With any attempt."""
+    attempts: int
+    physics: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class AttemptPaths:
+    """The ways of all attempts on a level; axis `n` attempts, `k` places in time."""
+
+    level_hash: str
+    step: Int[np.ndarray, " k"]
+    """Environment steps since the start."""
+    position: Float[np.ndarray, "n k 2"]
+    """Of the first green shape [m]."""
+    outcomes: tuple[str, ...]
+    parting: int | None
+    """Step at which attempts that are won leave the others; None where they do not."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -409,6 +434,7 @@ Request: TypeAlias = (
     | Rehearse
     | Evaluate
     | OpenEpisode
+    | TracePaths
     | PlaySolution
     | Observe
     | ReadRun

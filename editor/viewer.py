@@ -7,7 +7,7 @@ from editor.evaluation import Evaluation
 from editor.follower import Follower
 from editor.jobs import Job, Worker
 from editor.playback import Simulator
-from editor.requests import AgentSummary, AgentView, Casting
+from editor.requests import AgentSummary, AgentView, AttemptPaths, Casting
 from editor.run_watch import RunWatch
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, needed_capacity
@@ -41,6 +41,13 @@ class Viewer:
 
     def __init__(self, worker: Worker, evaluator: Worker, rival: Simulator) -> None:
         self.slots: dict[SlotName, AgentSlot] = {name: AgentSlot() for name in SLOTS}
+        self.paths: AttemptPaths | None = None
+        """Ways of all attempts on a level, drawn over it; None: none are."""
+        self.paths_pending = False
+        self.path_outcomes: tuple[str, ...] = ()
+        """Only ways that end so are drawn; empty: all."""
+        self.lit_path: int | None = None
+        """The attempt that is pointed at."""
         self.contenders: tuple[AgentSummary, ...] = ()
         """Agents that are evaluated besides those of the slots."""
         self.seed = 0

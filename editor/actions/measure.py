@@ -7,6 +7,7 @@ from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
 from editor.evaluation import Plan
 from editor.jobs import Job, JobState
+from editor.playback import Mode
 from editor.prompts import Choice, FileQuestion, MenuQuestion
 from editor.requests import (
     SCRIPTED,
@@ -16,6 +17,7 @@ from editor.requests import (
     LoadAgent,
     Opened,
     OpenEpisode,
+    TracePaths,
 )
 from editor.results import Record, Trial
 from editor.session import Session
@@ -166,7 +168,45 @@ def add_contender(session: Session, path: str) -> None:
     session.worker.submit(LoadAgent(path=path), title="Loading the agent", done=done)
 
 
-def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None:
+def show_paths(session: Session, level: int, agent: int) -> None:
+    """Draw the ways of all attempts over their level; again: take them away.
+
+    Args:
+        session: The app.
+        level: Index into the plan's levels.
+        agent: Index into the plan's agents.
+    """
+    viewer = session.viewer
+    plan = viewer.evaluation.plan
+    if viewer.paths is not None or plan is None:
+        viewer.paths = None
+        return
+    source = plan.levels[level].source
+    if isinstance(source, str) and not file.open_path(session, source):
+        return
+    request = TracePaths(
+        level=plan.levels[level],
+        casting=Casting(
+            agent=plan.agents[agent].ref, seed=plan.seed, deterministic=plan.deterministic
+        ),
+        attempts=plan.attempts,
+        physics=plan.physics_of(agent),
+    )
+
+    def done(job: Job) -> None:
+        viewer.paths_pending = False
+        if job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+        elif job.state is JobState.DONE:
+            viewer.paths = job.result
+
+    viewer.paths_pending = True
+    session.evaluator.submit(request, title="Playing the attempts", done=done)
+
+
+def open_attempt(
+    session: Session, level: int, agent: int, attempt: int, *, at: int | None = None
+) -> None:
     """Open an episode of the evaluation in the window, the same to the bit.
 
     Args:
@@ -174,6 +214,7 @@ def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None
         level: Index into the plan's levels.
         agent: Index into the plan's agents.
         attempt: Which attempt, from 0.
+        at: Environment step to stand still at; None: it plays from the start.
     """
     plan = session.viewer.evaluation.plan
     if plan is None:
@@ -190,6 +231,9 @@ def open_attempt(session: Session, level: int, agent: int, attempt: int) -> None
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
             _show(session, job.result, source, casting, summary)
+            if at is not None and session.mode is Mode.REPLAY:
+                session.playback.running = False
+                session.playback.scrub(at)
 
     job = session.worker.submit(request, title="Opening the episode", urgent=True, done=done)
     session.expected = job

@@ -464,11 +464,39 @@ class EvaluatePanel(Panel):
         if result is None:
             return
         widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
+        self._ways(session, level, agent)
         right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+        session.viewer.lit_path = None
         for number, episode in enumerate(result.episodes):
             if number and imgui.get_item_rect_max().x + px(26) < right:
                 imgui.same_line(0, px(3))
             self._attempt(session, (level, agent, number), episode)
+
+    def _ways(self, session: "Session", level: int, agent: int) -> None:
+        """Show where all attempts went, and which of them."""
+        viewer = session.viewer
+        if viewer.paths_pending:
+            widgets.spinner(7)
+            imgui.same_line(0, px(8))
+            widgets.muted("Playing the attempts …")
+            return
+        label = "Hide their ways" if viewer.paths is not None else "Show their ways"
+        if widgets.button(session, "evaluate.ways", label):
+            session.queue(lambda: measure.show_paths(session, level, agent))
+        widgets.tooltip(label, "Where the green shape went in each attempt, over the level.")
+        if viewer.paths is None:
+            return
+        for outcome in dict.fromkeys(viewer.paths.outcomes):
+            widgets.beside(70, gap=8)
+            shown = not viewer.path_outcomes or outcome in viewer.path_outcomes
+            changed, on = widgets.checkbox(session, f"evaluate.ways.{outcome}", outcome, shown)
+            if changed:
+                kept = viewer.path_outcomes or tuple(dict.fromkeys(viewer.paths.outcomes))
+                others = tuple(one for one in kept if one != outcome)
+                viewer.path_outcomes = (*others, outcome) if on else others
+        step = viewer.paths.parting
+        if step is not None:
+            widgets.small(f"Wins leave the others at step {step}; a click opens it there.")
 
     def _attempt(
         self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
@@ -487,5 +515,9 @@ class EvaluatePanel(Panel):
             draw.add_text(place, u32(colour), icon)
         told = f"{episode.outcome} after {episode.length} steps"
         widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
+        if imgui.is_item_hovered():
+            session.viewer.lit_path = which[2]
         if pressed:
-            session.queue(lambda: measure.open_attempt(session, *which))
+            paths = session.viewer.paths
+            at = None if paths is None else paths.parting
+            session.queue(lambda: measure.open_attempt(session, *which, at=at))

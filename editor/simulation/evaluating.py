@@ -8,6 +8,7 @@ import numpy as np
 from editor.recording import Mind, Snapshot, Trace, channels_of
 from editor.requests import (
     SCRIPTED,
+    AttemptPaths,
     Evaluate,
     Opened,
     OpenEpisode,
@@ -16,6 +17,7 @@ from editor.requests import (
     RunNews,
     Score,
     Standing,
+    TracePaths,
 )
 from editor.simulation.cast import Step, mind_of, player_of
 from editor.simulation.episode import LevelView
@@ -30,13 +32,14 @@ from kinetix.agents.evaluate import (
     record,
 )
 from kinetix.agents.identity import digest_of
+from kinetix.agents.paths import attempt_paths, parting
 from kinetix.agents.player import Player
 from kinetix.agents.results import LevelFailure
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import document_slots
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level
+from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
 from kinetix.training.logging import read_metrics
 
@@ -133,6 +136,36 @@ def open_episode(request: OpenEpisode, progress: Progress) -> Opened:
             deterministic=casting.deterministic,
             digest=digest_of(player),
         ),
+    )
+
+
+def trace_paths(request: TracePaths, progress: Progress) -> AttemptPaths:
+    """Play all attempts on a level again and keep the way of the green shape.
+
+    Raises:
+        KinetixError: The agent cannot be loaded or cannot play the level; the level is bad.
+    """
+    casting, source = request.casting, request.level.source
+    level = source if isinstance(source, Level) else load_level(source)
+    settings = Settings(
+        attempts=request.attempts,
+        seed=casting.seed,
+        physics=request.physics,
+        deterministic=casting.deterministic,
+    )
+    named = NamedLevel(name=request.level.name, source=source)
+    progress.report(None, "Playing the attempts")
+    paths = None
+    for known in attempt_paths(player_of(casting.agent), named, settings):
+        progress.report(None, "Playing the attempts")
+        paths = known
+    assert paths is not None
+    return AttemptPaths(
+        level_hash=level_hash(level),
+        step=paths.step,
+        position=paths.position,
+        outcomes=tuple(result.outcome for result in paths.results),
+        parting=parting(paths),
     )
 
 

@@ -29,11 +29,12 @@ from editor.requests import (
     Restore,
     StartEpisode,
     Tailor,
+    TracePaths,
     WarmUp,
 )
 from editor.simulation.cast import load, rehearse
 from editor.simulation.episode import Episode, play_solution
-from editor.simulation.evaluating import open_episode, read_run, run_evaluation
+from editor.simulation.evaluating import open_episode, read_run, run_evaluation, trace_paths
 from editor.simulation.levels import check_dynamics, drawn, mutated
 from editor.simulation.observing import observe
 from editor.simulation.pictures import export_film, export_picture, render_state
@@ -74,6 +75,7 @@ class _Bridge:
             Rehearse: self._rehearse,
             Evaluate: run_evaluation,
             OpenEpisode: open_episode,
+            TracePaths: trace_paths,
             PlaySolution: play_solution,
             Observe: lambda request, _: observe(request),
             ReadRun: lambda request, _: read_run(request),

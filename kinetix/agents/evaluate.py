@@ -145,7 +145,7 @@ def evaluate(
         for first in range(0, len(jobs), rows()):
             chosen = jobs[first : first + rows()]
             asked = [(states[index], prepared[index].key, attempt) for index, attempt in chosen]
-            episodes = _begin(env, player, asked, settings.seed)
+            episodes = begin(env, player, asked, settings.seed)
             while not bool(jnp.all(episodes.over)):
                 over = int(jnp.sum(episodes.over[: len(chosen)]))
                 yield progress(finished + over)
@@ -201,10 +201,10 @@ def record(
         LevelError: The level is bad.
     """
     settings = settings or Settings()
-    prepared = _prepare(player, level)
+    prepared = prepare(player, level)
     env = environment_for(player, prepared.capacity, physics=settings.physics_for(player))
     state = _numpy(level_state(level.source, env.static_env_params))
-    episodes = _begin(env, player, [(state, prepared.key, attempt)], settings.seed)
+    episodes = begin(env, player, [(state, prepared.key, attempt)], settings.seed)
     yield _moment(env, episodes, first=True)
     while not bool(episodes.over[0]):
         episodes = advance(
@@ -218,10 +218,17 @@ def record(
         yield _moment(env, episodes, first=False)
 
 
-def _begin(
+def begin(
     env: KinetixEnv, player: Player, asked: Sequence[tuple[EnvState, int, int]], seed: int
 ) -> Episodes:
-    """A batch of (first state, the level's number, attempt); rows that are left over are over."""
+    """Begin a batch of (first state, the level's number, attempt); other rows are over.
+
+    Args:
+        env: Where.
+        player: Who plays.
+        asked: At most `BATCH` rows.
+        seed: Of the evaluation.
+    """
     # They repeat the first row, which costs nothing extra: the batch has its size anyway.
     filled = [*asked, *[asked[0]] * (rows() - len(asked))]
     states, levels, attempts = zip(*filled, strict=True)
@@ -283,17 +290,26 @@ def _numpy(tree: Any) -> Any:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class _Prepared:
+class Prepared:
+    """A level as a player meets it."""
+
     level: NamedLevel
     capacity: Capacity
+    """At which it is played."""
     key: int
     """Identifies the level whatever it is called; seeds its episodes."""
 
 
-def _prepare(player: Player, level: NamedLevel) -> _Prepared:
+def prepare(player: Player, level: NamedLevel) -> Prepared:
+    """Return a level as a player meets it.
+
+    Raises:
+        CheckpointError: The player cannot play it.
+        LevelError: It is bad.
+    """
     capacity, key = capacity_and_key(level.source)
     capacity = capacity_for(player.card, capacity, level=level.name)
-    return _Prepared(level=level, capacity=capacity, key=key)
+    return Prepared(level=level, capacity=capacity, key=key)
 
 
 def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
@@ -319,18 +335,18 @@ def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
 
 def _prepare_all(
     player: Player, levels: Sequence[NamedLevel]
-) -> tuple[dict[int, _Prepared], tuple[LevelFailure, ...]]:
+) -> tuple[dict[int, Prepared], tuple[LevelFailure, ...]]:
     """The levels that can be played, by index, and why the others cannot."""
     prepared, failures = {}, []
     for index, level in enumerate(levels):
         try:
-            prepared[index] = _prepare(player, level)
+            prepared[index] = prepare(player, level)
         except (CheckpointError, LevelError) as error:
             failures.append(LevelFailure(level=level.name, error=str(error)))
     return prepared, tuple(failures)
 
 
-def _by_capacity(prepared: dict[int, _Prepared]) -> dict[Capacity, list[int]]:
+def _by_capacity(prepared: dict[int, Prepared]) -> dict[Capacity, list[int]]:
     groups: dict[Capacity, list[int]] = defaultdict(list)
     for index, level in prepared.items():
         groups[level.capacity].append(index)

@@ -22,12 +22,14 @@ from editor.prompts import FileQuestion
 from editor.recording import Mind
 from editor.requests import (
     AgentView,
+    AttemptPaths,
     EvaluatedLevel,
     ExportFilm,
     LoadAgent,
     RunNews,
     Score,
     Standing,
+    TracePaths,
     ViewTable,
 )
 from editor.results import Results
@@ -51,6 +53,8 @@ class ViewerStage(Stage):
             )
             picture = np.zeros((125, 125, 3), np.uint8)
             return AgentView(pixels=picture, observation="symbolic_entity", tables=(table,))
+        if isinstance(request, TracePaths):
+            return self.paths
         return super().__call__(request, progress)
 
 
@@ -335,6 +339,38 @@ def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
     gui.click("training.drop.1")
     gui.frames(3)
     assert viewer.other_runs == ()
+
+
+def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):
+    session = with_agent.session
+    front(with_agent, "evaluate")
+    with_agent.click("evaluate.run")
+    settle(with_agent)
+    name = session.document.level.name
+    with_agent.click(f"evaluate.{name}.0")
+    with_agent.stage.paths = AttemptPaths(
+        level_hash=session.document.hash,
+        step=np.arange(4) * 2,
+        position=np.random.default_rng(0).uniform(0, 5, (20, 4, 2)).astype(np.float32),
+        outcomes=("won", "lost") * 10,
+        parting=4,
+    )
+    with_agent.click("evaluate.ways")
+    settle(with_agent)
+    assert session.viewer.paths is with_agent.stage.paths
+    with_agent.frames(3)
+    assert not [toast for toast in session.toasts if toast.kind == "error"]
+    with_agent.click("evaluate.ways.lost")
+    assert session.viewer.path_outcomes == ("won",)
+    with_agent.click("evaluate.attempt.1")
+    settle(with_agent)
+    assert session.mode is Mode.REPLAY
+    assert (session.playback.replay_index, session.playback.running) == (4, False)
+    with_agent.key("escape")
+    with_agent.frames(3)
+    front(with_agent, "evaluate")
+    with_agent.click("evaluate.ways")
+    assert session.viewer.paths is None
 
 
 def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):

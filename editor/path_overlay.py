@@ -1,0 +1,51 @@
+"""The ways of all attempts of an evaluation over the level, coloured by how they end."""
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from editor.look import COLOURS, Rgba, alpha, u32
+from editor.vectors import Painter
+from editor.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+OUTCOME_COLOURS: Final[dict[str, Rgba]] = {
+    "won": COLOURS.good,
+    "lost": COLOURS.bad,
+    "timeout": COLOURS.warn,
+    "broken": COLOURS.bad,
+}
+_MOST: Final = 300
+"""Ways that are drawn; more only hide each other."""
+
+
+def paint_paths(session: "Session", painter: Painter) -> None:
+    """Draw the ways of the green shape on the level that they belong to.
+
+    Args:
+        session: The app.
+        painter: Where to draw.
+    """
+    paths = session.viewer.paths
+    if paths is None or paths.level_hash != session.document.hash:
+        return
+    draw, camera = painter.draw, painter.camera
+    lit = session.viewer.lit_path
+    order = [k for k in range(min(len(paths.outcomes), _MOST)) if k != lit]
+    for k in [*order, lit] if lit is not None and lit < len(paths.outcomes) else order:
+        outcome = paths.outcomes[k]
+        if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
+            continue
+        places = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
+        colour = OUTCOME_COLOURS[outcome]
+        strong = k == lit
+        shade = u32(colour if strong else alpha(colour, 0.45))
+        draw.add_polyline(places, shade, px(3.5 if strong else 1.75), 0)
+        draw.add_circle_filled(places[-1], px(4), u32(colour))
+    if paths.parting is not None:
+        at = int(np.searchsorted(paths.step, paths.parting))
+        for k in order[:_MOST]:
+            x, y = paths.position[k][min(at, paths.position.shape[1] - 1)].tolist()
+            draw.add_circle(camera.to_screen((x, y)), px(3), u32(COLOURS.backdrop), 0, px(1.5))

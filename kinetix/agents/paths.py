@@ -1,0 +1,119 @@
+"""The ways that the green shape takes in all attempts of an evaluation."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from kinetix.agents.environments import environment_for
+from kinetix.agents.episodes import BATCH, Episodes, advance
+from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
+from kinetix.agents.player import Player
+from kinetix.agents.results import EpisodeResult
+from kinetix.environment.reset import level_state
+
+GREEN = 1
+"""Number of the role."""
+_EVERY = 2
+"""Environment steps between two places."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Paths:
+    """Attempts on one level; axis `n` attempts, `k` places in time, the start included."""
+
+    step: Int[np.ndarray, " k"]
+    """Environment steps since the start."""
+    position: Float[np.ndarray, "n k 2"]
+    """Of the first green shape [m]; it stays where it was when the attempt ended."""
+    results: tuple[EpisodeResult, ...]
+
+
+def attempt_paths(
+    player: Player, level: NamedLevel, settings: Settings | None = None
+) -> Iterator[Paths | None]:
+    """Play all attempts of an evaluation again and note where the green shape is.
+
+    Args:
+        player: Who plays.
+        level: The level.
+        settings: Of the evaluation: the same attempts.
+
+    Yields:
+        None after every few steps, so that it can be cancelled; at last the paths.
+
+    Raises:
+        CheckpointError: The player cannot play the level.
+        LevelError: The level is bad.
+    """
+    settings = settings or Settings()
+    prepared = prepare(player, level)
+    env = environment_for(player, prepared.capacity, physics=settings.physics_for(player))
+    state = jax.tree.map(np.asarray, level_state(level.source, env.static_env_params))
+    role, active = np.asarray(state.labels.role), np.asarray(state.world.bodies.active)
+    green = int(np.argmax((role == GREEN) & active))
+    parts: list[np.ndarray] = []
+    results: list[EpisodeResult] = []
+    for first in range(0, settings.attempts, BATCH):
+        chosen = range(first, min(first + BATCH, settings.attempts))
+        rows = [(state, prepared.key, attempt) for attempt in chosen]
+        episodes = begin(env, player, rows, settings.seed)
+        places = [_place(episodes, green)]
+        while not bool(jnp.all(episodes.over)):
+            over = np.asarray(episodes.over)
+            episodes = advance(
+                env,
+                player.policy,
+                player.params,
+                episodes,
+                _EVERY,
+                deterministic=settings.deterministic,
+            )
+            # What is over goes on being stepped, but it is of no interest.
+            places.append(np.where(over[:, None], places[-1], _place(episodes, green)))
+            yield None
+        parts.append(np.stack(places, axis=1)[: len(rows)])
+        results += episode_results(episodes)[: len(rows)]
+    longest = max(part.shape[1] for part in parts)
+    missing = [((0, 0), (0, longest - part.shape[1]), (0, 0)) for part in parts]
+    padded = [np.pad(part, more, "edge") for part, more in zip(parts, missing, strict=True)]
+    yield Paths(
+        step=np.arange(longest, dtype=np.int32) * _EVERY,
+        position=np.concatenate(padded),
+        results=tuple(results),
+    )
+
+
+def _place(episodes: Episodes, body: int) -> np.ndarray:
+    return np.asarray(episodes.state.physics.position[:, body], np.float32)
+
+
+def parting(paths: Paths) -> int | None:
+    """Return the step at which attempts that are won leave those that are not.
+
+    It is the first place from which on the means of both stay further apart than both spread.
+
+    Returns:
+        Environment steps; None where all end alike, or never part.
+    """
+    won = np.array([result.outcome == "won" for result in paths.results])
+    if won.all() or not won.any():
+        return None
+    wins, losses = paths.position[won], paths.position[~won]
+    apart = np.linalg.norm(wins.mean(axis=0) - losses.mean(axis=0), axis=-1)
+    spread = _spread(wins) + _spread(losses)
+    clear = apart > spread
+    if not clear[-1]:
+        return None
+    # The last place where they are still together, and one on.
+    together = np.flatnonzero(~clear)
+    index = int(together[-1]) + 1 if len(together) else 0
+    return int(paths.step[index])
+
+
+def _spread(positions: Float[np.ndarray, "n k 2"]) -> Float[np.ndarray, " k"]:
+    """Standard deviation of the place."""
+    return np.sqrt(positions.var(axis=0).sum(axis=-1))
