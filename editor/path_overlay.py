@@ -1,6 +1,6 @@
 """The ways of all attempts of an evaluation over the level, coloured by how they end."""
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def paint_paths(session: "Session", painter: Painter) -> None:
         outcome = paths.outcomes[k]
         if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
             continue
-        places = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
+        places: list[Any] = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
         colour = OUTCOME_COLOURS[outcome]
         strong = k == lit
         shade = u32(colour if strong else alpha(colour, 0.45))
