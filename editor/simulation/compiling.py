@@ -240,7 +240,7 @@ class Programs:
                 del self._coming[key]
             if compilation.error is None:
                 self._put(key, compilation.result)
-                self.fresh.append((key, compilation.result))
+                self.fresh = [*self.fresh, (key, compilation.result)][-KEPT:]
 
     def taken_fresh(self) -> list[tuple[Hashable, Any]]:
         """What was compiled since the last call."""
