@@ -117,7 +117,7 @@ def _read(file: Path) -> Recovery:
 
 
 def _copies(names: Iterable[str], file: Path) -> Iterator[Path]:
-    """Paths of copies beside a copy's run; a damaged record must not have other files removed."""
+    """Yield the paths that are copies; a damaged record must not have other files removed."""
     runs = file.parent.parent
     for name in names:
         path = Path(os.path.normpath(name))

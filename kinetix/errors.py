@@ -13,7 +13,7 @@ _UNSAFE: Final = re.compile(
 
 
 def plain(text: str, longest: int = LONGEST) -> str:
-    """A text as one line that is safe to print: control characters escaped, bounded in length.
+    """Return a text as one bounded line that is safe to print, control characters escaped.
 
     Args:
         text: Any text, also out of files and names of files.
@@ -33,7 +33,7 @@ class KinetixError(Exception):
     """Base of every error that this project raises on purpose; prints as one plain line."""
 
     def __str__(self) -> str:
-        """The sentence, safe to print whatever the file that it is about says."""
+        """Return the sentence, safe to print whatever the file that it is about says."""
         return plain(super().__str__())
 
 

@@ -107,7 +107,7 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
 
 
 def _told(error: BaseException, name: str, words: Sequence[str]) -> tuple[str, int]:
-    """One sentence for what ended a command, and the exit status."""
+    """Return one sentence for what ended a command, and the exit status."""
     match error:
         case SystemExit():
             raise error
@@ -166,7 +166,7 @@ def write_report(error: BaseException, words: Sequence[str]) -> Path | None:
 
 
 def report_text(error: BaseException, words: Sequence[str]) -> str:
-    """The text of a crash report.
+    """Return the text of a crash report.
 
     Args:
         error: What nobody expected.
@@ -186,7 +186,7 @@ def report_text(error: BaseException, words: Sequence[str]) -> str:
 
 
 def _without_paths(text: str) -> str:
-    """A text in which paths say nothing about the machine and its user."""
+    """Return a text in which paths say nothing about the machine and its user."""
     package = Path(__file__).resolve().parent
     known = {str(package.parent): "<kinetix>", sys.prefix: "<python>", sys.base_prefix: "<python>"}
     with contextlib.suppress(RuntimeError):

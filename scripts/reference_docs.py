@@ -159,7 +159,7 @@ def _proof(level: Level) -> str:
 
 
 def limits() -> str:
-    """The table of limits of files."""
+    """Return the table of limits of files."""
     rows = ["| file | largest | usual |", "| --- | --- | --- |"]
     rows += [f"| {one.what} | {_size(one.largest)} | {one.why} |" for one in LIMITS.values()]
     more = (

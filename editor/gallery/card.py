@@ -73,7 +73,7 @@ def read_card(path: Path) -> tuple[Card, Level | None]:
 
 
 def fault_card(path: Path, fault: str) -> Card:
-    """The card of a file that cannot be read.
+    """Make the card of a file that cannot be read.
 
     Raises:
         OSError: The file is gone.

@@ -290,7 +290,7 @@ class Library:
 
 
 def _is_text(path: str) -> bool:
-    """Whether a path can be written down; names that are not UTF-8 cannot, and are read anew."""
+    """Return whether a path can be written down; one that is not UTF-8 is read anew."""
     return not any("\ud800" <= character <= "\udfff" for character in path)
 
 

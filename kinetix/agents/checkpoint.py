@@ -95,7 +95,7 @@ def replace_directory(source: Path, target: Path) -> None:
 
 
 def surviving(directory: Path) -> Path:
-    """The directory, or its former content where a kill came between the two renames.
+    """Return the directory, or its former content where a kill came between the two renames.
 
     Args:
         directory: Where a checkpoint should be.

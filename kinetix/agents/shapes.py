@@ -109,7 +109,7 @@ def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
 
 
 def normalised_widths(card: AgentCard) -> dict[str, int]:
-    """Columns of every part of the observation that normalisation applies to, by field.
+    """Return the columns of every part of the observation that normalisation applies to, by field.
 
     Args:
         card: The agent's description.

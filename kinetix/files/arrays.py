@@ -57,7 +57,7 @@ def _members(path: Path, file: BinaryIO, largest: int) -> Iterator[tuple[str, np
 
 
 def _array(member: Any, size: int) -> np.ndarray:
-    """One array, of at most `size` bytes with its header."""
+    """Read one array, of at most `size` bytes with its header."""
     version = np.lib.format.read_magic(member)
     if version not in _HEADERS:
         raise ValueError(f"an array has the unknown version {version}")
@@ -79,7 +79,7 @@ def _array(member: Any, size: int) -> np.ndarray:
 
 
 def tensor_shapes(path: Path) -> dict[str, tuple[int, ...]]:
-    """Names and shapes from the header of a safetensors file; no array is read.
+    """Return names and shapes from the header of a safetensors file; no array is read.
 
     Raises:
         FileError: It cannot be read, or is no such file.

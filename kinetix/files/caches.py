@@ -35,12 +35,12 @@ CACHES: Final[dict[str, CacheBound]] = {
 
 
 def cache_folder(name: str) -> Path:
-    """The folder of a cache; it need not exist."""
+    """Return the folder of a cache; it need not exist."""
     return cache_dir() / name
 
 
 def cache_bytes(name: str) -> int:
-    """How much lies in a cache [bytes]."""
+    """Return how much lies in a cache [bytes]."""
     return sum(size for _, size, _ in _contents(cache_folder(name)))
 
 
@@ -80,7 +80,7 @@ def bound(folder: Path, largest: int) -> None:
 
 
 def _contents(folder: Path) -> Iterator[tuple[float, int, Path]]:
-    """Every file with when it was used [s] and its size [bytes]."""
+    """Yield every file with when it was used [s] and its size [bytes]."""
     for path in folder.rglob("*"):
         try:
             about = path.lstat()

@@ -90,7 +90,7 @@ def parse(text: str, file: str | Path) -> Any:
 
 
 def _too_deep(text: str) -> bool:
-    """Whether brackets stand more than `DEPTH` deep; of text that is not JSON any answer will do.
+    """Return whether brackets stand more than `DEPTH` deep; for no JSON any answer will do.
 
     Innermost pairs are taken away again and again: far less work than a loop over characters.
     """
@@ -118,7 +118,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _oddities(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Where a tree says what other readers would understand in another way, and what."""
+    """Yield where a tree says what other readers would understand in another way, and what."""
     if isinstance(value, dict):
         if isinstance(value, DuplicateKeys):
             yield f"{path}.{value.key[:60]}", "the key stands twice"

@@ -54,7 +54,7 @@ def open_regular(path: Path, kind: Kind) -> BinaryIO:
 
 
 def read_bytes(path: Path, kind: Kind) -> bytes:
-    """The content of a file.
+    """Return the content of a file.
 
     Raises:
         FileError: As for `open_regular`.
@@ -71,7 +71,7 @@ def read_bytes(path: Path, kind: Kind) -> bytes:
 
 
 def decode_text(data: bytes, file: str | Path) -> str:
-    """Bytes as UTF-8 text.
+    """Decode bytes as UTF-8 text.
 
     Raises:
         FileError: They are not.
@@ -86,7 +86,7 @@ def decode_text(data: bytes, file: str | Path) -> str:
 
 
 def read_text(path: Path, kind: Kind) -> str:
-    """The text of a file.
+    """Return the text of a file.
 
     Raises:
         FileError: As for `open_regular`, or it is not UTF-8.

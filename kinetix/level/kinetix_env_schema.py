@@ -404,7 +404,7 @@ def _is_wrapped(value: Any) -> bool:
 
 
 def _named_size(value: Any, path: str, faults: FaultCollector) -> str | None:
-    """The size whose name stands for a block; None where the block itself is there."""
+    """Return the size whose name stands for a block; None where the block itself is there."""
     if not _is_wrapped(value) or value["type"] == "full":
         return None
     size = value.get("size")

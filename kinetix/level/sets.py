@@ -393,7 +393,7 @@ def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, S
 
 
 def within_reach(path: str) -> bool:
-    """Whether a set may name a file by this path: relative, and at most one folder up.
+    """Return whether a set may name a file by this path: relative, and at most one folder up.
 
     So `sets/all.json` may name `../s/lamp.json`, and a set that was sent to somebody cannot have
     other files of theirs read.
@@ -405,7 +405,7 @@ def within_reach(path: str) -> bool:
 
 
 def _path_in_set(path: Path, folder: Path) -> str | None:
-    """How a set names a level; None where it is out of reach, so that it must stand in the set."""
+    """Return how a set names a level; None where it is out of reach and must stand in the set."""
     name = relative_path(path, folder)
     return name if within_reach(name) else None
 

@@ -118,7 +118,7 @@ def _csv_text(rows: list[dict[str, float]], columns: list[str], *, header: bool 
 
 
 def read_metrics(run: Path) -> list[dict[str, float]]:
-    """All rows of a run, one an update; lines that are no row are left out.
+    """Return all rows of a run, one an update; lines that are no row are left out.
 
     A kill or a full disk cuts the last line off; where more lines follow, they count. Of an update
     that is there twice the later row counts.

@@ -132,7 +132,7 @@ def forget_older(out: Path) -> None:
 
 
 def _all_steps(out: Path) -> list[int]:
-    """Steps of all checkpoints, also of those that lack their description."""
+    """Return the steps of all checkpoints, also of those that lack their description."""
     folder = out / RUN_CHECKPOINTS
     if not folder.is_dir():
         return []

@@ -34,7 +34,7 @@ class StopRequest:
         self._say("stopping after this update; once more stops at once, without saving")
 
     def error(self) -> BaseException:
-        """What ends the command with the status that the signal asks for."""
+        """Return what ends the command with the status that the signal asks for."""
         return Terminated() if self.signal == signal.SIGTERM else KeyboardInterrupt()
 
     @property
