@@ -8,6 +8,7 @@ from editor.commands import clip
 from editor.commands.base import Command, Selection
 from editor.commands.fields import PasteProperties
 from editor.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
+from editor.commands.parts import PARTS
 from editor.commands.rigid import component
 from editor.jobs import Job
 from editor.names import MAX_LENGTH
@@ -20,6 +21,8 @@ from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
 from kinetix.level.model import Body
 
+MIDDLE = (2.5, 2.5)
+"""Where parts go when the pointer is elsewhere [m]."""
 PASTE_SHIFT = (0.1, 0.1)
 """How far a duplicate stands off [m]."""
 NUDGE_FINE = 0.005
@@ -63,6 +66,17 @@ def paste(session: Session) -> None:
     at = session.cursor
     shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
     session.execute(clip.Paste(clip=found, shift=shift))
+
+
+def drop(part: str) -> Callable[[Session], None]:
+    """Return an action that puts a part at the pointer, or into the middle of the arena."""
+
+    def run(session: Session) -> None:
+        found = PARTS[part][2]()
+        shift = clip.shift_to(found, session.cursor or MIDDLE)
+        session.execute(clip.Paste(clip=found, shift=shift, verb="Drop"))
+
+    return run
 
 
 def duplicate(session: Session) -> None:

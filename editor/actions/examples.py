@@ -1,4 +1,4 @@
-"""Opens what comes with the app: scenes of the accuracy suite as documents of their own."""
+"""Opens what comes with the app: scenes of the accuracy suite, and levels to begin with."""
 
 import functools
 from typing import TYPE_CHECKING, Final
@@ -7,12 +7,41 @@ from editor.document import Document
 from editor.picking import selection_box
 from editor.session import Session
 from kinetix.errors import CommandError
+from kinetix.level.codec import load_level
+from kinetix.paths import levels_dir
 
 if TYPE_CHECKING:
     from kinetix.scenes import SuiteScene
 
 _SMALLEST: Final = 3.0
 """Side of what is shown at least, so that a lone ball is not all that one sees [m]."""
+
+
+TEMPLATES: Final = {
+    "car": ("Car", "l/rover_ridge"),
+    "lander": ("Lander", "m/touchdown"),
+    "catapult": ("Catapult", "m/trebuchet"),
+    "walker": ("Walker", "l/first_steps"),
+    "arm": ("Arm", "l/ladle"),
+    "crane": ("Crane", "l/skyhook"),
+}
+"""Label and bundled level of what a new level can begin with, by id."""
+
+
+def new_from(session: Session, template: str) -> None:
+    """Open a new level, without a file, that begins as a bundled one.
+
+    Args:
+        session: The app.
+        template: Key of `TEMPLATES`.
+
+    Raises:
+        LevelError: The bundled level cannot be read.
+    """
+    label, name = TEMPLATES[template]
+    level = load_level(levels_dir() / f"{name}.json")
+    # It is the user's own from here on: neither its name nor its proof are those of the original.
+    session.open_tab(Document(level.replace(name=f"New {label.lower()}", tags=(), solution=None)))
 
 
 @functools.cache

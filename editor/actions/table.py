@@ -10,7 +10,7 @@ from editor.actions.tables.file import FILE
 from editor.actions.tables.gallery import GALLERY
 from editor.actions.tables.level import LEVEL
 from editor.actions.tables.run import RUN
-from editor.actions.tables.tools import SWITCHES, TOOL_ACTIONS
+from editor.actions.tables.tools import PART_ACTIONS, SWITCHES, TOOL_ACTIONS
 from editor.actions.tables.view import VIEW
 
 ACTIONS: Final[tuple[Action, ...]] = (
@@ -18,6 +18,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
     *EDITS,
     *ARRANGE,
     *TOOL_ACTIONS,
+    *PART_ACTIONS,
     *SWITCHES,
     *VIEW,
     *RUN,

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from editor.actions import view
+from editor.actions import examples, view
 from editor.debug_draw import LAYERS
 from editor.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES
 from kinetix.level.model import Body, Circle, Joint, Record, Thruster
@@ -128,6 +128,18 @@ def settings_entries(session: "Session") -> list[Entry]:
             )
         )
     return found
+
+
+def template_entries(session: "Session") -> list[Entry]:
+    """Return what a new level can begin with."""
+    return [
+        Entry(
+            label=f"New from: {label}",
+            group="File",
+            run=lambda template=template: examples.new_from(session, template),
+        )
+        for template, (label, _) in examples.TEMPLATES.items()
+    ]
 
 
 def field_entries(session: "Session") -> list[Entry]:

@@ -70,6 +70,7 @@ class MenuBar:
                 item(session, action.id)
         if menu == "File":
             imgui.separator()
+            self._new_from(session)
             self._recents(session)
             self._examples(session)
         elif menu == "View":
@@ -83,6 +84,18 @@ class MenuBar:
                 if imgui.menu_item_simple(f"{path}###recent-{number}"):
                     session.queue(lambda path=path: _open(session, path))
             imgui.end_menu()
+
+    def _new_from(self, session: "Session") -> None:
+        """The levels that a new one can begin with."""
+        opened = imgui.begin_menu("New From")
+        widgets.probe(session, "menu.new_from")
+        if not opened:
+            return
+        for template, (label, _) in examples.TEMPLATES.items():
+            if imgui.menu_item_simple(f"{label}###new-{template}"):
+                session.queue(lambda template=template: examples.new_from(session, template))
+            widgets.probe(session, f"menu.new.{template}")
+        imgui.end_menu()
 
     def _examples(self, session: "Session") -> None:
         """The levels that came with the app, by size, and the scenes of the accuracy suite."""

@@ -9,7 +9,13 @@ from editor import actions, widgets
 from editor.actions import agents, examples, file
 from editor.keys import label as chord_label
 from editor.look import COLOURS, SMALL, Icons, u32
-from editor.panels.found import Entry, field_entries, score, settings_entries
+from editor.panels.found import (
+    Entry,
+    field_entries,
+    score,
+    settings_entries,
+    template_entries,
+)
 from editor.widgets import px
 from kinetix.paths import levels_dir
 
@@ -123,7 +129,7 @@ class CommandPalette:
 def entries(session: "Session") -> list[Entry]:
     """Return everything that can be looked for: what can be done now first."""
     found = [*_actions(session), *settings_entries(session), *field_entries(session)]
-    found += _files(session)
+    found += [*template_entries(session), *_files(session)]
     for path, name in agents.known_agents(session):
         found.append(
             Entry(

@@ -2,10 +2,26 @@
 
 from typing import Final
 
-from editor.actions import view
+from editor.actions import edit, view
 from editor.actions.base import Action, Context, editing
+from editor.commands.parts import PARTS
 
 EDIT: Final = Context.EDIT
+
+PART_ACTIONS: Final = tuple(
+    Action(
+        id=f"part.{part}",
+        label=f"Drop a {label}",
+        menu="Tools",
+        context=EDIT,
+        tooltip=f"{tooltip} At the pointer.",
+        enabled=editing,
+        run=edit.drop(part),
+    )
+    for part, (label, tooltip, _) in PARTS.items()
+)
+"""Parts to build with."""
+
 
 TOOL_ACTIONS: Final = tuple(
     Action(
