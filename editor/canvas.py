@@ -390,7 +390,8 @@ class Canvas:
     def _frame(self, session: "Session", draw: imgui.ImDrawList) -> None:
         """The mode as a coloured frame, a badge, and how the episode ended."""
         (x, y), (width, height) = self.area
-        word, colour = MODE_LOOK[session.mode]
+        word, name = MODE_LOOK[session.mode]
+        colour = COLOURS.of(name)
         if not session.editing:
             inset = px(1.5)
             draw.add_rect(
@@ -418,7 +419,7 @@ class Canvas:
             low, high = session.camera.to_screen((0.0, 5.0)), session.camera.to_screen((5.0, 0.0))
             r = px(3)
             outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
-            draw.add_rect(*outside, u32(ended[2]), px(4), px(3))
+            draw.add_rect(*outside, u32(COLOURS.of(ended[2])), px(4), px(3))
         paint_side(session, draw, self.area, split=self._before_split is not None)
         if "numbers" in session.settings.agent_overlay:
             paint_numbers(session, draw, x + width - px(12), y + px(12))

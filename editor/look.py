@@ -14,39 +14,101 @@ def _hex(code: str, alpha: float = 1.0) -> Rgba:
     return red, green, blue, alpha
 
 
+@dataclasses.dataclass(kw_only=True)
 class Colours:
-    """The dark theme. Text on any surface has a contrast of at least 4.5:1."""
+    """The colours of a theme. Text on any surface has a contrast of at least 4.5:1."""
 
-    backdrop: Final[Rgba] = _hex("0f1115")
+    backdrop: Rgba
     """Behind everything, and the canvas around the arena."""
-    surface: Final[Rgba] = _hex("191c22")
+    surface: Rgba
     """Panels."""
-    raised: Final[Rgba] = _hex("21252d")
+    raised: Rgba
     """Menus, pop-ups, tool strip."""
-    field: Final[Rgba] = _hex("2a2f39")
+    field: Rgba
     """Inputs and buttons."""
-    field_hover: Final[Rgba] = _hex("353b47")
-    field_active: Final[Rgba] = _hex("414957")
-    line: Final[Rgba] = _hex("2c313b")
+    field_hover: Rgba
+    field_active: Rgba
+    line: Rgba
     """Borders and separators."""
-    text: Final[Rgba] = _hex("e6e9ef")
-    muted: Final[Rgba] = _hex("a6aebc")
+    text: Rgba
+    muted: Rgba
     """Labels, hints, units."""
-    faint: Final[Rgba] = _hex("8e97a7")
+    faint: Rgba
     """What matters least: groups, numbers that rarely count."""
-    accent: Final[Rgba] = _hex("8f7dff")
+    accent: Rgba
     """Selection, focus, what is on."""
-    accent_strong: Final[Rgba] = _hex("6d59f0")
-    """Filled buttons in the accent colour."""
-    play: Final[Rgba] = _hex("3ecf8e")
-    replay: Final[Rgba] = _hex("f2b84b")
-    good: Final[Rgba] = _hex("3ecf8e")
-    warn: Final[Rgba] = _hex("f2b84b")
-    bad: Final[Rgba] = _hex("ff6b6b")
-    info: Final[Rgba] = _hex("62b0ff")
+    accent_strong: Rgba
+    """Filled buttons in the accent colour; their text is white."""
+    play: Rgba
+    replay: Rgba
+    good: Rgba
+    warn: Rgba
+    bad: Rgba
+    info: Rgba
+    green: Rgba
+    """Signs of green, blue and red shapes in lists."""
+    blue: Rgba
+    red: Rgba
+
+    def of(self, name: str) -> Rgba:
+        """Return a colour by its name, as tables keep it."""
+        return getattr(self, name)
+
+    def take(self, theme: "Colours") -> None:
+        """Become the colours of a theme."""
+        for field in dataclasses.fields(self):
+            setattr(self, field.name, getattr(theme, field.name))
 
 
-COLOURS: Final = Colours()
+DARK: Final = Colours(
+    backdrop=_hex("0f1115"),
+    surface=_hex("191c22"),
+    raised=_hex("21252d"),
+    field=_hex("2a2f39"),
+    field_hover=_hex("353b47"),
+    field_active=_hex("414957"),
+    line=_hex("2c313b"),
+    text=_hex("e6e9ef"),
+    muted=_hex("a6aebc"),
+    faint=_hex("8e97a7"),
+    accent=_hex("8f7dff"),
+    accent_strong=_hex("6d59f0"),
+    play=_hex("3ecf8e"),
+    replay=_hex("f2b84b"),
+    good=_hex("3ecf8e"),
+    warn=_hex("f2b84b"),
+    bad=_hex("ff6b6b"),
+    info=_hex("62b0ff"),
+    green=_hex("3dd15c"),
+    blue=_hex("5c9eff"),
+    red=_hex("ff7070"),
+)
+LIGHT: Final = Colours(
+    backdrop=_hex("e4e7ed"),
+    surface=_hex("f5f6f9"),
+    raised=_hex("ffffff"),
+    field=_hex("e7eaf0"),
+    field_hover=_hex("dbe0e9"),
+    field_active=_hex("ccd3df"),
+    line=_hex("d2d7e0"),
+    text=_hex("1a1d23"),
+    muted=_hex("444b59"),
+    faint=_hex("535b6a"),
+    accent=_hex("5b45d8"),
+    accent_strong=_hex("5b45d8"),
+    play=_hex("0a6b41"),
+    replay=_hex("7d5200"),
+    good=_hex("0a6b41"),
+    warn=_hex("7d5200"),
+    bad=_hex("b3202a"),
+    info=_hex("0b57a4"),
+    green=_hex("0e8a34"),
+    blue=_hex("1a62cc"),
+    red=_hex("c93636"),
+)
+THEMES: Final = {"dark": DARK, "light": LIGHT}
+COLOURS: Final = dataclasses.replace(DARK)
+"""The colours of the present theme; `theme.apply` changes them. Read them when drawing."""
 
 
 def alpha(colour: Rgba, opacity: float) -> Rgba:

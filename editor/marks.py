@@ -103,15 +103,15 @@ def arrow(
     )
 
 
-def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba = COLOURS.text) -> None:
-    """A short text on a dark plate, to the lower right of a place [px]."""
+def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba | None = None) -> None:
+    """A short text on a plate, to the lower right of a place [px]."""
     with font(FONTS.regular, SMALL):
         size = imgui.calc_text_size(words)
         low = (at[0] + px(14), at[1] + px(14))
         high = (low[0] + size.x + px(12), low[1] + size.y + px(6))
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.94)), px(5))
         draw.add_rect(low, high, u32(COLOURS.line), px(5))
-        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(colour), words)
+        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(colour or COLOURS.text), words)
 
 
 @dataclasses.dataclass(kw_only=True)

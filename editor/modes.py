@@ -2,14 +2,13 @@
 
 from typing import Final
 
-from editor.look import COLOURS, Rgba
 from editor.playback import Mode
 
-MODE_LOOK: Final[dict[Mode, tuple[str, Rgba]]] = {
-    Mode.EDIT: ("EDIT", COLOURS.accent),
-    Mode.PLAYING: ("PLAY", COLOURS.play),
-    Mode.PAUSED: ("PAUSED", COLOURS.warn),
-    Mode.ENDED: ("ENDED", COLOURS.info),
-    Mode.REPLAY: ("REPLAY", COLOURS.replay),
+MODE_LOOK: Final[dict[Mode, tuple[str, str]]] = {
+    Mode.EDIT: ("EDIT", "accent"),
+    Mode.PLAYING: ("PLAY", "play"),
+    Mode.PAUSED: ("PAUSED", "warn"),
+    Mode.ENDED: ("ENDED", "info"),
+    Mode.REPLAY: ("REPLAY", "replay"),
 }
-"""Word and colour of each mode."""
+"""Word and name of the colour of each mode."""

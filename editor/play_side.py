@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float]
 
-OUTCOMES: Final[dict[str, tuple[str, str, Rgba]]] = {
-    "won": (Icons.trophy, "Won", COLOURS.good),
-    "lost": (Icons.skull, "Lost", COLOURS.bad),
-    "timeout": (Icons.hourglass, "Time is up", COLOURS.warn),
+OUTCOMES: Final[dict[str, tuple[str, str, str]]] = {
+    "won": (Icons.trophy, "Won", "good"),
+    "lost": (Icons.skull, "Lost", "bad"),
+    "timeout": (Icons.hourglass, "Time is up", "warn"),
 }
-"""Sign, word and colour of each end of an episode."""
+"""Sign, word and name of the colour of each end of an episode."""
 _WIDTH: Final = 250.0
 """Width of the column [px at 100 %]; less where there is less room."""
 _LEAST: Final = 132.0
@@ -91,7 +91,8 @@ def paint_side(
 
 
 def _badge(session: "Session", column: _Column) -> None:
-    word, colour = MODE_LOOK[session.mode]
+    word, name = MODE_LOOK[session.mode]
+    colour = COLOURS.of(name)
     with font(FONTS.bold, SMALL):
         size = imgui.calc_text_size(word)
         high = (column.x + size.x + px(16), column.y + size.y + px(8))
@@ -133,7 +134,8 @@ def write_verdict(column: _Column, outcome: str, details: Sequence[str]) -> None
         outcome: Key of `OUTCOMES`.
         details: Lines under it.
     """
-    icon, word, colour = OUTCOMES[outcome]
+    icon, word, name = OUTCOMES[outcome]
+    colour = COLOURS.of(name)
     title = f"{icon}  {word}"
     with font(FONTS.bold, HUGE):
         wanted = imgui.calc_text_size(title).x
@@ -171,7 +173,7 @@ def _progress(session: "Session", column: _Column, beside: bool) -> None:
         high = (column.x + column.width, column.y + px(4))
         column.draw.add_rect_filled(low, high, u32(COLOURS.field), px(2))
         end = (column.x + column.width * share, high[1])
-        column.draw.add_rect_filled(low, end, u32(MODE_LOOK[session.mode][1]), px(2))
+        column.draw.add_rect_filled(low, end, u32(COLOURS.of(MODE_LOOK[session.mode][1])), px(2))
         column.gap(10)
     for words in _states(session):
         column.lines(words, COLOURS.warn)

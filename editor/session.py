@@ -108,6 +108,8 @@ class View:
     help: bool = False
     keys: bool = False
     """The window in which keys are changed."""
+    preferences: bool = False
+    """The window of all settings."""
     settled: bool = False
     """Whether the panels stand where they stay: while they are put up, each is in front once."""
     edit_arena: bool = False

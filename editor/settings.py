@@ -3,7 +3,7 @@
 import contextlib
 import dataclasses
 from pathlib import Path
-from typing import Annotated, Final, Self, get_type_hints
+from typing import Annotated, Final, Literal, Self, get_type_hints
 
 import msgspec
 from msgspec import Meta
@@ -53,6 +53,8 @@ class Settings:
     """Whether a tool stays after it has made something."""
     physics: str = "balanced"
     restart_automatically: bool = False
+    theme: Literal["dark", "light"] = "dark"
+    """Colours of the window; those of levels are the palette's."""
     palette: str = "kinetix"
     glyphs: bool = True
     """Role marks on bodies."""

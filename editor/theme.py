@@ -6,7 +6,7 @@ from typing import Final
 import imgui_bundle
 from imgui_bundle import imgui, implot
 
-from editor.look import COLOURS, FONTS, TEXT, Rgba, alpha
+from editor.look import COLOURS, DARK, FONTS, TEXT, THEMES, Rgba, alpha
 
 SCALE_MIN: Final = 0.75
 SCALE_MAX: Final = 3.0
@@ -151,13 +151,15 @@ def _reset(style: imgui.Style) -> None:
             setattr(style, name, value)
 
 
-def apply(scale: float, text_scale: float = 1.0) -> None:
+def apply(scale: float, text_scale: float = 1.0, theme: str = "dark") -> None:
     """Set style, sizes and text size of the current context.
 
     Args:
         scale: 1 is 100 %; kept within 75 % and 300 %.
         text_scale: Size of the text besides; kept within 80 % and 150 %.
+        theme: A name of `look.THEMES`; another name is the dark one.
     """
+    COLOURS.take(THEMES.get(theme, DARK))
     scale = min(max(scale, SCALE_MIN), SCALE_MAX)
     style = imgui.get_style()
     _reset(style)

@@ -32,6 +32,7 @@ from editor.panels.menu import MenuBar
 from editor.panels.outliner import Outliner
 from editor.panels.palette import CommandPalette
 from editor.panels.plots import PlotsPanel
+from editor.panels.preferences import PreferencesWindow
 from editor.panels.problems import ProblemsPanel
 from editor.panels.status import StatusBar
 from editor.panels.tabs import DocumentTabs
@@ -81,7 +82,9 @@ class Ui:
     def __init__(self, session: "Session", textures: TextureStore, *, scale: float) -> None:
         self.session = session
         self.textures = textures
-        self.scale = self._text_scale = 0.0
+        self.scale = 0.0
+        self._look: tuple[float, float, str] | None = None
+        """Scale, size of the text and theme of the last frame."""
         self._host_scale = scale
         self.canvas = Canvas(textures)
         self._menu = MenuBar()
@@ -93,6 +96,7 @@ class Ui:
         self._palette = CommandPalette()
         self._help = HelpOverlay()
         self._keys_window = KeysWindow()
+        self._preferences = PreferencesWindow()
         self._gallery = GalleryPage(textures)
         self.panels: tuple[Panel, ...] = (
             Outliner(),
@@ -241,6 +245,7 @@ class Ui:
             self._palette.draw(session)
             self._help.draw(session)
             self._keys_window.draw(session)
+            self._preferences.draw(session)
         with session.guard():
             actions.work(session)
         if not gallery:
@@ -301,15 +306,17 @@ class Ui:
             asked.panels_in_play = asked.panels_in_play or not self.session.editing
 
     def _rescale(self) -> None:
-        wanted = self.session.settings.ui_scale or self._host_scale
-        text = self.session.settings.text_scale
-        if wanted == self.scale and text == self._text_scale:
+        settings = self.session.settings
+        wanted, text = settings.ui_scale or self._host_scale, settings.text_scale
+        look = (wanted, text, settings.theme)
+        if look == self._look:
             return
-        theme.apply(wanted, text)
-        self._other_widths.clear()
-        if self._laid_out and self.scale:
+        theme.apply(*look)
+        if wanted != self.scale or (self._look and text != self._look[1]):
+            self._other_widths.clear()
+        if self._laid_out and self._look and wanted != self.scale:
             self._rescaled = layouts.scaled(layouts.snapshot(self._seen), wanted / self.scale)
-        self.scale, self._text_scale = wanted, text
+        self.scale, self._look = wanted, look
 
     def _keys(self) -> None:
         """Hand keys and text on unless a text field or a pop-up owns them."""
@@ -342,11 +349,13 @@ class Ui:
                 actions.handle(session, events.TextEvent(text=typed))
 
     def _closes_overlay(self) -> bool:
-        """Let Esc close the help or the keys' window; whether there was one to close."""
+        """Let Esc close the help, the keys' window or the preferences; whether one was open."""
         shown = self.session.view
-        if self.session.capture is not None or not (shown.help or shown.keys):
+        if self.session.capture is not None:
             return False
-        shown.help = shown.keys = False
+        if not (shown.help or shown.keys or shown.preferences):
+            return False
+        shown.help = shown.keys = shown.preferences = False
         return True
 
     def _navigation(self, popup: bool) -> frozenset[str]:

@@ -84,9 +84,9 @@ def disabled(when: bool) -> Iterator[None]:
         imgui.end_disabled()
 
 
-def text(words: str, colour: Rgba = COLOURS.text) -> None:
+def text(words: str, colour: Rgba | None = None) -> None:
     """A line of text; percent signs mean themselves."""
-    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(colour or COLOURS.text)))
     imgui.text_unformatted(words)
     imgui.pop_style_color()
 
@@ -96,17 +96,17 @@ def muted(words: str) -> None:
     text(words, COLOURS.muted)
 
 
-def wrapped(words: str, colour: Rgba = COLOURS.text) -> None:
+def wrapped(words: str, colour: Rgba | None = None) -> None:
     """Text that breaks at the panel's edge."""
     imgui.push_text_wrap_pos(0.0)
     text(words, colour)
     imgui.pop_text_wrap_pos()
 
 
-def small(words: str, colour: Rgba = COLOURS.muted) -> None:
+def small(words: str, colour: Rgba | None = None) -> None:
     """Small print."""
     with font(None, SMALL):
-        wrapped(words, colour)
+        wrapped(words, colour or COLOURS.muted)
 
 
 def tooltip(title: str, detail: str = "", keys: str = "") -> None:
@@ -422,7 +422,7 @@ def separator_gap(width: float = 8.0) -> None:
     imgui.same_line(0, px(width))
 
 
-def spinner(radius: float, colour: Rgba = COLOURS.accent) -> None:
+def spinner(radius: float, colour: Rgba | None = None) -> None:
     """A turning arc: something is being done."""
     r = px(radius)
     at = imgui.get_cursor_screen_pos()
@@ -430,9 +430,9 @@ def spinner(radius: float, colour: Rgba = COLOURS.accent) -> None:
     centre = (at.x + r, at.y + height / 2)
     draw = imgui.get_window_draw_list()
     start = imgui.get_time() * 5.0
-    draw.add_circle(centre, r - px(1), u32(alpha(colour, 0.2)), 0, px(2))
+    draw.add_circle(centre, r - px(1), u32(alpha(colour or COLOURS.accent, 0.2)), 0, px(2))
     draw.path_arc_to(centre, r - px(1), start, start + 1.8)
-    draw.path_stroke(u32(colour), px(2))
+    draw.path_stroke(u32(colour or COLOURS.accent), px(2))
     imgui.dummy((2 * r, height))
 
 
@@ -469,12 +469,12 @@ def choice(
     return picked
 
 
-KIND_COLOURS: Final[dict[str, Rgba]] = {
-    "info": COLOURS.info,
-    "success": COLOURS.good,
-    "warning": COLOURS.warn,
-    "error": COLOURS.bad,
-}
+def kind_colour(kind: str) -> Rgba:
+    """Return the colour of a message of a kind."""
+    c = COLOURS
+    return {"info": c.info, "success": c.good, "warning": c.warn, "error": c.bad}[kind]
+
+
 KIND_ICONS: Final[dict[str, str]] = {
     "info": Icons.info,
     "success": Icons.good,

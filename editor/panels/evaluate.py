@@ -10,7 +10,7 @@ from editor import widgets
 from editor.actions import measure
 from editor.actions.save_table import ask_save
 from editor.evaluation import Column, Plan, Row, best
-from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
+from editor.look import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.panels.base import Panel
 from editor.physics import PHYSICS
 from editor.prompts import FileQuestion
@@ -23,11 +23,11 @@ from kinetix.paths import levels_dir
 if TYPE_CHECKING:
     from editor.session import Session
 
-_OUTCOMES: Final[dict[str, tuple[str, Rgba]]] = {
-    "won": (Icons.good, COLOURS.good),
-    "lost": (Icons.skull, COLOURS.bad),
-    "timeout": (Icons.hourglass, COLOURS.warn),
-    "broken": (Icons.error, COLOURS.bad),
+_OUTCOMES: Final[dict[str, tuple[str, str]]] = {
+    "won": (Icons.good, "good"),
+    "lost": (Icons.skull, "bad"),
+    "timeout": (Icons.hourglass, "warn"),
+    "broken": (Icons.error, "bad"),
 }
 _SOURCES: Final = (
     ("this", "The level in front"),
@@ -501,7 +501,8 @@ class EvaluatePanel(Panel):
     def _attempt(
         self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
     ) -> None:
-        icon, colour = _OUTCOMES[episode.outcome]
+        icon, name = _OUTCOMES[episode.outcome]
+        colour = COLOURS.of(name)
         at, side = imgui.get_cursor_screen_pos(), px(23)
         pressed = imgui.invisible_button(f"attempt{which}", (side, side))
         widgets.probe(session, f"evaluate.attempt.{which[2]}")

@@ -1,6 +1,6 @@
 """The outliner: everything in the level as a tree, with role, eye and lock."""
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
@@ -16,12 +16,10 @@ from kinetix.level.model import MOTOR_BINDINGS, Body, Circle, Joint, Level, Thru
 if TYPE_CHECKING:
     from editor.session import Session
 
-_ROLE_COLOURS: Final[dict[str, Rgba]] = {
-    "none": COLOURS.muted,
-    "green": (0.24, 0.82, 0.36, 1.0),
-    "blue": (0.36, 0.62, 1.0, 1.0),
-    "red": (1.0, 0.44, 0.44, 1.0),
-}
+
+def _role_colour(role: str) -> Rgba:
+    c = COLOURS
+    return {"none": c.muted, "green": c.green, "blue": c.blue, "red": c.red}[role]
 
 
 class Outliner(Panel):
@@ -75,7 +73,7 @@ class Outliner(Panel):
         icon = Icons.circle if isinstance(body.shape, Circle) else Icons.rectangle
         if not isinstance(body.shape, Circle) and len(body.shape.vertices) == 3:
             icon = Icons.triangle
-        self._row(session, body.id, icon, name, _ROLE_COLOURS[body.role], scroll)
+        self._row(session, body.id, icon, name, _role_colour(body.role), scroll)
         imgui.indent(px(18))
         for joint in joints:
             # A joint stands under its second body, so that each is listed once.
@@ -184,7 +182,7 @@ class Outliner(Panel):
         for name, label in ARENA_LABELS.items():
             if self._shows(label):
                 role = getattr(level.arena, name).role
-                self._row(session, name, Icons.arena, label, _ROLE_COLOURS[role], False)
+                self._row(session, name, Icons.arena, label, _role_colour(role), False)
 
 
 def _bring_into_view() -> None:

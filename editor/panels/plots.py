@@ -9,7 +9,7 @@ from imgui_bundle import imgui, implot
 
 from editor import widgets
 from editor.controls import CHANNEL_NAMES
-from editor.look import COLOURS, Icons, Rgba
+from editor.look import COLOURS, Icons
 from editor.panels.base import Panel
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from editor.widgets import px
@@ -26,7 +26,8 @@ class Series:
     """One curve."""
 
     label: str
-    colour: Rgba
+    colour: str
+    """Name of a colour of the theme."""
     value: _Value
 
 
@@ -42,7 +43,7 @@ class Plot:
     """Whether it needs an agent with a network."""
 
 
-def _series(label: str, colour: Rgba, value: _Value) -> Series:
+def _series(label: str, colour: str, value: _Value) -> Series:
     return Series(label=label, colour=colour, value=value)
 
 
@@ -65,12 +66,12 @@ def _channel(index: int) -> _Value:
 
 
 _CHANNELS: Final = (
-    COLOURS.info,
-    COLOURS.warn,
-    COLOURS.good,
-    COLOURS.accent,
-    COLOURS.bad,
-    COLOURS.text,
+    "info",
+    "warn",
+    "good",
+    "accent",
+    "bad",
+    "text",
 )
 """Colours of the entries of an action."""
 
@@ -78,14 +79,14 @@ PLOTS: Final[tuple[Plot, ...]] = (
     Plot(
         title="Reward",
         series=(
-            _series("sum", COLOURS.good, lambda s: s.total_reward),
-            _series("step", COLOURS.warn, lambda s: s.reward),
+            _series("sum", "good", lambda s: s.total_reward),
+            _series("step", "warn", lambda s: s.reward),
         ),
     ),
-    Plot(title="Value", series=(_series("value", COLOURS.info, _mind("value")),), agent=True),
+    Plot(title="Value", series=(_series("value", "info", _mind("value")),), agent=True),
     Plot(
         title="Entropy [nat]",
-        series=(_series("entropy", COLOURS.accent, _mind("entropy")),),
+        series=(_series("entropy", "accent", _mind("entropy")),),
         agent=True,
     ),
     Plot(
@@ -98,26 +99,26 @@ PLOTS: Final[tuple[Plot, ...]] = (
     ),
     Plot(
         title="Distance [m]",
-        series=(_series("green to blue", COLOURS.accent, lambda s: s.distance),),
+        series=(_series("green to blue", "accent", lambda s: s.distance),),
     ),
     Plot(
         title="Energy [J]",
         series=(
-            _series("kinetic", COLOURS.info, lambda s: s.kinetic_energy),
-            _series("potential", COLOURS.warn, lambda s: s.potential_energy),
-            _series("total", COLOURS.text, lambda s: s.kinetic_energy + s.potential_energy),
+            _series("kinetic", "info", lambda s: s.kinetic_energy),
+            _series("potential", "warn", lambda s: s.potential_energy),
+            _series("total", "text", lambda s: s.kinetic_energy + s.potential_energy),
         ),
     ),
     Plot(
         title="Momentum [kg m/s]",
         series=(
-            _series("x", COLOURS.info, lambda s: s.momentum[0]),
-            _series("y", COLOURS.warn, lambda s: s.momentum[1]),
+            _series("x", "info", lambda s: s.momentum[0]),
+            _series("y", "warn", lambda s: s.momentum[1]),
         ),
     ),
     Plot(
         title="Penetration [mm]",
-        series=(_series("deepest", COLOURS.bad, lambda s: 1000 * s.penetration),),
+        series=(_series("deepest", "bad", lambda s: 1000 * s.penetration),),
     ),
 )
 _COLUMN: Final = 196.0
@@ -207,7 +208,7 @@ class PlotsPanel(Panel):
                 key = (owner, plot.title, series.label)
                 values = self._curves.setdefault(key, _Curve()).values(series.value, moments)
                 spec = implot.Spec()
-                spec.line_color = imgui.ImVec4(*series.colour[:3], opacity)
+                spec.line_color = imgui.ImVec4(*COLOURS.of(series.colour)[:3], opacity)
                 spec.line_weight = px(1.75)
                 if owner == "b":
                     spec.flags = implot.ItemFlags_.no_legend.value

@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from editor import actions, widgets
 from editor.actions.compatible import compatible_agents
 from editor.actions.fixes import fix_of
-from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, u32
+from editor.look import COLOURS, FONTS, SMALL, Icons, u32
 from editor.panels.base import Panel
 from editor.trial import fitting
 from editor.widgets import px
@@ -16,10 +16,10 @@ from kinetix.level.validate import Issue, has_errors
 if TYPE_CHECKING:
     from editor.session import Session
 
-_LOOK: Final[dict[str, tuple[str, Rgba]]] = {
-    "error": (Icons.error, COLOURS.bad),
-    "warning": (Icons.warning, COLOURS.warn),
-    "info": (Icons.info, COLOURS.info),
+_LOOK: Final[dict[str, tuple[str, str]]] = {
+    "error": (Icons.error, "bad"),
+    "warning": (Icons.warning, "warn"),
+    "info": (Icons.info, "info"),
 }
 
 
@@ -80,7 +80,8 @@ class ProblemsPanel(Panel):
             widgets.text(trial.error, COLOURS.bad)
 
     def _issue(self, session: "Session", index: int, issue: Issue) -> None:
-        icon, colour = _LOOK[issue.severity]
+        icon, name = _LOOK[issue.severity]
+        colour = COLOURS.of(name)
         fix = fix_of(session, issue) if session.editing else None
         imgui.push_id(index)
         start = imgui.get_cursor_screen_pos()

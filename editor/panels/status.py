@@ -25,10 +25,10 @@ class StatusBar:
     def draw(self, session: "Session") -> None:
         """Draw the line into the current window."""
         with widgets.font(None, SMALL):
-            word, colour = MODE_LOOK[session.mode]
+            word, name = MODE_LOOK[session.mode]
             if session.gallery.open:
-                word, colour = "GALLERY", COLOURS.info
-            widgets.badge(word, colour)
+                word, name = "GALLERY", "info"
+            widgets.badge(word, COLOURS.of(name))
             imgui.same_line(0, px(10))
             right = self.numbers(session)
             gap = px(18)

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 from editor import actions, widgets
 from editor.controls import CHANNEL_NAMES
 from editor.keys import label as chord_label
-from editor.look import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
+from editor.look import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.panels.base import Panel
 from editor.playback import Mode
 from editor.recording import ENGINE_STEPS_PER_SECOND, Snapshot
@@ -34,12 +34,13 @@ class Mark:
     words: str
 
 
-MARKS: Final[dict[str, tuple[str, Rgba]]] = {
-    "contact": ("Contacts begin", COLOURS.info),
-    "flip": ("Action changes", COLOURS.warn),
-    "end": ("End", COLOURS.good),
+MARKS: Final[dict[str, tuple[str, str]]] = {
+    "contact": ("Contacts begin", "info"),
+    "flip": ("Action changes", "warn"),
+    "end": ("End", "good"),
 }
-_ENDS: Final = {"won": COLOURS.good, "lost": COLOURS.bad, "timeout": COLOURS.warn}
+_ENDS: Final = {"won": "good", "lost": "bad", "timeout": "warn"}
+"""Names of the colours of episodes' ends."""
 
 
 def marks_of(moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]:
@@ -166,9 +167,10 @@ class Timeline(Panel):
         top, height = span
         lane = (height - px(10)) / _LANES
         for mark in marks:
-            _, colour = MARKS[mark.kind]
+            _, name = MARKS[mark.kind]
             if mark.kind == "end":
-                colour = _ENDS.get(moments[mark.index].outcome or "", colour)
+                name = _ENDS.get(moments[mark.index].outcome or "", name)
+            colour = COLOURS.of(name)
             row = list(MARKS).index(mark.kind)
             low = top + px(8) + row * lane
             place = x(mark.index)

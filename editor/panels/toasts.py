@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from editor import widgets
 from editor.actions import BY_ID
 from editor.look import COLOURS, Icons, alpha, u32
-from editor.widgets import KIND_COLOURS, KIND_ICONS, px
+from editor.widgets import KIND_ICONS, kind_colour, px
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -64,7 +64,7 @@ class Toasts:
             if not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value):
                 # Menus and questions stay in front of messages.
                 imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
-            colour = KIND_COLOURS[toast.kind]
+            colour = kind_colour(toast.kind)
             at, size = imgui.get_window_pos(), imgui.get_window_size()
             draw = imgui.get_window_draw_list()
             draw.add_rect_filled(

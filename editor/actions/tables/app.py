@@ -15,6 +15,15 @@ APP: Final = (
         run=view.switch("palette"),
     ),
     Action(
+        id="app.preferences",
+        label="Preferences…",
+        menu="Help",
+        keys=("ctrl+,",),
+        tooltip="Appearance, editing, simulation, files and keys.",
+        checked=view.is_on("preferences"),
+        run=view.switch("preferences"),
+    ),
+    Action(
         id="app.keys",
         label="Change Keys…",
         menu="Help",
