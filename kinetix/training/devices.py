@@ -15,7 +15,7 @@ from typing import Any, Final
 import jax
 import numpy as np
 from jax.experimental import multihost_utils
-from jax.sharding import PartitionSpec
+from jax.sharding import NamedSharding, PartitionSpec
 from jaxtyping import Array
 
 from kinetix.environment.devices import WORLDS, worlds_mesh
@@ -103,6 +103,17 @@ def on_each_device(function: Callable[..., Any], ins: Any, outs: Any) -> Callabl
 def average(tree: Any) -> Any:
     """Average over the devices that run this apart from each other."""
     return jax.lax.pmean(tree, WORLDS) if _apart() else tree
+
+
+def everywhere(tree: Any) -> Any:
+    """Keep all of a tree on every device, so that what takes it is compiled for that alone.
+
+    Args:
+        tree: Arrays; to be called under jit.
+    """
+    if jax.device_count() == 1:
+        return tree
+    return jax.lax.with_sharding_constraint(tree, NamedSharding(worlds_mesh(), WHOLE))
 
 
 def own_keys(key: Array, count: int) -> Array:

@@ -19,6 +19,7 @@ from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
 from kinetix.training.config import SflConfig
 from kinetix.training.curricula.tally import Tally, learnability, play_tally, sfl_score
+from kinetix.training.devices import everywhere
 from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
@@ -94,15 +95,17 @@ class Sfl:
             learner=self.setup.start_learner(learner_key, self._teacher),
             statistics=self.setup.start_statistics(self._teacher),
             key=key,
-            chosen=Chosen(
-                levels=levels,
-                tally=Tally(episodes=none, solved=none),
-                score=jnp.full(size, -jnp.inf, jnp.float32),
+            chosen=everywhere(
+                Chosen(
+                    levels=levels,
+                    tally=Tally(episodes=none, solved=none),
+                    score=jnp.full(size, -jnp.inf, jnp.float32),
+                )
             ),
             age=jnp.asarray(config.buffer_update_frequency, jnp.int32),
             pool=pool,
             playing=self.setup.start_playing(playing_key),
-            owner=jnp.full(config.num_train_envs, -1, jnp.int32),
+            owner=everywhere(jnp.full(config.num_train_envs, -1, jnp.int32)),
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
@@ -222,7 +225,7 @@ class Sfl:
         both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), chosen, fresh)
         _, best = jax.lax.top_k(both.score, config.num_to_save)
         mean = jnp.mean(learnability(tally, correction=correction))
-        return jax.tree.map(lambda x: x[best], both), mean
+        return everywhere((jax.tree.map(lambda x: x[best], both), mean))
 
     def _one_update(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
         setup, config, learner = self.setup, self.config, state.learner
@@ -254,11 +257,11 @@ class Sfl:
             learner=learner,
             statistics=statistics,
             key=key,
-            chosen=dataclasses.replace(state.chosen, tally=tally),
+            chosen=everywhere(dataclasses.replace(state.chosen, tally=tally)),
             age=state.age + 1,
             pool=state.pool,
             playing=playing,
-            owner=owner,
+            owner=everywhere(owner),
         )
         return after, episode_means(played.trajectory) | losses
 
