@@ -29,6 +29,18 @@ report = {"spread": spread, "moved": moved, "averaged": averaged, "rows": rows}
 print(json.dumps(report | {"devices": jax.device_count()}))
 """
 
+_SCORING = """
+import json, sys
+from kinetix.training.run import make_trainer
+from kinetix.training.settings import make_config
+
+trainer = make_trainer(make_config("sfl", values=json.loads(sys.argv[1])))
+state = trainer.start()
+for _ in range(2):
+    state, _ = trainer.update(state)
+print(trainer._score_batch._cache_size(), trainer._train._cache_size())
+"""
+
 _VALUES = {
     "size": "s",
     "num_train_envs": 8,
@@ -47,10 +59,10 @@ _VALUES = {
 }
 
 
-def _train(devices, **values):
+def _train(devices, program=_PROGRAM, /, **values):
     flags = f"--xla_force_host_platform_device_count={devices}"
     done = subprocess.run(
-        [sys.executable, "-c", _PROGRAM, json.dumps(_VALUES | values)],
+        [sys.executable, "-c", program, json.dumps(_VALUES | values)],
         env=os.environ | {"XLA_FLAGS": flags, "JAX_PLATFORMS": "cpu"},
         capture_output=True,
         text=True,
@@ -82,3 +94,10 @@ def test_environments_must_be_a_multiple_of_the_devices():
     done = _train(3)
     assert done.returncode == 1
     assert "num_train_envs = 8 must be a multiple of the 3 devices" in done.stderr
+
+
+@pytest.mark.slow
+def test_scoring_and_learning_are_compiled_once():
+    small = {"batch_size": 8, "num_batches": 2, "rollout_steps": 4, "num_to_save": 8}
+    done = _train(2, _SCORING, dummy_env=True, **small)
+    assert done.stdout.split() == ["1", "1"], done.stderr

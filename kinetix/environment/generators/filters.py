@@ -63,7 +63,8 @@ def noop_rewards(
     )
     key = jax.random.split(jax.random.key(0), worlds)  # Stepping without a reset draws nothing.
     advance = jax.vmap(player.step, in_axes=(0, 0, 0, None))
-    if worlds % jax.device_count() == 0:
+    # Several processes also call this for themselves alone.
+    if jax.process_count() == 1 and worlds % jax.device_count() == 0:
         advance = in_shares(advance, replicated=(3,))
 
     def unfinished(carry: tuple[Any, Array, Array, Array]) -> Array:
