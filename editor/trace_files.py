@@ -28,6 +28,12 @@ _COLUMNS: Final = (
     "value",
     "entropy",
 )
+_RANGES: Final = {
+    "step": (0, MAX_STEPS),
+    "frame_skip": (1, 1000),
+    "seed": (-(2**63), 2**63 - 1),
+    "attempt": (0, 2**31 - 1),
+}
 _OUTCOMES: Final[tuple[OutcomeName, ...]] = ("won", "lost", "timeout")
 
 
@@ -120,6 +126,11 @@ def _checked_count(arrays: dict[str, np.ndarray], level: Level) -> int:
             raise ValueError(f"its states do not belong to its level: {name} is {array.shape}")
         if (array.dtype.kind == "U") != (name in _TEXTS):
             raise ValueError(f"{name} has the type {array.dtype}")
+    if arrays["unified"].shape != arrays["intention"].shape:
+        raise ValueError("unified and intention have different widths")
+    for name, (low, high) in _RANGES.items():
+        if not np.all((arrays[name] >= low) & (arrays[name] <= high)):
+            raise ValueError(f"expected {name} from {low} to {high}")
     for name in ("step", "position", "angle", "velocity", "angular_velocity", "motor", "thruster"):
         if not np.isfinite(arrays[name]).all():
             raise ValueError(f"{name} is not finite")

@@ -14,7 +14,7 @@ from kinetix.errors import KinetixError
 
 SLOW_SECONDS = 2.0
 """Processor time that no input may take."""
-_HANG_SECONDS = 30
+_HANG_SECONDS = 120
 LARGEST_GROWTH = 2000
 """Of the process while one input is read [MB]."""
 
