@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 _LEVEL_RATE: Final = "eval_avg/hand_designed_episode_solve_rate_"
 _MOST_LEVELS: Final = 6
 """Levels whose own curves are shown at first."""
-_COLOURS: Final = (COLOURS.info, COLOURS.warn, COLOURS.good, COLOURS.accent, COLOURS.bad)
-"""Of the runs, in their order."""
+_COLOURS: Final = ("info", "warn", "good", "accent", "bad")
+"""Names of the colours of the runs, in their order."""
 _FIRST: Final = (
     "episode_solved",
     "episode_return",
@@ -30,6 +30,11 @@ _FIRST: Final = (
 )
 """Metrics that are shown at first, where the run has them."""
 _COLUMN: Final = 270.0
+
+
+def _colour(index: int) -> Rgba:
+    """Return the colour of a run."""
+    return COLOURS.of(_COLOURS[index % len(_COLOURS)])
 
 
 class TrainingPanel(Panel):
@@ -120,7 +125,7 @@ class TrainingPanel(Panel):
             widgets.tooltip("Mean and range", "Of all these runs, where all of them have values.")
         for index, other in enumerate(others, start=1):
             widgets.beside(140)
-            widgets.text(Path(other.path).name, _COLOURS[index % len(_COLOURS)])
+            widgets.text(Path(other.path).name, _colour(index))
             widgets.tooltip(other.path, other.error)
             imgui.same_line(0, px(2))
             if widgets.icon_button(session, f"training.drop.{index}", Icons.close):
@@ -200,7 +205,7 @@ def _plot(
     else:
         for index, curve in enumerate(curves):
             # Two runs may be called the same.
-            _line(curve, _COLOURS[index % len(_COLOURS)], f"###{index}")
+            _line(curve, _colour(index), f"###{index}")
     implot.end_plot()
 
 
