@@ -247,7 +247,7 @@ def _moment(env: KinetixEnv, episodes: Episodes, *, first: bool) -> RecordedStep
         action=None if first else np.asarray(env.actions.unified(last.action)),
         reward=float(last.reward),
         distance=float(last.distance),
-        reading=None if first or not last.info else _reading(env, episodes),
+        reading=None if first or "policy" not in last.info else _reading(env, episodes),
         result=episode_results(episodes)[0] if over else None,
     )
 

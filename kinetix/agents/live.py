@@ -122,7 +122,7 @@ def read_policy(env: KinetixEnv, said: dict[str, Any], live: Bool[Array, " u"]) 
 def _thought(
     env: KinetixEnv, said: dict[str, Any], own: Array, played: Array, live: Array
 ) -> Thought:
-    if not said:
+    if "policy" not in said:
         nothing = jnp.zeros(())
         return Thought(
             action=played,

@@ -245,7 +245,7 @@ def _episode(
         outcome = ""
         if done:
             outcome = "won" if info["GoalR"] else "lost" if info["terminated"] else "timeout"
-        reading = read(env, said, live) if said else None
+        reading = read(env, said, live) if "policy" in said else None
         yield Moment(
             state=state,
             step=step,
