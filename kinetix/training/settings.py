@@ -18,6 +18,7 @@ import msgspec
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
+from kinetix.lazy import hint
 from kinetix.level.sets import common_capacity, gather_levels
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 
@@ -64,7 +65,10 @@ def make_config(
     network: dict[str, Any] = {}
     for content, where in _sources(algorithm, preset=preset, file=file, run=run):
         _take(fields, network, content, algorithm, where)
+    known = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} | set(_NETWORK_NAMES)
     for name, value in (values or {}).items():
+        if name not in known:
+            raise KinetixError(f"{name}: {algorithm} has no such field; {hint(name, known)}")
         (network if name in _NETWORK_NAMES else fields)[name] = value
     _complete(fields)
     observation = fields.get("observation_type", "symbolic_entity")

@@ -121,3 +121,8 @@ def test_the_papers_numbers_come_with_the_papers_environment():
     config = make_config("ppo", preset="paper")
     assert (config.parity, config.physics, config.size) == ("kinetix-3", "jax2d", "s")
     assert config.num_train_envs == 2048
+
+
+def test_a_field_that_does_not_exist_is_not_ignored():
+    with pytest.raises(KinetixError, match="num_train_env: ppo has no such field; did you mean"):
+        make_config("ppo", values={"num_train_env": 3})
