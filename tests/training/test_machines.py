@@ -29,6 +29,8 @@ _VALUES = {
     "critic-width": 16,
     "eval-freq": 0,
     "checkpoint-save-freq": 2,
+    # A run whose rate falls cannot be made longer.
+    "anneal-lr": False,
 }
 
 
