@@ -10,7 +10,7 @@ from jaxtyping import Array
 
 from kinetix.bench.metrics.base import Metric
 from kinetix.bench.motion import most_apart, outside, turned
-from kinetix.engine.pairs import candidate_pairs
+from kinetix.engine.pairs import candidate_pairs, may_push
 from kinetix.engine.pipeline import step
 from kinetix.engine.spec import Capacity
 from kinetix.engine.types import State, World
@@ -171,7 +171,7 @@ def _penetration(
     radius = np.asarray(bodies.radius)
     deepest = np.zeros(position.shape[1])
     for a, b in candidate_pairs(capacity).tolist():
-        meet = (mode[:, a] == 2) | (mode[:, b] == 2) | (mode[:, a] * mode[:, b] > 0)
+        meet = may_push(mode[:, a], mode[:, b])
         meet &= active[:, a] & active[:, b] & (free[:, a] | free[:, b])
         meet &= np.asarray(world.collides)[:, a, b]
         chosen = np.flatnonzero(meet)

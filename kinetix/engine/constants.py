@@ -19,6 +19,13 @@ TOUCH_SLOP = 5e-3
 LINEAR_SLOP = 5e-4
 """By how much a feature must beat another before a contact changes over [m]: steady choices."""
 
+GRAZE = 4e-3
+"""Overlap up to which a moving body only grazes a face that it does not move along [m]. Smaller:
+bodies trip over seams of flush neighbours; larger: they slip past corners that they should hit."""
+
+GRAZE_SPEED = 1e-3
+"""By how much more slowly bodies must close along the other face then [m/s]: rounding at rest."""
+
 PUSH_SPEED = 3.0
 """Overlaps are resolved no faster than this [m/s]. Larger: bodies pop out of each other."""
 
@@ -53,3 +60,6 @@ HELD = 0.9
 DEEP_COMPLIANCE = 0.01
 """Speed that such a contact lets through per impulse, as a share of what the impulse would give
 free bodies. Zero: wedged bodies get impulses without bound; larger: heavy loads sink deeper."""
+
+USUAL_CONTRAST = 3.0
+"""Ratio of the loads of two touching bodies up to which they count as alike."""

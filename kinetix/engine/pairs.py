@@ -1,6 +1,7 @@
 """Candidate pairs and the collision filter: numpy, done once at trace or load time."""
 
 import functools
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -50,6 +51,16 @@ def pushing_candidates(capacity: Capacity, features: Features) -> tuple[Int[np.n
         kept = np.array([tuple(sorted(pair)) in listed for pair in pairs.tolist()], bool)
     edges = np.cumsum(pair_counts(capacity))[:-1]
     return tuple(np.flatnonzero(part) for part in np.split(kept, edges))
+
+
+def may_push(mode_a: Any, mode_b: Any) -> Any:
+    """Return whether bodies of these collision modes (0, 1, 2) may touch: 2 all, 0 only 2.
+
+    Args:
+        mode_a: Of one body; numbers or arrays.
+        mode_b: Of the other.
+    """
+    return (mode_a == 2) | (mode_b == 2) | (mode_a * mode_b > 0)
 
 
 def collision_matrix(

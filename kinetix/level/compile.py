@@ -13,7 +13,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.pairs import candidate_pairs, collision_matrix
+from kinetix.engine.pairs import candidate_pairs, collision_matrix, may_push
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec, Used
@@ -289,8 +289,7 @@ def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
     active = np.asarray(bodies.active)
     mode = np.asarray(bodies.collision_mode)
     free = (np.asarray(bodies.inverse_mass) != 0) | (np.asarray(bodies.inverse_inertia) != 0)
-    modes_meet = (mode[a] == 2) | (mode[b] == 2) | (mode[a] * mode[b] > 0)
-    kept = active[a] & active[b] & (free[a] | free[b]) & modes_meet
+    kept = active[a] & active[b] & (free[a] | free[b]) & may_push(mode[a], mode[b])
     kept &= np.asarray(world.collides)[a, b]
     return tuple(
         (min(i, j), max(i, j)) for i, j in zip(a[kept].tolist(), b[kept].tolist(), strict=True)

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.engine.in_use import InUse
 from kinetix.engine.maths import Vec
-from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.solvers.rows import (
     Directions,
     Links,

@@ -7,33 +7,35 @@ mostly meets four.
 import dataclasses
 from typing import Any
 
+import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
-from kinetix.engine.collide import Found
+from kinetix.engine.collision import Found
+from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import nearer_limit
 from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock
-from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.solvers.joint_system import JointSystem, Step
+from kinetix.engine.solvers.response import Responses, speed_of_row
 from kinetix.engine.solvers.rows import (
     Directions,
     Links,
     Rows,
+    Velocity,
+    apply,
     coupling,
     diagonal,
     first_of_links,
     make_rows,
     one_row,
-    put_coupling,
     through_points,
     turning,
 )
-from kinetix.engine.store import Store
-from kinetix.engine.types import State
+from kinetix.engine.spec import ARENA_BODIES
+from kinetix.engine.types import State, World
 from kinetix.pytree import pytree
 
 
@@ -43,9 +45,8 @@ class ContactSystem:
 
     rows: Rows
     live: Bool[Array, "m n"]
-    in_use: InUse
-    matrix: Float[Array, "m m n"]
-    """Their coupling with the joints eliminated; that of the identity in rows that are not used."""
+    responses: Responses
+    """What they do to all bodies with the joints eliminated."""
     prepared: Any
     gaps: Rows
     """Those of the rows that have a gap: the contacts' normals and the limits."""
@@ -76,7 +77,6 @@ def contact_system(
     touching = Links(body_a=points.body_a, body_b=points.body_b, in_use=InUse.of((used, 2)))
     limited, limits, limit_live, limit_gap = _limit_directions(step, state)
     links = Links.joined(touching, limited)
-    in_use = links.in_use
     rows = make_rows(
         links,
         links.look_up(step.masses),
@@ -88,7 +88,7 @@ def contact_system(
     )
     live = jnp.concatenate([used, used, limit_live], axis=0)
     mobility = store(diagonal(rows))
-    across, answer, answered = _through_joints(rows, joints, store)
+    of_rows, answered, by_other = _responses(rows, used.shape[0], joints, step)
     own = mobility + answered
     live = store(live & (own > constants.LEAST_PIVOT * mobility))
     # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
@@ -96,76 +96,103 @@ def contact_system(
         [points.separation < -constants.DEEP, jnp.zeros_like(used), jnp.zeros_like(limit_live)]
     )
     yields = deep & (own < constants.HELD * mobility)
-    own += jnp.where(yields, constants.DEEP_COMPLIANCE * mobility, 0)
-    own = store(jnp.where(live, own, 1))
-
-    def fill(k: Int[Array, ""], matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-        line = coupling(one_row(rows, k), rows)
-        line += _answered(joints, row(answer, k)[0], across)
-        return put_coupling(matrix, k, line, live, own, store)
-
-    eye = np.eye(live.shape[0], dtype=np.float32)[:, :, None]
-    matrix = jnp.broadcast_to(eye, (*eye.shape[:2], own.shape[-1])).astype(own.dtype)
-    matrix = in_use.each(fill, matrix)
-    (friction_a, restitution_a), (friction_b, restitution_b) = touching.look_up(
-        (bodies.friction, bodies.restitution)
+    compliance = jnp.where(yields, constants.DEEP_COMPLIANCE * mobility, 0)
+    responses = Responses(
+        rows=rows,
+        of_rows=of_rows,
+        compliance=compliance,
+        normal_by_tangent=by_other[used.shape[0] : 2 * used.shape[0]],
+        inverse_own=jnp.where(live, 1 / nonzero(own + compliance), 0),
+    )
+    responses = dataclasses.replace(
+        responses,
+        compliance=store(responses.compliance),
+        inverse_own=store(responses.inverse_own),
+    )
+    (friction_a, restitution_a, load_a), (friction_b, restitution_b, load_b) = touching.look_up(
+        (bodies.friction, bodies.restitution, _loads(step.world))
     )
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
     system = ContactSystem(
         rows=rows,
         gaps=first_of_links(rows),
         live=live,
-        in_use=in_use,
-        matrix=matrix,
-        prepared=block.prepare(matrix, _contrast(rows, used)),
+        responses=responses,
+        prepared=block.prepare(responses, _contrast(load_a, load_b, used)),
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
     )
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
 
 
-def _through_joints(
-    rows: Rows, joints: JointSystem, store: Store
-) -> tuple[Float[Array, "k m n"], Float[Array, "m k n"], Float[Array, "m n"]]:
-    """What the rows do to the joints, what the joints answer, and what that does to each row."""
-    count, joint_rows = rows.turn_a.shape[0], joints.live.shape[0]
-    worlds = rows.turn_a.shape[-1]
-    nothing = jnp.zeros((joint_rows, count, worlds), rows.turn_a.dtype)
-    carry = nothing, jnp.swapaxes(nothing, 0, 1), jnp.zeros_like(rows.turn_a)
-    if joint_rows == 0:
-        return carry
-    answering = joints.rows.links.in_use
+def _responses(
+    rows: Rows, count: int, joints: JointSystem, step: Step
+) -> tuple[Float[Array, "m 3 b n"], Float[Array, "m n"], Float[Array, "m n"]]:
+    """Compute what each row in use does.
 
-    def visit(k: Int[Array, ""], carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        across, answer, answered = carry
-        pull = store(jnp.where(joints.live, coupling(joints.rows, one_row(rows, k))[:, 0], 0))
-        given = store(jnp.where(joints.live, answering.product(joints.answers, pull), 0))
+    Args:
+        rows: Normals of `count` contacts, their tangents, then limits.
+        count: How many contacts there are.
+        joints: They answer to each row.
+        step: Masses, and what keeps intermediate results.
+
+    Returns:
+        The change of all velocities, what the joints' answer does to the row itself, and what a
+        tangent row does to its normal row.
+    """
+    store, masses = step.store, step.masses
+    worlds, bodies = rows.turn_a.shape[-1], masses.angular.shape[0]
+    nothing = jnp.zeros((len(rows.turn_a), 3, bodies - ARENA_BODIES, worlds), rows.turn_a.dtype)
+    still = jnp.zeros_like(masses.angular)
+    at_rest = Velocity(linear=Vec(x=still, y=still), angular=still)
+    answering = joints.rows.links.in_use
+    unit = jnp.ones((1, worlds), rows.turn_a.dtype)
+
+    def visit(k: Int[Array, ""], carry: tuple[Array, ...]) -> tuple[Array, ...]:
+        responses, answered, by_other = carry
+        one = one_row(rows, k)
+        moved = apply(one, unit, at_rest, masses)
+        if joints.live.shape[0]:
+            pull = store(jnp.where(joints.live, coupling(joints.rows, one)[:, 0], 0))
+            given = store(jnp.where(joints.live, answering.product(joints.answers, pull), 0))
+            moved = apply(joints.rows, given, moved, masses)
+            answered = put(answered, answering.inner(pull, given)[None], k, 0)
+        motion = jnp.stack([moved.linear.x, moved.linear.y, moved.angular])[:, ARENA_BODIES:]
+        motion = store(motion)
+        on_normal = speed_of_row(rows, jnp.maximum(k - count, 0), motion)
         return (
-            put(across, pull[:, None], k, 1),
-            put(answer, given[None], k, 0),
-            put(answered, answering.inner(pull, given)[None], k, 0),
+            put(responses, motion[None], k, 0),
+            answered,
+            put(by_other, on_normal[None], k, 0),
         )
 
-    return rows.links.in_use.each(visit, carry)
+    none = jnp.zeros_like(rows.turn_a)
+    of_rows, answered, by_other = rows.links.in_use.each(visit, (nothing, none, none))
+    return of_rows, answered, by_other
 
 
-def _answered(
-    joints: JointSystem, answer: Float[Array, "k n"], across: Float[Array, "k m n"]
-) -> Float[Array, "m n"]:
-    """What the joints' answer to one row does to all rows."""
+def _loads(world: World) -> Float[Array, "b n"]:
+    """The mass that goes with each body: its own and that of all it is jointed to; 0 if fixed."""
+    inverse = world.bodies.inverse_mass
+    mass = jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
 
-    def add(j: Int[Array, ""], total: Float[Array, "m n"]) -> Float[Array, "m n"]:
-        return total + row(answer, j) * row(across, j)[0]
+    def add(k: Int[Array, ""], total: Float[Array, "b n"]) -> Float[Array, "b n"]:
+        together = ~row(world.collides, k)[0] & (mass > 0)
+        return total + jnp.where(together, row(mass, k), 0)
 
-    return joints.rows.links.in_use.each(add, jnp.zeros(across.shape[1:], across.dtype))
+    return jax.lax.fori_loop(0, mass.shape[0], add, jnp.zeros_like(mass))
 
 
-def _contrast(rows: Rows, used: Bool[Array, "c n"]) -> Float[Array, " n"]:
-    """The greatest ratio of the masses of two bodies that touch; 1 beside what is fixed."""
-    count = used.shape[0]
-    a, b = rows.mass_a[:count], rows.mass_b[:count]
-    ratio = jnp.maximum(a, b) / nonzero(jnp.minimum(a, b))
-    return jnp.max(jnp.where(used & (a > 0) & (b > 0), ratio, 1), axis=0, initial=1)
+def _contrast(
+    load_a: Float[Array, "c n"], load_b: Float[Array, "c n"], used: Bool[Array, "c n"]
+) -> Float[Array, " n"]:
+    """How unlike the loads of touching bodies are: the sum of their ratios beyond the usual ones.
+
+    Several pairs that are a little unlike slow sweeps down as much as a pair that is very unlike.
+    """
+    ratio = jnp.maximum(load_a, load_b) / nonzero(jnp.minimum(load_a, load_b))
+    unlike = used & (load_a > 0) & (load_b > 0) & (ratio > constants.USUAL_CONTRAST)
+    return jnp.sum(jnp.where(unlike, ratio, 0), axis=0)
 
 
 def _limit_directions(

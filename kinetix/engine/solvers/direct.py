@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, constants
-from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.solvers.base import AbstractSolver
@@ -184,7 +184,7 @@ class Direct(AbstractSolver):
         offset = speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count)
         cone = Cone(friction=system.friction, closed=live, limited=limit_live)
         bias_impulse = self.block.solve(
-            system.prepared, system.matrix, offset, phase.bias_impulse, cone
+            system.prepared, system.responses, offset, phase.bias_impulse, cone
         )
         velocity = apply(system.rows, bias_impulse, velocity, masses)
         bias += curvature(step, phase.joints, velocity, h)
@@ -207,14 +207,14 @@ class Direct(AbstractSolver):
         cone = dataclasses.replace(
             cone, closed=live & closed[:count], limited=limit_live & closed[count:]
         )
-        offset = speeds(system.rows, velocity) - system.in_use.product(system.matrix, bias_impulse)
+        offset = speeds(system.rows, velocity) - system.responses.speeds(bias_impulse)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
             offset, knock = self._knocks(system, offset, bounce, cone, least)
         total = self.block.solve(
             system.prepared,
-            system.matrix,
+            system.responses,
             offset,
             bias_impulse + phase.relax_impulse,
             cone,
@@ -299,9 +299,9 @@ class Direct(AbstractSolver):
             hit = dataclasses.replace(cone, closed=bounce > 0, limited=cone.limited & struck)
             wanted = offset.at[:count].add(-bounce)
             impulse = self.block.solve(
-                system.prepared, system.matrix, wanted, jnp.zeros_like(knock), hit
+                system.prepared, system.responses, wanted, jnp.zeros_like(knock), hit
             )
-            offset += system.in_use.product(system.matrix, impulse)
+            offset += system.responses.speeds(impulse)
             closing = -offset[:count]
             again = cone.closed & (closing > threshold)
             bounce = jnp.where(again, system.restitution * closing, 0)

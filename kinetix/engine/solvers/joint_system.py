@@ -12,9 +12,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
 from kinetix.engine.actuators import Motors, motor_row, motors
+from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.maths import Vec, rotate, vec
-from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.solvers.rows import (
     Links,
     Masses,

@@ -18,7 +18,7 @@ from kinetix.engine import actuators, collide_jax2d, maths
 from kinetix.engine.collide_jax2d import Manifold
 from kinetix.engine.lookup import onto, take
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, spin, unvec, vec
-from kinetix.engine.pairs import candidate_pairs, pair_counts
+from kinetix.engine.pairs import candidate_pairs, may_push, pair_counts
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
@@ -277,11 +277,7 @@ def may_touch(world: World, pairs: Int[np.ndarray, "q 2"]) -> Bool[Array, "q n"]
     bodies = world.bodies
     a, b = pairs[:, 0], pairs[:, 1]
     mode_a, mode_b = bodies.collision_mode[a], bodies.collision_mode[b]
-    return (
-        bodies.active[a]
-        & bodies.active[b]
-        & ((mode_a == 2) | (mode_b == 2) | (mode_a * mode_b > 0))
-    )
+    return bodies.active[a] & bodies.active[b] & may_push(mode_a, mode_b)
 
 
 def _contact_velocity(

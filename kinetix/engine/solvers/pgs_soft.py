@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any, ClassVar
 
-from kinetix.engine.collide import Slots
+from kinetix.engine.collision import Slots
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.soft import Scheme, empty_cache, soft_step

@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-from kinetix.engine.collide import Slots
+from kinetix.engine.collision import Slots
 from kinetix.engine.pairs import pushing_candidates
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 
@@ -24,22 +24,27 @@ class HasRoom(Protocol):
         ...
 
 
-def usual_room(spec: SceneSpec) -> Slots:
-    """Room for the contacts that scenes of this capacity usually have.
+MOST_NEAR = 64
+"""Most pairs of a kind that a world keeps in sight, if there are more bodies than touch each other
+at once."""
 
-    Measured on the published levels under random actions: at most 7, 9 and 17 points are near at
-    once in sizes s, m and l (99.9 %). A stack needs two points a polygon. A scene whose pairs are
-    known never needs more than those.
+
+def usual_room(spec: SceneSpec) -> Slots:
+    """Return room for all contacts that bodies can have at once.
+
+    Convex bodies in the plane that do not overlap touch along the edges of a planar graph: each
+    adds at most three pairs (Euler). Two polygons have two contact points, other pairs one. What
+    only comes near may be more; it is left out first.
     """
     polygons = spec.capacity.polygons - ARENA_BODIES
     circles = spec.capacity.circles
     counts = [len(kind) for kind in pushing_candidates(spec.capacity, spec.features)]
+    bodies = polygons + circles
     near = Slots(
-        polygon_polygon=min(counts[0], polygons + 3 if polygons <= 8 else 2 * polygons),
-        circle_polygon=min(counts[1], circles + 3),
-        circle_circle=min(counts[2], max(1, circles - 1)),
+        polygon_polygon=min(counts[0], max(MOST_NEAR, 3 * polygons)),
+        circle_polygon=min(counts[1], max(MOST_NEAR, 3 * bodies)),
+        circle_circle=min(counts[2], max(MOST_NEAR, 3 * circles)),
         points=0,
     )
     most = 2 * near.polygon_polygon + near.circle_polygon + near.circle_circle
-    points = max(polygons + circles + 5, 2 * polygons + circles)
-    return dataclasses.replace(near, points=min(most, points))
+    return dataclasses.replace(near, points=min(most, 6 * polygons + 3 * circles))

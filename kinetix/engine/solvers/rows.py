@@ -15,9 +15,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
+from kinetix.engine.in_use import InUse
 from kinetix.engine.lookup import accumulate, column, put, row, take
 from kinetix.engine.maths import Vec, cross, dot
-from kinetix.engine.solvers.in_use import InUse
 from kinetix.engine.store import Store
 from kinetix.pytree import pytree
 
@@ -376,6 +376,13 @@ def minus_inverse(
 def match(
     key: Int[Array, "c n"], old_key: Int[Array, "c n"], *values: Float[Array, "c n"]
 ) -> tuple[Float[Array, "c n"], ...]:
-    """The old values of the entries whose key is still there, 0 for new ones and for key −1."""
-    same = (key[:, None] == old_key[None]) & (key[:, None] >= 0)
-    return tuple(jnp.sum(jnp.where(same, value[None], 0), axis=1) for value in values)
+    """Return the old values of the entries whose key is still there; 0 for new ones and key −1."""
+    known = old_key >= 0
+
+    def carry_over(k: Int[Array, ""], found: tuple[Array, ...]) -> tuple[Array, ...]:
+        same = (key == row(old_key, k)) & row(known, k)
+        return tuple(jnp.where(same, row(x, k), old) for x, old in zip(values, found, strict=True))
+
+    return InUse.of((known, 1)).each(
+        carry_over, tuple(jnp.zeros(key.shape, x.dtype) for x in values)
+    )

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.collide import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import dot, unvec, vec

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators, constants
-from kinetix.engine.collide import Points
+from kinetix.engine.collision import Points
 from kinetix.engine.joints import joint_acts, nearer_limit
 from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, vec

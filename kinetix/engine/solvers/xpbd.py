@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from kinetix.engine.collide import Slots, find_contacts
+from kinetix.engine.collision import Slots, find_contacts
 from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate, vec
 from kinetix.engine.solvers.base import AbstractSolver

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from kinetix.engine.solvers.response import Responses
 from kinetix.pytree import pytree
 
 
@@ -42,19 +43,19 @@ class AbstractBlock(abc.ABC):
     name: ClassVar[str]
 
     @abc.abstractmethod
-    def prepare(self, matrix: Float[Array, "m m n"], contrast: Float[Array, " n"]) -> Any:
-        """What can be computed once for a matrix that serves several solves.
+    def prepare(self, responses: Responses, contrast: Float[Array, " n"]) -> Any:
+        """Return what can be computed once for rows that serve several solves.
 
         Args:
-            matrix: A.
-            contrast: The greatest ratio of the masses of two bodies that touch; at least 1.
+            responses: A, row by row.
+            contrast: How unlike the loads of touching bodies are: the sum of their ratios.
         """
 
     @abc.abstractmethod
     def solve(
         self,
         prepared: Any,
-        matrix: Float[Array, "m m n"],
+        responses: Responses,
         offset: Float[Array, "m n"],
         start: Float[Array, "m n"],
         cone: Cone,

@@ -1,0 +1,217 @@
+"""Collision detection: a table of pairs of shapes, each with its kernels. Worlds on the last axis.
+
+Two stages. The *approach* of every candidate pair is exact and cheap; it tells which pairs touch
+(the reward and the observations ask for all of them) and which come near. Only the near ones get
+*contact points*, in a fixed number of slots, so that the solver's work goes with what happens in a
+scene and not with what it has room for.
+
+Normals point from body a to body b.
+Source: speculative contacts and feature ids after Catto, "Continuous Collision" (2013) and
+"Contact Manifolds" (2007).
+"""
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int
+
+from kinetix.engine import constants
+from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
+from kinetix.engine.collision.points import Approach, Found, PointList, Slots, Spot
+from kinetix.engine.collision.scene import Pairs, Rules, Shapes
+from kinetix.engine.in_use import InUse
+from kinetix.engine.lookup import accumulate, row, take
+from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
+from kinetix.engine.shapes import rows
+from kinetix.engine.spec import SceneSpec
+from kinetix.engine.store import Store
+from kinetix.engine.types import Parameters, State, World
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Kind:
+    """A pair of shapes: a row of the table."""
+
+    name: str
+    """As in `Slots`."""
+    shape_a: str
+    shape_b: str
+    approach: Callable[[Any, Any, Array], Approach]
+    points: Callable[[Any, Any, Approach, Array, Array, Store], list[Spot]]
+    most_points: int
+    """Of one pair."""
+
+
+KINDS: Final = (
+    Kind(
+        name="polygon_polygon",
+        shape_a="polygon",
+        shape_b="polygon",
+        approach=polygon_polygon.approach,
+        points=polygon_polygon.points,
+        most_points=2,
+    ),
+    Kind(
+        name="circle_polygon",
+        shape_a="circle",
+        shape_b="polygon",
+        approach=circle_polygon.approach,
+        points=circle_polygon.points,
+        most_points=1,
+    ),
+    Kind(
+        name="circle_circle",
+        shape_a="circle",
+        shape_b="circle",
+        approach=circle_circle.approach,
+        points=circle_circle.points,
+        most_points=1,
+    ),
+)
+"""In the order of `pairs.pair_counts`."""
+
+
+def find_contacts(
+    world: World,
+    state: State,
+    parameters: Parameters,
+    spec: SceneSpec,
+    slots: Slots,
+    store: Store,
+) -> Found:
+    """Find all contacts of a step, from the poses and velocities at its start."""
+    a, b = candidate_pairs(spec.capacity).T
+    shapes = Shapes.of(world, state, store)
+    rules = store(Rules.of(world, state, parameters, shapes, (a, b)))
+    places = _places(spec)
+    approaches = [
+        store(
+            kind.approach(
+                shapes.listed(kind.shape_a, a[place]),
+                shapes.listed(kind.shape_b, b[place]),
+                parameters.dt,
+            )
+        )
+        for kind, place in zip(KINDS, places, strict=True)
+    ]
+    separation = jnp.concatenate([coming.separation for coming in approaches], axis=0)
+    reach = jnp.where(rules.pushes, constants.TOUCH_SLOP, 0)
+    near, overflow = store(_near(rules, approaches, places, slots, parameters))
+    points = PointList.empty(slots.points, state.rotation)
+    for kind, place, listed, coming in zip(
+        KINDS, places, pushing_candidates(spec.capacity, spec.features), approaches, strict=True
+    ):
+        if len(listed) == 0:
+            continue
+        index, valid = store(compact(rows(near[place], listed), getattr(slots, kind.name)))
+        pairs = jnp.asarray(listed, jnp.int32)[index]
+        gather = _Gatherer(
+            kind=kind,
+            shapes=shapes,
+            bodies=(a[place], b[place]),
+            first=place.start,
+            coming=coming,
+            rules=rules,
+            parameters=parameters,
+        )
+        points = gather.points(pairs, valid, points)
+    return Found(
+        points=points.points,
+        touching=rules.may_touch & (separation <= reach),
+        overflow=overflow | (points.count > slots.points),
+    )
+
+
+def _places(spec: SceneSpec) -> list[slice]:
+    """Where the pairs of each kind stand among all candidates."""
+    ends = np.cumsum([0, *pair_counts(spec.capacity)]).tolist()
+    return [slice(first, last) for first, last in itertools.pairwise(ends)]
+
+
+def _near(
+    rules: Rules,
+    approaches: Sequence[Approach],
+    places: Sequence[slice],
+    slots: Slots,
+    parameters: Parameters,
+) -> tuple[Bool[Array, "q n"], Bool[Array, " n"]]:
+    """Choose the pairs that get contact points, and tell where there is no room even for them.
+
+    Where there is not room for all that are near, only those count that touch or will hit each
+    other within the step.
+    """
+    separation, time = (
+        jnp.concatenate([getattr(coming, name) for coming in approaches], axis=0)
+        for name in ("separation", "time")
+    )
+    near = rules.pushes & (separation <= rules.margin)
+    urgent = (separation <= constants.TOUCH_SLOP) | (time < parameters.dt)
+    rooms = [getattr(slots, kind.name) for kind in KINDS]
+
+    def full(near: Bool[Array, "q n"]) -> Bool[Array, " n"]:
+        counts = [jnp.sum(near[place], axis=0) for place in places]
+        return jnp.any(
+            jnp.stack([count > room for count, room in zip(counts, rooms, strict=True)]), axis=0
+        )
+
+    most = sum(
+        kind.most_points * jnp.sum(near[place], axis=0)
+        for kind, place in zip(KINDS, places, strict=True)
+    )
+    near &= urgent | ~(full(near) | (most > slots.points))
+    return near, full(near)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Gatherer:
+    """Adds the contact points of near pairs of one kind to a list, pair after pair."""
+
+    kind: Kind
+    shapes: Shapes
+    bodies: Pairs
+    first: int
+    """The number of the kind's first pair."""
+    coming: Approach
+    rules: Rules
+    parameters: Parameters
+
+    def points(
+        self, pairs: Int[Array, "k n"], valid: Bool[Array, "k n"], found: PointList
+    ) -> PointList:
+        """Return the list with the points of some pairs added; time goes with those in use."""
+        store, kind = self.shapes.store, self.kind
+        margin = self.rules.margin[self.first : self.first + len(self.bodies[0])]
+
+        def visit(k: Int[Array, ""], found: PointList) -> PointList:
+            pair, counts = row(pairs, k), row(valid, k)
+            body_a, body_b = (jnp.asarray(bodies)[pair] for bodies in self.bodies)
+            a, b = (
+                self.shapes.chosen(kind.shape_a, body_a),
+                self.shapes.chosen(kind.shape_b, body_b),
+            )
+            coming, ahead = store(take((self.coming, margin), pair))
+            spots = store(kind.points(a, b, coming, ahead, self.parameters.dt, store))
+            for spot in spots:
+                found = found.with_spot(spot, (body_a, body_b), pair + self.first, counts)
+            return found
+
+        return InUse.of((valid, 1)).each(visit, found)
+
+
+def compact(mask: Bool[Array, "q n"], room: int) -> tuple[Int[Array, "k n"], Bool[Array, "k n"]]:
+    """Return the rows where the mask holds, in order, in `room` slots; and which slots are used."""
+    count, worlds = mask.shape
+    numbers = np.arange(1, room + 1, dtype=np.int32)[:, None]
+
+    def pass_row(k: Int[Array, ""], carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        seen, index = carry
+        seen += row(mask, k)
+        return seen, index + (seen < numbers)
+
+    start = jnp.zeros((1, worlds), jnp.int32), jnp.zeros((room, worlds), jnp.int32)
+    _, index = accumulate(count, pass_row, start)
+    return jnp.minimum(index, count - 1), index < count
