@@ -24,7 +24,6 @@ def test_the_formula_scales_as_the_law_of_similarity_says():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="the engine leaves contacts out where many bodies lean on each other")
 def test_the_engine_s_wave_runs_as_the_formula_says():
     domino = example()
     wanted = domino.wave_speed(0.4, 0.05, 0.15)

@@ -1,28 +1,10 @@
 """How much room for contacts a scene of a given size gets."""
 
 import dataclasses
-from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from kinetix.engine.collision import Slots
 from kinetix.engine.pairs import pushing_candidates
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
-
-
-@runtime_checkable
-class HasRoom(Protocol):
-    """A solver, a frozen dataclass, whose contacts live in a fixed number of slots."""
-
-    __dataclass_fields__: ClassVar[dict[str, Any]]
-
-    @property
-    def slots(self) -> Slots | None:
-        """Room for contacts; None: by the capacity."""
-        ...
-
-    def slots_for(self, spec: SceneSpec) -> Slots:
-        """Room for contacts in scenes of this capacity."""
-        ...
-
 
 MOST_NEAR = 64
 """Most pairs of a kind that a world keeps in sight, if there are more bodies than touch each other
