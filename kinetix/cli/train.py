@@ -1,6 +1,7 @@
 """Train an agent without a window; the same --out goes on where it stopped."""
 
 import dataclasses
+import math
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Final, Union
@@ -177,8 +178,8 @@ def _report(report: Any) -> None:
         f"{report.update}/{report.updates}",
         f"{report.env_steps:,} steps",
         f"{report.steps_per_second:,.0f}/s",
-        f"return {metrics.get('episode_return', float('nan')):.3f}",
-        f"solved {metrics.get('episode_solved', float('nan')):.3f}",
+        f"return {_mean(metrics.get('episode_return'))}",
+        f"solved {_mean(metrics.get('episode_solved'))}",
     ]
     if report.seconds_left is not None:
         parts.append(f"{_duration(report.seconds_left)} left")
@@ -186,6 +187,11 @@ def _report(report: Any) -> None:
     if evaluated is not None:
         parts.append(f"evaluation {evaluated:.3f}")
     print("  ".join(parts), file=sys.stderr, flush=True)
+
+
+def _mean(value: float | None) -> str:
+    """A mean over the episodes that ended; a dash where none did."""
+    return "–" if value is None or math.isnan(value) else f"{value:.3f}"
 
 
 def _say(text: str) -> None:
