@@ -28,21 +28,22 @@ class EpisodeMetrics(NamedTuple):
     episode_solve_rates: Array
     episode_solve_rates_best_of_k: Array | float = -1.0
 
-    @staticmethod
-    def create_empty(num_levels: int, length_dtype: Any = jnp.float32) -> "EpisodeMetrics":
-        """Return zeros."""
-        zeros = jnp.zeros(num_levels)
-        return EpisodeMetrics(zeros.astype(length_dtype), zeros, zeros, zeros)
+    @classmethod
+    def create_empty(cls, num_levels: int) -> "EpisodeMetrics":
+        """Return metrics of levels that have not been played."""
+        return cls(*(jnp.zeros((num_levels,)) for _ in cls._fields))
 
 
 class EvalSpec(NamedTuple):
     """Levels to evaluate on."""
 
     levels_to_eval_on: EnvState
+    """Leading axis levels."""
     number_of_levels: int
     level_names: list[str]
     plot_videos: bool
-    num_envs_to_video: int = -1
+    num_envs_to_video: int | None = None
+    """None: all of them."""
 
 
 class RenderMetrics(NamedTuple):

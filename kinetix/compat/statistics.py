@@ -107,32 +107,38 @@ def maybe_normalise(static_should_normalise: bool, rms: Any, obs: Any) -> Any:
 
 
 def parallel_rms_update(rms: Any, data: Any, axis_name: str = "devices") -> Any:
-    """Return statistics that have also seen the batches of all devices of an axis."""
+    """Return statistics that have also seen the batches of all devices of an axis.
+
+    The mean of all comes first and deviations are taken from it: squares of large means would
+    swallow a small variance.
+    """
 
     def one(statistics: RunningMeanStandard, x: Array) -> RunningMeanStandard:
         if not rms_should_normalise(x):
             return statistics
-        mean, var, count = _moments(_rows(statistics, x))
-        total = jax.lax.psum(count, axis_name)
-        whole = jax.lax.psum(mean * count, axis_name) / total
-        squares = jax.lax.psum((var + mean**2) * count, axis_name) / total
-        return _merged(statistics, whole, squares - whole**2, total)
+        rows = _rows(statistics, x)
+        count = jax.lax.psum(jnp.asarray(float(rows.shape[0])), axis_name)
+        mean = jax.lax.psum(jnp.sum(rows, axis=0), axis_name) / count
+        deviation = jax.lax.psum(jnp.sum((rows - mean) ** 2, axis=0), axis_name)
+        return _merged(statistics, mean, deviation / count, count)
 
     return jax.tree.map(one, rms, data, is_leaf=rms_is_leaf)
 
 
 class EMA(NamedTuple):
-    """A mean in which older values count less and less."""
+    """Exponential moving average of a number, without a bias towards its start."""
 
-    value: Any
-    count: Any
-    beta: float = 0.97
+    value: Any = 0.0
+    count: Any = 0
+    """How many values it has seen."""
+    beta: float = 0.99
+    """Weight of a value relative to the one after it."""
 
     def update_ema(self, current_value: Any) -> "EMA":
-        """Return the mean with one more value."""
-        count = self.beta * self.count + 1.0
-        value = self.value + (current_value - self.value) / count
-        return EMA(value, count, self.beta)
+        """Return the average with one value more."""
+        weight = (1 - self.beta) / (1 - self.beta ** (self.count + 1))
+        value = (1 - weight) * self.value + weight * current_value
+        return EMA(value=value, count=self.count + 1, beta=self.beta)
 
 
 def weight_norm(tree: Any) -> Float[Array, ""]:
