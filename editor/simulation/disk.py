@@ -73,7 +73,7 @@ def load(key: object, arguments: Any, results: Any) -> Any | None:
 
     Args:
         key: Its parameters; what they are called (`repr`) has to say all.
-        arguments: A tree like the positional arguments.
+        arguments: Positional arguments, to try it with.
         results: A tree like the results.
     """
     path = _file(key)
@@ -83,6 +83,8 @@ def load(key: object, arguments: Any, results: Any) -> Any | None:
         program = serialize_executable.deserialize_and_load(
             code, takes, jax.tree.structure(results), execution_devices=jax.devices()[:1]
         )
+        # What came from JAX's cache was written without some of its code: only a run tells.
+        jax.block_until_ready(program(*arguments))
     except FileNotFoundError:
         return None
     except Exception:  # whatever is wrong with it, it is compiled anew

@@ -25,6 +25,7 @@ from editor.requests import (
 from kinetix.errors import CheckpointError, KinetixError
 from kinetix.level.codec import load_level
 from kinetix.paths import checkpoints_dir, levels_dir
+from kinetix.training.logging import STEPS, UPDATE
 
 pytestmark = pytest.mark.slow
 
@@ -131,7 +132,9 @@ def test_the_table_is_what_the_command_prints_to_the_bit(standing, capsys):
 
 def test_an_agent_that_is_missing_is_reported_and_the_others_go_on(standing):
     result, progress = standing
-    assert result.errors == ((1, "/no/such/agent: expected the directory of an agent, found none"),)
+    ((agent, sentence),) = result.errors
+    assert agent == 1
+    assert sentence.startswith("/no/such/agent: there is no such directory, nor a bundled agent")
     assert result.scores[0].agent == 0
     done = [step.done for step in progress.shared]
     assert done == sorted(done) and len(done) > 3
@@ -231,7 +234,7 @@ def test_damaged_agents_are_refused_with_one_sentence(perform, tmp_path):
         (folder / "agent.json").write_text(text[: len(text) // 2])
 
     path = broken_copy(tmp_path, cut)
-    with pytest.raises(CheckpointError, match=r"agent\.json: not valid JSON") as caught:
+    with pytest.raises(CheckpointError, match=r"agent\.json: not JSON, line \d+") as caught:
         perform(LoadAgent(path=path))
     assert "\n" not in str(caught.value)
 
@@ -258,9 +261,11 @@ def test_an_agent_that_gives_no_numbers_is_said_to(perform, keeper, level, monke
 
 
 def test_a_training_run_is_read(perform, tmp_path):
-    (tmp_path / "metrics.jsonl").write_text('{"loss": 1.0}\n{"loss": 0.5}\n{"lo')
+    rows = [{UPDATE: n, STEPS: 64 * n, "loss": 1.5 - 0.5 * n} for n in (1, 2)]
+    text = "".join(json.dumps(row) + "\n" for row in rows) + '{"lo'
+    (tmp_path / "metrics.jsonl").write_text(text)
     news = perform(ReadRun(path=str(tmp_path), after=1))
-    assert (news.rows, news.total, news.newest) == (({"loss": 0.5},), 2, None)
+    assert (news.rows, news.total, news.newest) == ((rows[1],), 2, None)
     with pytest.raises(KinetixError, match="expected the folder of a training run"):
         perform(ReadRun(path=str(tmp_path / "gone")))
 

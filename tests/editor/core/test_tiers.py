@@ -1,5 +1,6 @@
 """Play begins in a quickly compiled step and goes on, in the next episode, in the better one."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -25,15 +26,23 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def perform(tmp_path_factory):
     """The bridge with nothing compiled and an empty cache on disk."""
+    from jax.experimental.compilation_cache import compilation_cache
+
     from editor import simulation
     from editor.simulation import cast
 
     folder, programs = tmp_path_factory.mktemp("cache"), Programs()
+    stored, name = jax.config.jax_compilation_cache_dir, "jax_compilation_cache_dir"
+    # What another test compiled comes from JAX's cache without the code that the file needs.
+    jax.config.update(name, None)
+    compilation_cache.reset_cache()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(disk, "cache_folder", lambda name: folder / name)
         for module in (stepping, cast):
             patch.setattr(module, "PROGRAMS", programs)
         yield lambda request: simulation.perform(request, Unheard())
+    jax.config.update(name, stored)
+    compilation_cache.reset_cache()
 
 
 def play(perform, run, **options):
