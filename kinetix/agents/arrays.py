@@ -135,6 +135,7 @@ def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
     # Orbax and tensorstore raise whatever their file formats lead them to; here it is all the
     # same: these arrays cannot be read.
     try:
+        _list_entries(directory)
         with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
             metadata: Any = checkpointer.metadata(directory.resolve())
         stored = dict(flatten(metadata.item_metadata.tree))
@@ -156,6 +157,17 @@ def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
         return unflatten((name, _read_leaf(directory, name)) for name in expected)
     except Exception as error:
         raise _damaged(directory, error) from None
+
+
+def _list_entries(directory: Path) -> None:
+    """Go through the index of what is stored; it raises where files of it are missing.
+
+    Orbax would ask for all arrays at once, and print tracebacks of those that are still under way.
+    """
+    import tensorstore
+
+    kvstore = {"driver": "ocdbt", "base": f"file://{directory.resolve()}/"}
+    tensorstore.KvStore.open(kvstore).result().list().result()
 
 
 def _read_leaf(directory: Path, name: str) -> np.ndarray:
