@@ -47,7 +47,10 @@ def test_a_video_of_odd_size_can_be_written(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["s/first_flight", "level.jpg"], "level.jpg: expected a file that ends in .png, .gif or"),
+        (
+            ["s/first_flight", "level.jpg"],
+            "level.jpg: expected a file that ends in .png, .gif, .mp4 or .html",
+        ),
         (["s/first_flight", "level.png", "--pixels", "5"], "--pixels 5: expected a number from 16"),
         (["s/first_flight", "level.png", "--steps", "-1"], "--steps -1: expected a number from 0"),
         (["s/first_flight", "level.png", "--physics", "magic"], "unknown physics 'magic'"),

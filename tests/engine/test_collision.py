@@ -6,7 +6,13 @@ import pytest
 
 from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
 from kinetix.engine.collision.driver import compact
-from kinetix.engine.collision.moving import Circle, Polygon, meeting, round_meeting, steady
+from kinetix.engine.collision.moving import (
+    MovingCircle,
+    MovingPolygon,
+    meeting,
+    round_meeting,
+    steady,
+)
 from kinetix.engine.maths import Vec
 from kinetix.engine.pairs import may_push, pair_counts
 from kinetix.engine.solvers.room import usual_room
@@ -25,7 +31,7 @@ def at(x: float, y: float) -> Vec:
     return Vec(x=one(x), y=one(y))
 
 
-def box(centre, velocity=(0.0, 0.0), size=(1.0, 1.0), spin=0.0) -> Polygon:
+def box(centre, velocity=(0.0, 0.0), size=(1.0, 1.0), spin=0.0) -> MovingPolygon:
     w, h = size[0] / 2, size[1] / 2
     corners = np.array([(-w, -h), (-w, h), (w, h), (w, -h)], np.float32)  # clockwise
     edge = np.roll(corners, -1, axis=0) - corners
@@ -34,7 +40,7 @@ def box(centre, velocity=(0.0, 0.0), size=(1.0, 1.0), spin=0.0) -> Polygon:
     def columns(values: np.ndarray) -> Vec:
         return Vec(x=jnp.asarray(values[None, :, 0, None]), y=jnp.asarray(values[None, :, 1, None]))
 
-    return Polygon(
+    return MovingPolygon(
         centre=at(*centre),
         velocity=at(*velocity),
         corners=columns(corners),
@@ -44,8 +50,8 @@ def box(centre, velocity=(0.0, 0.0), size=(1.0, 1.0), spin=0.0) -> Polygon:
     )
 
 
-def disc(centre, radius, velocity=(0.0, 0.0)) -> Circle:
-    return Circle(centre=at(*centre), velocity=at(*velocity), radius=one(radius))
+def disc(centre, radius, velocity=(0.0, 0.0)) -> MovingCircle:
+    return MovingCircle(centre=at(*centre), velocity=at(*velocity), radius=one(radius))
 
 
 def contacts(kernels, a, b):

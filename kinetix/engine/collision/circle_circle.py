@@ -3,13 +3,13 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from kinetix.engine.collision.moving import Circle, round_meeting
+from kinetix.engine.collision.moving import MovingCircle, round_meeting
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import dot, length
 from kinetix.engine.store import Store
 
 
-def approach(a: Circle, b: Circle, dt: Float[Array, " n"]) -> Approach:
+def approach(a: MovingCircle, b: MovingCircle, dt: Float[Array, " n"]) -> Approach:
     """Return the distance of the surfaces; circles have one face."""
     apart, motion = b.centre - a.centre, b.velocity - a.velocity
     gap = length(apart) - a.radius - b.radius
@@ -22,8 +22,8 @@ def approach(a: Circle, b: Circle, dt: Float[Array, " n"]) -> Approach:
 
 
 def points(
-    a: Circle,
-    b: Circle,
+    a: MovingCircle,
+    b: MovingCircle,
     coming: Approach,
     margin: Float[Array, "k n"],
     dt: Float[Array, " n"],

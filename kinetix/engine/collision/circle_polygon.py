@@ -5,13 +5,19 @@ from jaxtyping import Array, Float
 
 from kinetix.engine import constants, maths
 from kinetix.engine.collision.edges import columns, edge_ends, largest
-from kinetix.engine.collision.moving import Circle, Polygon, meeting, round_meeting, steady
+from kinetix.engine.collision.moving import (
+    MovingCircle,
+    MovingPolygon,
+    meeting,
+    round_meeting,
+    steady,
+)
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
 from kinetix.engine.store import Store
 
 
-def approach(a: Circle, b: Polygon, dt: Float[Array, " n"]) -> Approach:
+def approach(a: MovingCircle, b: MovingPolygon, dt: Float[Array, " n"]) -> Approach:
     """Return the signed distance of the surfaces, and the polygon's face that is met."""
     offset, motion = a.centre - b.centre, a.velocity - b.velocity
     heights = dot(b.normals, offset[:, None]) - b.offsets
@@ -29,8 +35,8 @@ def approach(a: Circle, b: Polygon, dt: Float[Array, " n"]) -> Approach:
 
 
 def points(
-    a: Circle,
-    b: Polygon,
+    a: MovingCircle,
+    b: MovingPolygon,
     coming: Approach,
     margin: Float[Array, "k n"],
     dt: Float[Array, " n"],

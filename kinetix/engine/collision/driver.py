@@ -22,7 +22,7 @@ from jaxtyping import Array, Bool, Int
 from kinetix.engine import constants
 from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
 from kinetix.engine.collision.points import Approach, Found, PointList, Slots, Spot
-from kinetix.engine.collision.scene import Pairs, Rules, Shapes
+from kinetix.engine.collision.scene import MovingShapes, Pairs, Rules
 from kinetix.engine.in_use import InUse
 from kinetix.engine.lookup import accumulate, row, take
 from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
@@ -85,7 +85,7 @@ def find_contacts(
 ) -> Found:
     """Find all contacts of a step, from the poses and velocities at its start."""
     a, b = candidate_pairs(spec.capacity).T
-    shapes = Shapes.of(world, state, store)
+    shapes = MovingShapes.of(world, state, store)
     rules = store(Rules.of(world, state, parameters, shapes, (a, b)))
     places = _places(spec)
     approaches = [
@@ -171,7 +171,7 @@ class _Gatherer:
     """Adds the contact points of near pairs of one kind to a list, pair after pair."""
 
     kind: Kind
-    shapes: Shapes
+    shapes: MovingShapes
     bodies: Pairs
     first: int
     """The number of the kind's first pair."""

@@ -18,7 +18,7 @@ from kinetix.pytree import pytree
 
 
 @pytree
-class Circle:
+class MovingCircle:
     """`k` circles."""
 
     centre: Vec
@@ -27,7 +27,7 @@ class Circle:
 
 
 @pytree
-class Polygon:
+class MovingPolygon:
     """`k` convex polygons, corners relative to the centre."""
 
     centre: Vec

@@ -7,14 +7,14 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
 from kinetix.engine.collision.edges import columns, edge_ends, most_opposed
-from kinetix.engine.collision.moving import Polygon, meeting, round_meeting, steady
+from kinetix.engine.collision.moving import MovingPolygon, meeting, round_meeting, steady
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot
 from kinetix.engine.shapes import FAR
 from kinetix.engine.store import Store
 
 
-def approach(a: Polygon, b: Polygon, dt: Float[Array, " n"]) -> Approach:
+def approach(a: MovingPolygon, b: MovingPolygon, dt: Float[Array, " n"]) -> Approach:
     """Return the largest gap over all edge normals, and the face along which they meet."""
     apart, motion = b.centre - a.centre, b.velocity - a.velocity
     gaps = [*_gaps(a, b, apart), *_gaps(b, a, -apart)]
@@ -29,7 +29,7 @@ def approach(a: Polygon, b: Polygon, dt: Float[Array, " n"]) -> Approach:
     )
 
 
-def _gaps(a: Polygon, b: Polygon, apart: Vec) -> list[Float[Array, "q n"]]:
+def _gaps(a: MovingPolygon, b: MovingPolygon, apart: Vec) -> list[Float[Array, "q n"]]:
     """How far b lies beyond each face of a."""
     nearest = functools.reduce(
         jnp.minimum, [dot(a.normals, corner) for corner in columns(b.corners)]
@@ -39,8 +39,8 @@ def _gaps(a: Polygon, b: Polygon, apart: Vec) -> list[Float[Array, "q n"]]:
 
 
 def points(
-    a: Polygon,
-    b: Polygon,
+    a: MovingPolygon,
+    b: MovingPolygon,
     coming: Approach,
     margin: Float[Array, "k n"],
     dt: Float[Array, " n"],

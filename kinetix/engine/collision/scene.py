@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
-from kinetix.engine.collision.moving import Circle, Polygon
+from kinetix.engine.collision.moving import MovingCircle, MovingPolygon
 from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, length, vec
 from kinetix.engine.pairs import may_push
@@ -23,7 +23,7 @@ Pairs = tuple[Int[np.ndarray, " q"], Int[np.ndarray, " q"]]
 
 
 @pytree
-class Shapes:
+class MovingShapes:
     """Where all shapes are and how they move."""
 
     polygons: Polygons
@@ -34,11 +34,11 @@ class Shapes:
     store: Store
 
     @staticmethod
-    def of(world: World, state: State, store: Store) -> "Shapes":
+    def of(world: World, state: State, store: Store) -> "MovingShapes":
         """Return the shapes at the start of a step."""
         polygons = store(turn_polygons(world.bodies, state.rotation))
         centre, velocity = store((vec(state.position), vec(state.velocity)))
-        return Shapes(
+        return MovingShapes(
             polygons=polygons,
             radius=world.bodies.radius,
             centre=centre,
@@ -47,24 +47,26 @@ class Shapes:
             store=store,
         )
 
-    def listed(self, shape: str, bodies: Int[np.ndarray, " q"]) -> Circle | Polygon:
+    def listed(self, shape: str, bodies: Int[np.ndarray, " q"]) -> MovingCircle | MovingPolygon:
         """Return shapes by indices that are the same in every world."""
         return self._picked(shape, bodies, _rows)
 
-    def chosen(self, shape: str, bodies: Int[Array, "k n"]) -> Circle | Polygon:
+    def chosen(self, shape: str, bodies: Int[Array, "k n"]) -> MovingCircle | MovingPolygon:
         """Return shapes by indices that differ from world to world."""
         return self._picked(shape, bodies, take)
 
-    def _picked(self, shape: str, bodies: Any, pick: Callable[[Any, Any], Any]) -> Circle | Polygon:
+    def _picked(
+        self, shape: str, bodies: Any, pick: Callable[[Any, Any], Any]
+    ) -> MovingCircle | MovingPolygon:
         polygons = self.polygons
         centre, velocity, spin = pick((self.centre, self.velocity, self.spin), bodies)
         if shape == "circle":
             radius = pick(self.radius, bodies - polygons.offsets.shape[0])
-            return Circle(centre=centre, velocity=velocity, radius=radius)
+            return MovingCircle(centre=centre, velocity=velocity, radius=radius)
         corners, normals, offsets = self.store(
             pick((polygons.corners, polygons.normals, polygons.offsets), bodies)
         )
-        return Polygon(
+        return MovingPolygon(
             centre=centre,
             velocity=velocity,
             corners=corners,
@@ -89,7 +91,7 @@ class Rules:
 
     @staticmethod
     def of(
-        world: World, state: State, parameters: Parameters, shapes: Shapes, pairs: Pairs
+        world: World, state: State, parameters: Parameters, shapes: MovingShapes, pairs: Pairs
     ) -> "Rules":
         """Return the rules of a step."""
         a, b = pairs
