@@ -85,6 +85,17 @@ def test_the_side_of_a_flush_neighbour_stops_nothing(speed, ahead, lower):
             assert approach * DT[0] <= max(gap, 0) + 1e-6, (normal, gap)
 
 
+def test_corners_that_meet_along_a_face_push_nothing():
+    """A box on loose tiles, a hair's breadth above them, comes to the edge of the next one."""
+    for above in (0.0, 1e-6, 1e-4):
+        tile, a = (
+            box((0.65, -0.1), size=(0.25, 0.2)),
+            box((0.3667, 0.15 + above), (1.0, 0.0), (0.3, 0.3)),
+        )
+        for normal, gap in contacts(polygon_polygon, tile, a):
+            assert closing(normal, (0, 0), (1.0, 0.0)) * DT[0] <= max(gap, 0) + 1e-6, normal
+
+
 @pytest.mark.parametrize("speed", [5.0, 60.0])
 def test_a_step_of_five_centimetres_stops(speed):
     distance = 0.2 * speed / 60

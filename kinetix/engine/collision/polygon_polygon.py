@@ -9,7 +9,7 @@ from kinetix.engine import constants, maths
 from kinetix.engine.collision.edges import columns, edge_ends, most_opposed
 from kinetix.engine.collision.moving import MovingPolygon, meeting, round_meeting, steady
 from kinetix.engine.collision.points import Approach, Spot
-from kinetix.engine.maths import Vec, dot
+from kinetix.engine.maths import Vec, dot, length
 from kinetix.engine.shapes import FAR
 from kinetix.engine.store import Store
 
@@ -80,7 +80,9 @@ def points(
         round_meeting(theirs - shift - mine, motion, jnp.zeros_like(height), dt)
     )
     corner_point = mine + (theirs - mine) * 0.5
-    use_corner = (nearest | later) & (coming.separation > 0)
+    # Where two corners meet on their way along a face there is no direction between them.
+    flush = (jnp.abs(height) <= constants.GRAZE) & (length(theirs - mine) <= constants.LINEAR_SLOP)
+    use_corner = (nearest | later) & (coming.separation > 0) & ~flush
 
     # From here on in terms of a and b; the gaps are those of now.
     sign = jnp.where(swap, -1.0, 1.0).astype(apart.x.dtype)
