@@ -536,7 +536,7 @@ RUN = """
     run = autosaves.Autosaves(base)
     document = files.open_document(path)
     found = recovery.find(base).recoveries
-    number = 0
+    number = int(document.level.description or 0)
     if found:
         number = int(found[0].level.description)
         document.commit(ReplaceLevel(level=found[0].level, label="Restore"))

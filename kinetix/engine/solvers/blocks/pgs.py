@@ -129,7 +129,15 @@ class _Sweep:
     def __call__(self, in_use: InUse, carry: tuple) -> tuple:
         points_used, limits_used = in_use.counts
         if self.cone.friction.shape[0] > 0:
-            carry = jax.lax.fori_loop(0, points_used, self._point, carry)
+            # One point of each pair of polygons, then the others: side by side, they would tilt a
+            # stack to and fro.
+            half = (points_used + 1) // 2
+
+            def point(visit: Int[Array, ""], carry: tuple) -> tuple:
+                odd = visit >= half
+                return self._point(jnp.where(odd, 2 * (visit - half) + 1, 2 * visit), carry)
+
+            carry = jax.lax.fori_loop(0, points_used, point, carry)
         if self.cone.limited.shape[0] > 0:
             carry = jax.lax.fori_loop(0, limits_used, self._limit, carry)
         return carry
