@@ -481,3 +481,38 @@ KIND_ICONS: Final[dict[str, str]] = {
     "warning": Icons.warning,
     "error": Icons.error,
 }
+
+
+_RAISED: Final = (
+    imgui.WindowFlags_.no_docking.value
+    | imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_collapse.value
+    | imgui.WindowFlags_.no_resize.value
+    | imgui.WindowFlags_.no_title_bar.value
+)
+
+
+@contextlib.contextmanager
+def raised_window(name: str, width: float, height: float) -> Iterator[None]:
+    """A window in the middle of the app, in front when it appears, as large as there is room.
+
+    Args:
+        name: Its id.
+        width: At scale 1 [px].
+        height: At scale 1 [px].
+    """
+    viewport = imgui.get_main_viewport()
+    size = viewport.work_size
+    centre = (viewport.work_pos.x + size.x / 2, viewport.work_pos.y + size.y / 2)
+    imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
+    imgui.set_next_window_size((min(px(width), size.x * 0.94), min(px(height), size.y * 0.92)))
+    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
+    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(22), px(18)))
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+    imgui.begin(f"###{name}", None, _RAISED)
+    if imgui.is_window_appearing():
+        imgui.set_window_focus()
+    yield
+    imgui.end()
+    imgui.pop_style_var(2)
+    imgui.pop_style_color()

@@ -17,13 +17,6 @@ from editor.widgets import px
 if TYPE_CHECKING:
     from editor.session import Session
 
-_FLAGS: Final = (
-    imgui.WindowFlags_.no_docking.value
-    | imgui.WindowFlags_.no_saved_settings.value
-    | imgui.WindowFlags_.no_collapse.value
-    | imgui.WindowFlags_.no_resize.value
-    | imgui.WindowFlags_.no_title_bar.value
-)
 _DRIVES: Final = tuple(
     Drive(channel=channel, value=value)
     for channel in range(CHANNELS)
@@ -53,24 +46,11 @@ class KeysWindow:
         if not session.view.keys:
             self._stop(session)
             return
-        viewport = imgui.get_main_viewport()
-        size = viewport.work_size
-        centre = (viewport.work_pos.x + size.x / 2, viewport.work_pos.y + size.y / 2)
-        imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
-        imgui.set_next_window_size((min(px(720), size.x * 0.94), min(px(680), size.y * 0.92)))
-        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(22), px(18)))
-        imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
-        imgui.begin("###keys-window", None, _FLAGS)
-        if imgui.is_window_appearing():
-            imgui.set_window_focus()
-        self._head(session)
-        imgui.begin_child("rows")
-        self._rows(session)
-        imgui.end_child()
-        imgui.end()
-        imgui.pop_style_var(2)
-        imgui.pop_style_color()
+        with widgets.raised_window("keys-window", 720, 680):
+            self._head(session)
+            imgui.begin_child("rows")
+            self._rows(session)
+            imgui.end_child()
 
     def _stop(self, session: "Session") -> None:
         if self._target is not None:

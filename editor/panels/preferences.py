@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor import actions, widgets
 from editor.actions import physics
-from editor.look import COLOURS, FONTS, Icons
+from editor.look import FONTS, Icons
 from editor.physics import PHYSICS
 from editor.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings, settings_path
 from editor.widgets import px
@@ -18,13 +18,6 @@ from kinetix.render.palette import PALETTES
 if TYPE_CHECKING:
     from editor.session import Session
 
-_FLAGS: Final = (
-    imgui.WindowFlags_.no_docking.value
-    | imgui.WindowFlags_.no_saved_settings.value
-    | imgui.WindowFlags_.no_collapse.value
-    | imgui.WindowFlags_.no_resize.value
-    | imgui.WindowFlags_.no_title_bar.value
-)
 _SCALES: Final = (0.0, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 NUDGES: Final = (0.01, 0.02, 0.05, 0.1)
 """Choices of what an arrow key moves [m]."""
@@ -110,30 +103,17 @@ class PreferencesWindow:
         """Draw it."""
         if not session.view.preferences:
             return
-        viewport = imgui.get_main_viewport()
-        size = viewport.work_size
-        centre = (viewport.work_pos.x + size.x / 2, viewport.work_pos.y + size.y / 2)
-        imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
-        imgui.set_next_window_size((min(px(640), size.x * 0.94), min(px(520), size.y * 0.92)))
-        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(22), px(18)))
-        imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
-        imgui.begin("###preferences-window", None, _FLAGS)
-        if imgui.is_window_appearing():
-            imgui.set_window_focus()
-        self._head(session)
-        imgui.begin_child("rows")
-        if self._page in PAGES:
-            for row in PAGES[self._page]:
-                _row(session, row)
-        elif self._page == "Files":
-            _files(session)
-        else:
-            _keys(session)
-        imgui.end_child()
-        imgui.end()
-        imgui.pop_style_var(2)
-        imgui.pop_style_color()
+        with widgets.raised_window("preferences-window", 640, 520):
+            self._head(session)
+            imgui.begin_child("rows")
+            if self._page in PAGES:
+                for row in PAGES[self._page]:
+                    _row(session, row)
+            elif self._page == "Files":
+                _files(session)
+            else:
+                _keys(session)
+            imgui.end_child()
 
     def _head(self, session: "Session") -> None:
         with widgets.font(FONTS.bold, 22):
