@@ -70,7 +70,7 @@ def action_of(held: Collection[str], keys: Mapping[str, Drive] = DEFAULT_KEYS) -
         keys: What each key does.
 
     Returns:
-        Four motor channels in {0, 1, 2} and two thruster channels in {0, 1} (environment.md 4).
+        Four motor channels in {0, 1, 2} and two thruster channels in {0, 1}.
     """
     wanted: dict[int, set[int]] = {}
     for key, drive in keys.items():

@@ -150,7 +150,7 @@ class Document:
 
     @property
     def hash(self) -> str:
-        """Identity of the committed content (level_format.md B1.10)."""
+        """Identity of the committed content."""
         return level_hash(self.level)
 
     def name_of(self, entity: EntityId) -> str:

@@ -1,6 +1,6 @@
 """What the user calls shapes, joints and thrusters: kept beside the levels, by file and id.
 
-A level file has no place for names of entities (level_format.md B4 to B6), as what a level *does*
+A level file has no place for names of entities, as what a level *does*
 does not depend on them. So they are the editor's, like locks; ids are never reused, and a name can
 never go over to something else.
 """

@@ -1,4 +1,4 @@
-"""The one table of user actions (editor.md 3.13): menus, toolbar, keys, palette, help, replays."""
+"""The one table of user actions: menus, toolbar, keys, palette, help, replays."""
 
 from typing import Final
 

@@ -4,7 +4,7 @@ A block draws `q` proposals for one new body at once, as rows of its own; who ca
 and writes it where there is room. Per-world facts carry a first axis of one, so that they broadcast
 over the proposals.
 
-Source: level_generation.md 2; Q1 … Q8 are the quirks of `UEDParams.kinetix_quirks`.
+Q1 … Q8 are the quirks of `UEDParams.kinetix_quirks`.
 """
 
 import dataclasses
