@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Final
 import tyro
 
 from editor.actions.agents import load_agent
-from editor.autosaves import Autosaves
-from editor.names import Names
-from editor.results import Results
+from editor.base.settings import Settings, SettingsKeeper
+from editor.documents.autosaves import Autosaves
+from editor.documents.names import Names
+from editor.gallery.results import Results
+from editor.play.trace_files import SUFFIX
 from editor.session import Session
-from editor.settings import Settings, SettingsKeeper
-from editor.trace_files import SUFFIX
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded
 from kinetix.paths import levels_dir

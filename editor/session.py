@@ -12,31 +12,31 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
-from editor import controls
-from editor.autosaves import Autosaves
-from editor.camera import Camera
-from editor.commands.base import Command, EntityId, Selection
-from editor.commands.bodies import posed
-from editor.crashes import Crashes
-from editor.document import Document, Outcome
-from editor.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
+from editor.agents.random_play import Trial
+from editor.agents.viewer import Viewer
+from editor.base import controls
+from editor.base.camera import Camera
+from editor.base.crashes import Crashes
+from editor.base.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
+from editor.base.journal import Journal
+from editor.base.overlay import Mark
+from editor.base.prompts import Prompt
+from editor.base.settings import Settings, SettingsKeeper
+from editor.documents.autosaves import Autosaves
+from editor.documents.commands.base import Command, EntityId, Selection
+from editor.documents.commands.bodies import posed
+from editor.documents.document import Document, Outcome
+from editor.documents.names import Names
+from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
+from editor.editing.tools import TOOLS
+from editor.editing.tools.base import NOTHING, Driver, Tool
 from editor.gallery.library import Library
+from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
-from editor.jobs import Job, Worker, WorkerSimulator
-from editor.journal import Journal
-from editor.motion import Motion
-from editor.names import Names
-from editor.overlay import Mark
-from editor.playback import Mode, Playback, Simulator
-from editor.prompts import Prompt
-from editor.requests import Pull
-from editor.results import Results
-from editor.settings import Settings, SettingsKeeper
-from editor.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
-from editor.tools import TOOLS
-from editor.tools.base import NOTHING, Driver, Tool
-from editor.trial import Trial
-from editor.viewer import Viewer
+from editor.play.motion import Motion
+from editor.play.playback import Mode, Playback, Simulator
+from editor.worker.jobs import Job, Worker, WorkerSimulator
+from editor.worker.requests import Pull
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level
 

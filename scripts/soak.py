@@ -19,12 +19,12 @@ from pathlib import Path
 
 from editor import actions
 from editor.actions import file
-from editor.events import InputEvent, KeyEvent, Pointer, PointerEvent
+from editor.base.events import InputEvent, KeyEvent, Pointer, PointerEvent
+from editor.base.settings import Settings
+from editor.gallery.results import Results
 from editor.hosts.offscreen import OffscreenHost
-from editor.playback import Mode
-from editor.results import Results
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import Settings
 from kinetix.paths import levels_dir
 
 TARGET_MB = 50.0

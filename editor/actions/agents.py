@@ -5,17 +5,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.jobs import Job, JobState
-from editor.playback import Mode
-from editor.prompts import Choice, FileQuestion, MenuQuestion
-from editor.recording import Action
-from editor.requests import (
+from editor.agents.viewer import AgentSlot, Compare, SlotName
+from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.play.playback import Mode
+from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.recording import Action
+from editor.worker.requests import (
     SCRIPTED,
     LoadAgent,
     Rehearse,
 )
-from editor.session import Session
-from editor.viewer import AgentSlot, Compare, SlotName
 from kinetix.agents.card import read_card
 from kinetix.errors import CheckpointError, CommandError
 from kinetix.paths import checkpoints_dir

@@ -4,9 +4,9 @@ import functools
 from pathlib import Path
 
 from editor.actions.agents import known_agents
-from editor.requests import SCRIPTED
+from editor.agents.viewer import mismatch
 from editor.session import Session
-from editor.viewer import mismatch
+from editor.worker.requests import SCRIPTED
 from kinetix.agents.card import AgentCard, read_card
 from kinetix.errors import CheckpointError
 from kinetix.level.model import Level

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from editor.actions import outside
-from editor.document import Document
+from editor.base.prompts import Choice, Question
+from editor.documents.document import Document
 from editor.gallery.filing import free_path
-from editor.prompts import Choice, Question
 from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level

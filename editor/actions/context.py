@@ -4,13 +4,13 @@ import dataclasses
 from collections.abc import Callable
 from typing import Final
 
-from editor.commands.base import Command, EntityId, Selection
-from editor.commands.fields import SetField, read_field, selected_records
-from editor.controls import key_caps
-from editor.events import PointerEvent
-from editor.prompts import Choice, MenuQuestion
+from editor.base.controls import key_caps
+from editor.base.events import PointerEvent
+from editor.base.prompts import Choice, MenuQuestion
+from editor.documents.commands.base import Command, EntityId, Selection
+from editor.documents.commands.fields import SetField, read_field, selected_records
+from editor.editing.tools.select.idle import under_pointer
 from editor.session import Session
-from editor.tools.select.idle import under_pointer
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,

@@ -9,8 +9,8 @@ from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
-from editor.controls import PAD, PAD_ACTIONS
-from editor.events import (
+from editor.base.controls import PAD, PAD_ACTIONS
+from editor.base.events import (
     NO_MODIFIERS,
     DropEvent,
     FocusEvent,
@@ -22,8 +22,8 @@ from editor.events import (
     TextEvent,
     WheelEvent,
 )
+from editor.play.trace_files import SUFFIX
 from editor.session import Session
-from editor.trace_files import SUFFIX
 from kinetix.errors import CommandError
 
 MODIFIER_KEYS: Final = frozenset(

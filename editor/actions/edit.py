@@ -4,19 +4,19 @@ import math
 from collections.abc import Callable
 from typing import Literal
 
-from editor.commands import clip
-from editor.commands.base import Command, Selection
-from editor.commands.fields import PasteProperties
-from editor.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
-from editor.commands.parts import PARTS
-from editor.commands.rigid import component
-from editor.jobs import Job
-from editor.names import MAX_LENGTH
-from editor.prompts import TextQuestion
-from editor.requests import LoadAgent
+from editor.base.prompts import TextQuestion
+from editor.base.wording import describe
+from editor.documents.commands import clip
+from editor.documents.commands.base import Command, Selection
+from editor.documents.commands.fields import PasteProperties
+from editor.documents.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
+from editor.documents.commands.parts import PARTS
+from editor.documents.commands.rigid import component
+from editor.documents.names import MAX_LENGTH
+from editor.editing.tools import TOOLS
 from editor.session import Session
-from editor.tools import TOOLS
-from editor.wording import describe
+from editor.worker.jobs import Job
+from editor.worker.requests import LoadAgent
 from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
 from kinetix.level.model import Body

@@ -3,8 +3,8 @@
 import functools
 from typing import TYPE_CHECKING, Final
 
-from editor.document import Document
-from editor.picking import selection_box
+from editor.documents.document import Document
+from editor.editing.picking import selection_box
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import load_level

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import file
-from editor.commands.bodies import posed
-from editor.document import Document
-from editor.jobs import Job, JobState
-from editor.prompts import Choice, FileQuestion, MenuQuestion
-from editor.recording import Trace, channels_of
-from editor.requests import ExportFilm, ExportPicture
+from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.documents.commands.bodies import posed
+from editor.documents.document import Document
+from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
-from editor.trace_files import SUFFIX, read_trace, write_trace
-from editor.trace_pages import SUFFIX as PAGE
-from editor.trace_pages import film_of_trace
+from editor.worker.jobs import Job, JobState
+from editor.worker.recording import Trace, channels_of
+from editor.worker.requests import ExportFilm, ExportPicture
+from editor.worker.trace_pages import SUFFIX as PAGE
+from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import level_hash

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor import files
 from editor.actions import conflict
-from editor.document import Document, Format
+from editor.base.prompts import Choice, FileQuestion, Question
+from editor.documents import files
+from editor.documents.document import Document, Format
 from editor.gallery import filing
-from editor.prompts import Choice, FileQuestion, Question
 from editor.session import Session, Tab
 from kinetix.errors import LevelError
 from kinetix.level.model import Level

@@ -3,11 +3,11 @@
 import dataclasses
 from typing import TypeVar
 
-from editor.commands.base import Command
-from editor.commands.fields import SetField, SetLevelField
-from editor.commands.group import Remove
-from editor.commands.joints import Reanchor
-from editor.commands.rigid import freed
+from editor.documents.commands.base import Command
+from editor.documents.commands.fields import SetField, SetLevelField
+from editor.documents.commands.group import Remove
+from editor.documents.commands.joints import Reanchor
+from editor.documents.commands.rigid import freed
 from editor.session import Session
 from kinetix.level.geometry import polygon_fault, reverse_winding
 from kinetix.level.model import ARENA_NAMES, ArenaBody, Body, Joint, Level, Polygon

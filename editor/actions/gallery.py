@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import agents, file, measure, outside
+from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan, export_set, refused
-from editor.playback import Mode
-from editor.prompts import FileQuestion, TextQuestion
+from editor.play.playback import Mode
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.sets import load_set

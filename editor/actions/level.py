@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from editor.actions.file import open_path
-from editor.commands.base import Command
-from editor.commands.level import Permute, ReplaceLevel
-from editor.document import Document
-from editor.jobs import Job, JobState
-from editor.prompts import Choice, MenuQuestion
-from editor.requests import MUTATIONS, Mutate, RandomLevel, Request
+from editor.base.prompts import Choice, MenuQuestion
+from editor.documents.commands.base import Command
+from editor.documents.commands.level import Permute, ReplaceLevel
+from editor.documents.document import Document
 from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.requests import MUTATIONS, Mutate, RandomLevel, Request
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, size_name

@@ -5,11 +5,13 @@ from typing import Final
 
 from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
-from editor.evaluation import Plan
-from editor.jobs import Job, JobState
-from editor.playback import Mode
-from editor.prompts import Choice, FileQuestion, MenuQuestion
-from editor.requests import (
+from editor.agents.evaluation import Plan
+from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.gallery.results import Record, Trial
+from editor.play.playback import Mode
+from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.requests import (
     SCRIPTED,
     AgentSummary,
     Casting,
@@ -19,8 +21,6 @@ from editor.requests import (
     OpenEpisode,
     TracePaths,
 )
-from editor.results import Record, Trial
-from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.sets import gather_levels

@@ -1,11 +1,11 @@
 """What to do when somebody else changes the file of the level in front (IO5)."""
 
-from editor import files
-from editor.commands.level import ReplaceLevel
-from editor.document import Document
-from editor.prompts import Choice, MenuQuestion
+from editor.base.prompts import Choice, MenuQuestion
+from editor.base.wording import describe
+from editor.documents import files
+from editor.documents.commands.level import ReplaceLevel
+from editor.documents.document import Document
 from editor.session import Session
-from editor.wording import describe
 from kinetix.errors import LevelError
 from kinetix.level.model import Level
 

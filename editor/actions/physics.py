@@ -1,8 +1,8 @@
 """Which physics plays: the preset of the next episode, and another one beside it."""
 
-from editor.physics import PHYSICS
-from editor.playback import Mode
-from editor.prompts import Choice, MenuQuestion
+from editor.base.physics import PHYSICS
+from editor.base.prompts import Choice, MenuQuestion
+from editor.play.playback import Mode
 from editor.session import Session
 
 NONE = "none"

@@ -1,10 +1,10 @@
 """What the Run menu does: play, pause, step, reset, stop, edit from here."""
 
 from editor.actions import agents
-from editor.commands.level import TakePoses
-from editor.document import Document
-from editor.playback import Mode
-from editor.results import HUMAN
+from editor.documents.commands.level import TakePoses
+from editor.documents.document import Document
+from editor.gallery.results import HUMAN
+from editor.play.playback import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash

@@ -5,14 +5,14 @@ import math
 from typing import Final
 
 from editor.actions import context
-from editor.camera import ZOOM_NOTCH
-from editor.controls import NOOP
-from editor.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
-from editor.picking import bodies_at
-from editor.playback import Mode
-from editor.requests import Pull
+from editor.base.camera import ZOOM_NOTCH
+from editor.base.controls import NOOP
+from editor.base.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
+from editor.editing.picking import bodies_at
+from editor.editing.tools.base import DRAG_PIXELS
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.tools.base import DRAG_PIXELS
+from editor.worker.requests import Pull
 from kinetix.level.geometry import to_local
 
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)

@@ -5,7 +5,7 @@ from typing import Final
 from editor.actions.base import Action, Context
 from editor.actions.dispatch import chords
 from editor.actions.table import ACTIONS, BY_ID
-from editor.controls import DEFAULT_KEYS, Drive
+from editor.base.controls import DEFAULT_KEYS, Drive
 from editor.session import Session
 
 _TOGETHER: Final[dict[Context, frozenset[Context]]] = {

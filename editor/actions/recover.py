@@ -1,10 +1,10 @@
 """What happens to the unsaved work of earlier runs: offered at the start, restored as one edit."""
 
-from editor import files, recovery
-from editor.commands.level import ReplaceLevel
-from editor.document import Document, Stamp
-from editor.prompts import Choice, Question
-from editor.recovery import Recovery
+from editor.base.prompts import Choice, Question
+from editor.documents import files, recovery
+from editor.documents.commands.level import ReplaceLevel
+from editor.documents.document import Document, Stamp
+from editor.documents.recovery import Recovery
 from editor.session import Session
 from kinetix.errors import LevelError
 

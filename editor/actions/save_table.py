@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from editor.prompts import FileQuestion
+from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.atomic import write_atomically

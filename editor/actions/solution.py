@@ -4,12 +4,12 @@ import functools
 import itertools
 from typing import Any
 
-from editor.commands.level import KeepSolution
-from editor.document import Document
-from editor.jobs import Job, JobState
-from editor.playback import Mode
-from editor.requests import PlaySolution
+from editor.documents.commands.level import KeepSolution
+from editor.documents.document import Document
+from editor.play.playback import Mode
 from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.requests import PlaySolution
 from kinetix.level.model import Level, Solution
 
 PLAYER = "recorded solution"

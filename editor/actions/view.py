@@ -4,16 +4,16 @@ import dataclasses
 from collections.abc import Callable
 from typing import Final
 
-from editor.camera import ARENA
-from editor.picking import selection_box
-from editor.playback import Mode
-from editor.prompts import TextQuestion
+from editor.base.camera import ARENA
+from editor.base.prompts import TextQuestion
+from editor.base.settings import DEBUG_FIRST
+from editor.editing.picking import selection_box
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import DEBUG_FIRST
 from kinetix.errors import CommandError
 
 BUILT_IN_LAYOUTS: Final = ("edit", "play", "evaluate")
-"""Layouts that come with the app (`editor.layouts` has them)."""
+"""Layouts that come with the app (`editor.window.layouts` has them)."""
 
 
 def choose(tool: str) -> Callable[[Session], None]:

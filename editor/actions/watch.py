@@ -5,11 +5,11 @@ from pathlib import Path
 
 from editor.actions.agents import load_agent
 from editor.actions.measure import keep_results
-from editor.jobs import Job, JobState
-from editor.prompts import FileQuestion
-from editor.requests import Observe
-from editor.run_watch import RunWatch
+from editor.agents.run_watch import RunWatch
+from editor.base.prompts import FileQuestion
 from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.requests import Observe
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final, Literal
 
 from editor.gallery.card import Card
-from editor.results import Results
+from editor.gallery.results import Results
 
 Sort = Literal["name", "date", "solve rate", "size"]
 SORTS: Final[tuple[Sort, ...]] = ("name", "date", "solve rate", "size")

@@ -8,8 +8,8 @@ from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
 from editor.gallery.filing import Trashed
 from editor.gallery.library import Library
+from editor.gallery.results import Results
 from editor.gallery.search import Wish, wanted
-from editor.results import Results
 
 
 @dataclasses.dataclass(kw_only=True)

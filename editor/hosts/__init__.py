@@ -1,4 +1,4 @@
-"""The hosts: windows, clocks and input for the one frame function of `editor.ui`."""
+"""The hosts: windows, clocks and input for the one frame function of `editor.window.ui`."""
 
 import os
 

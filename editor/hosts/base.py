@@ -7,13 +7,14 @@ from typing import Protocol
 
 from imgui_bundle import imgui, implot
 
-from editor import events, theme
+from editor.base import events
 from editor.hosts.inputs import InputFeeder
 from editor.hosts.recorder import Recorder
-from editor.look import COLOURS
 from editor.session import Session
-from editor.textures import TextureStore
-from editor.ui import Ui
+from editor.toolkit import theme
+from editor.toolkit.appearance import COLOURS
+from editor.toolkit.textures import TextureStore
+from editor.window.ui import Ui
 
 _NOT_FOR_WIDGETS = events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent
 _HOPELESS = 120

@@ -12,20 +12,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor import files, picking
 from editor.actions import agents, file
-from editor.commands.group import Move
-from editor.document import Document
-from editor.events import Pointer, PointerEvent, WheelEvent
+from editor.base.events import Pointer, PointerEvent, WheelEvent
+from editor.base.settings import Settings
+from editor.documents import files
+from editor.documents.commands.group import Move
+from editor.documents.document import Document
+from editor.editing import picking
+from editor.editing.snapping import Rules, snap_shift, targets
 from editor.gallery.library import Library
+from editor.gallery.results import Results
 from editor.hosts import first_seconds, gl
 from editor.hosts.offscreen import OffscreenHost
-from editor.jobs import Worker
-from editor.playback import Mode
-from editor.results import Results
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import Settings
-from editor.snapping import Rules, snap_shift, targets
+from editor.worker.jobs import Worker
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from kinetix.level.validate import validate

@@ -45,12 +45,12 @@ def main() -> None:
     """Measure once; print one JSON object. Arguments: when the process was started, the level."""
     started, level = float(sys.argv[1]), sys.argv[2]
     from editor.actions import file
+    from editor.base.settings import Settings
+    from editor.gallery.results import Results
     from editor.hosts.offscreen import OffscreenHost
-    from editor.jobs import PREPARATIONS, lane_of
-    from editor.playback import Mode
-    from editor.results import Results
+    from editor.play.playback import Mode
     from editor.session import Session
-    from editor.settings import Settings
+    from editor.worker.jobs import PREPARATIONS, lane_of
 
     session = Session(settings=Settings(), results=Results(stored=False))
     session.play_quickly()

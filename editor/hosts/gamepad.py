@@ -9,7 +9,7 @@ from typing import Final
 import pygame
 from pygame._sdl2 import controller
 
-from editor import events
+from editor.base import events
 
 PRESS: Final = 0.5
 """A stick counts as pushed from this share of its way on …"""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from editor import events
+from editor.base import events
 from editor.hosts.base import Host
 from editor.hosts.renderer import NullRenderer
 from editor.session import Session

@@ -1,4 +1,4 @@
-"""Hands what a person did, as the values of `editor.events`, to Dear ImGui.
+"""Hands what a person did, as the values of `editor.base.events`, to Dear ImGui.
 
 Every host and the replay come through here. Dear ImGui is the one place that tracks which keys and
 buttons are held, and it learns them from these events alone (never from the operating system's
@@ -11,7 +11,8 @@ from collections.abc import Iterable
 
 from imgui_bundle import imgui
 
-from editor import events, keys
+from editor.base import events
+from editor.toolkit import keys
 
 FAR = (-3.4e38, -3.4e38)
 """Where the pointer is when it has left the window (Dear ImGui's sign for "nowhere")."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pygame
 
-from editor import events
+from editor.base import events
 from editor.hosts.inputs import FAR
 
 _SCREEN_ONLY = (0.0, 0.0)

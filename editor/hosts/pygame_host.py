@@ -12,15 +12,15 @@ import pygame
 from imgui_bundle import imgui
 from PIL import Image
 
-from editor import events
+from editor.base import events
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
 from editor.hosts.display import NO_DISPLAY, seen
 from editor.hosts.gamepad import Gamepads
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
-from editor.look import COLOURS
 from editor.session import Session
+from editor.toolkit.appearance import COLOURS
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
 from kinetix.render.palette import KINETIX

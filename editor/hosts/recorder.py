@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from editor import events
+from editor.base import events
 from editor.session import Session
 from kinetix.errors import KinetixError
 

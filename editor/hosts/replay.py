@@ -11,21 +11,23 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Final
 
-from editor import actions, events, files
+from editor import actions
 from editor.actions import agents, file
-from editor.commands.fields import SetField
-from editor.document import Format
+from editor.agents.viewer import SLOTS
+from editor.base import events
+from editor.documents import files
+from editor.documents.commands.fields import SetField
+from editor.documents.document import Format
+from editor.editing.tools import TOOLS
 from editor.hosts.base import Host
 from editor.hosts.film import Film
 from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
-from editor.keys import IMGUI, MODIFIERS
-from editor.playback import Mode
-from editor.requests import WarmUp
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.tools import TOOLS
-from editor.viewer import SLOTS
-from editor.widgets import Probe
+from editor.toolkit.keys import IMGUI, MODIFIERS
+from editor.toolkit.widgets import Probe
+from editor.worker.requests import WarmUp
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import parse_strictly
 from kinetix.files.regular import FileError, read_text

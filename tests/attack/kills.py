@@ -68,26 +68,26 @@ def _read_set(folder: Path) -> int:
 
 
 def _write_settings(folder: Path, number: int) -> None:
-    from editor.settings import Settings
+    from editor.base.settings import Settings
 
     Settings(palette=str(number)).save(folder / "settings.json")
 
 
 def _read_settings(folder: Path) -> int:
-    from editor.settings import Settings
+    from editor.base.settings import Settings
 
     return int(Settings.load(folder / "settings.json").palette)
 
 
 def _write_results(folder: Path, number: int) -> None:
-    from editor.results import Record, Results, Trial
+    from editor.gallery.results import Record, Results, Trial
 
     record = Record(attempts=number, solved=0)
     Results(folder / "results.json").record(Trial(player="x"), {"a": record})
 
 
 def _read_results(folder: Path) -> int:
-    from editor.results import Results, Trial
+    from editor.gallery.results import Results, Trial
 
     return Results(folder / "results.json").of("a")[Trial(player="x")].attempts
 
@@ -113,8 +113,8 @@ def _read_metrics(folder: Path) -> int:
 def _write_trace(folder: Path, number: int) -> None:
     import numpy as np
 
-    from editor.recording import Snapshot, Trace
-    from editor.trace_files import write_trace
+    from editor.play.trace_files import write_trace
+    from editor.worker.recording import Snapshot, Trace
 
     level = _level(number)
     bodies = len(level.bodies)
@@ -132,7 +132,7 @@ def _write_trace(folder: Path, number: int) -> None:
 
 
 def _read_trace(folder: Path) -> int:
-    from editor.trace_files import read_trace
+    from editor.play.trace_files import read_trace
 
     found = read_trace(folder / "x.npz")
     assert found.level.name == f"number {found.trace.seed}"

@@ -146,7 +146,7 @@ def _read_set(data: bytes, folder: Path) -> None:
 
 
 def _settings() -> tuple[bytes, ...]:
-    from editor.settings import Settings
+    from editor.base.settings import Settings
 
     kept = dataclasses.asdict(Settings()) | {
         "recents": ["/a/b.json"],
@@ -161,9 +161,9 @@ def _settings() -> tuple[bytes, ...]:
 
 
 def _read_settings(data: bytes, folder: Path) -> None:
-    from editor.names import Names
-    from editor.results import Results
-    from editor.settings import Settings
+    from editor.base.settings import Settings
+    from editor.documents.names import Names
+    from editor.gallery.results import Results
 
     path = folder / "kept.json"
     path.write_bytes(data)
@@ -186,7 +186,7 @@ def _autosaves() -> tuple[bytes, ...]:
 
 def _read_autosave(data: bytes, folder: Path) -> None:
     """Copies that earlier runs left: read, told about, and never a way to remove other files."""
-    from editor import recovery
+    from editor.documents import recovery
 
     runs, precious = folder / "autosave", folder / "precious.json"
     copy = runs / "older" / "1.json"
@@ -286,7 +286,7 @@ def _damaged_arrays(mutator: Mutator, sample: bytes) -> bytes:
 
 
 def _read_trace(data: bytes, folder: Path) -> None:
-    from editor.trace_files import read_trace, write_trace
+    from editor.play.trace_files import read_trace, write_trace
 
     path = folder / "x.npz"
     path.write_bytes(data)

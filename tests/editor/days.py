@@ -6,14 +6,14 @@ import shutil
 from pathlib import Path
 
 from editor.actions import file, recover
-from editor.autosaves import Autosaves
-from editor.commands.group import Move
+from editor.base.settings import Settings, SettingsKeeper
+from editor.documents.autosaves import Autosaves
+from editor.documents.commands.group import Move
+from editor.documents.names import Names
+from editor.gallery.results import HUMAN, Results
 from editor.hosts.headless import HeadlessHost
-from editor.jobs import Worker
-from editor.names import Names
-from editor.results import HUMAN, Results
 from editor.session import Session
-from editor.settings import Settings, SettingsKeeper
+from editor.worker.jobs import Worker
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Level
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import kinetix
-from editor.trace_files import write_trace
+from editor.play.trace_files import write_trace
 from kinetix.cli import main
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level

@@ -4,7 +4,7 @@ from typing import Final
 
 from editor.actions import agents, export, look_back, measure, view, watch
 from editor.actions.base import Action, Context, playing
-from editor.viewer import Compare
+from editor.agents.viewer import Compare
 
 PLAY: Final = Context.PLAY
 

@@ -4,7 +4,7 @@ from typing import Final
 
 from editor.actions import physics, play
 from editor.actions.base import Action, Context, editing, playing
-from editor.playback import SPEEDS, Mode
+from editor.play.playback import SPEEDS, Mode
 
 EDIT, PLAY = Context.EDIT, Context.PLAY
 

@@ -4,7 +4,7 @@ from typing import Final
 
 from editor.actions import edit, view
 from editor.actions.base import Action, Context, editing
-from editor.commands.parts import PARTS
+from editor.documents.commands.parts import PARTS
 
 EDIT: Final = Context.EDIT
 

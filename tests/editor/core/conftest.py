@@ -7,11 +7,11 @@ from tests.editor.core.helpers import Hand, a_session
 
 @pytest.fixture(autouse=True)
 def own_folders(tmp_path, monkeypatch):
-    monkeypatch.setattr("editor.autosaves.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("editor.documents.autosaves.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("kinetix.failures.state_dir", lambda: tmp_path / "state")
-    monkeypatch.setattr("editor.settings.config_dir", lambda: tmp_path / "config")
-    monkeypatch.setattr("editor.names.state_dir", lambda: tmp_path / "state")
-    monkeypatch.setattr("editor.results.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("editor.base.settings.config_dir", lambda: tmp_path / "config")
+    monkeypatch.setattr("editor.documents.names.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("editor.gallery.results.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.gallery.library.cache_dir", lambda: tmp_path / "cache")
     monkeypatch.setattr("editor.gallery.filing.user_levels_dir", lambda: tmp_path / "mine")
     monkeypatch.setattr("editor.actions.gallery.user_levels_dir", lambda: tmp_path / "mine")

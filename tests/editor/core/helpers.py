@@ -5,10 +5,18 @@ import dataclasses
 import numpy as np
 
 from editor import actions
-from editor.events import LEFT, NO_MODIFIERS, KeyEvent, Modifiers, Pointer, PointerEvent, TextEvent
-from editor.recording import Snapshot
+from editor.base.events import (
+    LEFT,
+    NO_MODIFIERS,
+    KeyEvent,
+    Modifiers,
+    Pointer,
+    PointerEvent,
+    TextEvent,
+)
+from editor.base.settings import Settings
 from editor.session import Session
-from editor.settings import Settings
+from editor.worker.recording import Snapshot
 from kinetix.errors import KinetixError
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 

@@ -9,9 +9,9 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
-from editor.commands.fields import SetLevelField
-from editor.events import DropEvent, FocusEvent, QuitEvent
-from editor.playback import Mode
+from editor.base.events import DropEvent, FocusEvent, QuitEvent
+from editor.documents.commands.fields import SetLevelField
+from editor.play.playback import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
 from kinetix.level.model import Body, Circle, Level, Limits, Polygon

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image as Picture
 
-from editor.requests import (
+from editor.worker.requests import (
     Advance,
     AgentRef,
     Casting,
@@ -46,7 +46,7 @@ class Quiet:
 
 @pytest.fixture(scope="module")
 def perform():
-    from editor import simulation
+    from editor.worker import simulation
 
     return lambda request, progress=None: simulation.perform(request, progress or Quiet())
 
@@ -248,7 +248,7 @@ def test_an_agent_that_gives_no_numbers_is_said_to(perform, keeper, level, monke
     import jax
     import jax.numpy as jnp
 
-    from editor.simulation import cast
+    from editor.worker.simulation import cast
     from kinetix.agents.agent import load_agent
 
     sick = load_agent(KEEPER)

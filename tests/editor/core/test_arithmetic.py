@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from editor.arithmetic import parse
+from editor.base.arithmetic import parse
 from kinetix.errors import CommandError
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from editor import actions
 from editor.actions import physics
-from editor.follower import Follower
+from editor.play.second_player import Follower
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session
 
 LEFT, RIGHT, REST = (1, 0, 0, 0, 0, 0), (2, 0, 0, 0, 0, 0), (0, 0, 0, 0, 0, 0)

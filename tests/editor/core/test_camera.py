@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from editor.camera import ZOOM_MAX, ZOOM_MIN, Camera
+from editor.base.camera import ZOOM_MAX, ZOOM_MIN, Camera
 
 
 def test_screen_and_world_are_inverse():

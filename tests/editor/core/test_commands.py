@@ -5,17 +5,17 @@ import math
 
 import pytest
 
-from editor.commands import clip
-from editor.commands.fields import (
+from editor.documents.commands import clip
+from editor.documents.commands.fields import (
     PasteProperties,
     SetField,
     SetLevelField,
     read_field,
     shared_value,
 )
-from editor.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
-from editor.commands.joints import Reanchor, ReassignJoint
-from editor.commands.level import Permute
+from editor.documents.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
+from editor.documents.commands.joints import Reanchor, ReassignJoint
+from editor.documents.commands.level import Permute
 from kinetix.errors import CommandError
 from kinetix.level.geometry import polygon_fault, referenced_body, to_world, world_vertices
 from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster

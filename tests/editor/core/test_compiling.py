@@ -5,9 +5,9 @@ import time
 
 import pytest
 
-from editor.requests import Cancelled
-from editor.simulation import disk
-from editor.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe
+from editor.worker.requests import Cancelled
+from editor.worker.simulation import disk
+from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe
 from tests.editor.core.helpers import Unheard
 
 

@@ -2,7 +2,7 @@ import itertools
 
 import pytest
 
-from editor.controls import DEFAULT_KEYS, Drive, action_of, key_caps
+from editor.base.controls import DEFAULT_KEYS, Drive, action_of, key_caps
 
 TABLE = {
     "left": (1, 0, 0, 0, 0, 0),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from editor.curves import Curve, band_of, smoothed
+from editor.agents.curves import Curve, band_of, smoothed
 
 
 def test_smoothing_has_no_bias_at_the_start_and_passes_over_gaps():

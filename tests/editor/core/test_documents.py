@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from editor.commands.bodies import AddBody
-from editor.commands.clip import Paste, copied
-from editor.commands.fields import SetField, SetLevelField
-from editor.commands.group import Mirror, Move, Remove, Reorder, Rotate, Scale, Stretch
-from editor.commands.joints import AddJoint
-from editor.commands.level import Permute, ReplaceLevel
-from editor.commands.thrusters import AddThruster
-from editor.document import Document, same_content
+from editor.documents.commands.bodies import AddBody
+from editor.documents.commands.clip import Paste, copied
+from editor.documents.commands.fields import SetField, SetLevelField
+from editor.documents.commands.group import Mirror, Move, Remove, Reorder, Rotate, Scale, Stretch
+from editor.documents.commands.joints import AddJoint
+from editor.documents.commands.level import Permute, ReplaceLevel
+from editor.documents.commands.thrusters import AddThruster
+from editor.documents.document import Document, same_content
 from kinetix.errors import CommandError
 from kinetix.level.model import Body, Circle, Level, MassProperties, Polygon, Solution
 from tests.editor.core.helpers import SQUARE, a_level

@@ -5,9 +5,10 @@ import os
 
 import pytest
 
-from editor import actions, files
-from editor.commands.group import Move
-from editor.settings import RECENTS_MAX, Settings
+from editor import actions
+from editor.base.settings import RECENTS_MAX, Settings
+from editor.documents import files
+from editor.documents.commands.group import Move
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_level, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
@@ -70,7 +71,7 @@ def test_a_failed_save_is_told(path):
 
 
 def actions_drop(path):
-    from editor.events import DropEvent
+    from editor.base.events import DropEvent
 
     return DropEvent(path=str(path))
 

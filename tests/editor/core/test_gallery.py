@@ -10,14 +10,14 @@ import pytest
 
 from editor import actions
 from editor.actions import gallery as doing
+from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import read_card
 from editor.gallery.export import SetPlan, export_set, refused
 from editor.gallery.library import Library
+from editor.gallery.results import HUMAN, Record, Results, Trial
 from editor.gallery.search import Wish, tag_counts, wanted
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
-from editor.prompts import FileQuestion, TextQuestion
-from editor.results import HUMAN, Record, Results, Trial
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster

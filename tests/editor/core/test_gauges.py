@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from editor.gauges import KINDS, handles_of, limit_base, marks_of
-from editor.overlay import Arc, HandleKind
-from editor.picking import joint_position
+from editor.base.overlay import Arc, HandleKind
+from editor.editing.gauges import KINDS, handles_of, limit_base, marks_of
+from editor.editing.picking import joint_position
 from kinetix.level.model import Limits
 from tests.editor.core.helpers import Hand, a_level, a_session
 

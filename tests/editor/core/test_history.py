@@ -1,6 +1,6 @@
 import pytest
 
-from editor.history import ENTRIES_MAX, Entry, History
+from editor.documents.history import ENTRIES_MAX, Entry, History
 
 
 def entry(value, key=None, time=0.0):

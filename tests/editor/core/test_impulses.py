@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from editor.impulses import received_impulses
-from editor.recording import Snapshot
+from editor.play.impulses import received_impulses
+from editor.worker.recording import Snapshot
 from kinetix.level.geometry import body_mass
 from kinetix.level.model import Body, Circle, Level, Thruster
 

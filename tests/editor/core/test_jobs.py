@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from editor.jobs import JobState, Worker, WorkerSimulator
-from editor.playback import Mode, Playback
-from editor.recording import Snapshot
-from editor.requests import Advance, Cancelled, RandomLevel, Restore, StartEpisode
+from editor.play.playback import Mode, Playback
+from editor.worker.jobs import JobState, Worker, WorkerSimulator
+from editor.worker.recording import Snapshot
+from editor.worker.requests import Advance, Cancelled, RandomLevel, Restore, StartEpisode
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import a_level
 

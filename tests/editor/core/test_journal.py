@@ -1,6 +1,6 @@
 """The log neither grows without bound nor repeats itself."""
 
-from editor.journal import CAPACITY, Journal
+from editor.base.journal import CAPACITY, Journal
 from kinetix.errors import KinetixError
 
 

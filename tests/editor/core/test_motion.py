@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from editor.look import COLOURS
-from editor.motion import between
+from editor.play.motion import between
+from editor.toolkit.appearance import COLOURS
 from tests.editor.core.helpers import Hand, a_session
 
 

@@ -3,9 +3,9 @@
 import pytest
 
 from editor.actions import file, run
-from editor.commands.level import ReplaceLevel
-from editor.names import Names
-from editor.prompts import TextQuestion
+from editor.base.prompts import TextQuestion
+from editor.documents.commands.level import ReplaceLevel
+from editor.documents.names import Names
 from kinetix.level.codec import save_level
 from tests.editor.core.helpers import a_level, a_session
 

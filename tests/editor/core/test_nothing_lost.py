@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from editor import actions
-from editor.commands.group import Move
-from editor.events import DropEvent
+from editor.base.events import DropEvent
+from editor.documents.commands.group import Move
 from editor.gallery.export import SetPlan, export_set
-from editor.jobs import Worker
+from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
-from editor.trace_files import read_trace, write_trace
+from editor.worker.jobs import Worker
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sets import load_set
@@ -107,7 +107,7 @@ def test_a_set_in_the_folder_of_its_levels_leaves_them_as_they_are(path):
 
 
 def test_saving_the_same_again_keeps_the_older_backup(path):
-    from editor import files
+    from editor.documents import files
 
     before = path.read_bytes()
     document = files.open_document(path)

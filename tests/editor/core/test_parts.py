@@ -6,8 +6,8 @@ import pytest
 
 from editor import actions
 from editor.actions import examples
-from editor.commands.parts import PARTS
-from editor.picking import joint_position
+from editor.documents.commands.parts import PARTS
+from editor.editing.picking import joint_position
 from kinetix.level.geometry import referenced_body, to_world
 from kinetix.level.model import Level
 from kinetix.level.validate import validate

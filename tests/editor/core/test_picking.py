@@ -6,7 +6,14 @@ import time
 
 import pytest
 
-from editor.picking import JOINT_RADIUS, THRUSTER_RADIUS, handles, inside, joint_position, stack
+from editor.editing.picking import (
+    JOINT_RADIUS,
+    THRUSTER_RADIUS,
+    handles,
+    inside,
+    joint_position,
+    stack,
+)
 from kinetix.level.geometry import signed_distance, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from tests.editor.core.helpers import a_level

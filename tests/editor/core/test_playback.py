@@ -4,8 +4,8 @@ import hashlib
 
 import pytest
 
-from editor.playback import FRAME_SKIP, SPEEDS, Mode, Playback
-from editor.recording import RING_STATES
+from editor.play.playback import FRAME_SKIP, SPEEDS, Mode, Playback
+from editor.worker.recording import RING_STATES
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator, a_level
 

@@ -4,16 +4,16 @@ import threading
 
 import pytest
 
-from editor import preparing
-from editor.commands.fields import SetField, SetLevelField
-from editor.commands.group import Move
-from editor.commands.level import ReplaceLevel
-from editor.jobs import Worker
-from editor.panels.evaluate import scripted_summary
-from editor.preparing import Preparation
-from editor.requests import CheckDynamics, GetReady, Rehearse, Tailor, WarmUp
+from editor.base.settings import Settings
+from editor.documents.commands.fields import SetField, SetLevelField
+from editor.documents.commands.group import Move
+from editor.documents.commands.level import ReplaceLevel
 from editor.session import Session
-from editor.settings import Settings
+from editor.window import preparing
+from editor.window.panels.evaluate import scripted_summary
+from editor.window.preparing import Preparation
+from editor.worker.jobs import Worker
+from editor.worker.requests import CheckDynamics, GetReady, Rehearse, Tailor, WarmUp
 from kinetix.level.model import Level
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level
 

@@ -5,9 +5,9 @@ import sys
 import time
 
 from editor import actions
-from editor.commands.group import Move
-from editor.document import Document
-from editor.snapping import snap_shift, targets
+from editor.documents.commands.group import Move
+from editor.documents.document import Document
+from editor.editing.snapping import snap_shift, targets
 from kinetix.level.model import Body, Circle, Level
 from tests.editor.core.helpers import SQUARE, Hand, a_level, a_session
 

@@ -4,8 +4,8 @@ import pytest
 
 from editor import actions
 from editor.actions import BY_ID, rebinding
-from editor.controls import DEFAULT_KEYS, Drive
-from editor.settings import Settings
+from editor.base.controls import DEFAULT_KEYS, Drive
+from editor.base.settings import Settings
 
 
 def test_a_bound_chord_does_the_action_and_the_old_one_no_more(session, hand):

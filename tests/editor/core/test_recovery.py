@@ -11,11 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from editor import actions, autosaves, files, recovery, run_lock
+from editor import actions
 from editor.actions import recover
-from editor.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
-from editor.commands.group import Move
-from editor.document import Document
+from editor.documents import autosaves, files, recovery, run_lock
+from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
+from editor.documents.commands.group import Move
+from editor.documents.document import Document
 from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
@@ -356,7 +357,7 @@ def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
                 session.toast(str(error))
     assert any("No space left" in text for text in texts(session))
     monkeypatch.undo()
-    monkeypatch.setattr("editor.autosaves.state_dir", lambda: path.parents[1] / "state")
+    monkeypatch.setattr("editor.documents.autosaves.state_dir", lambda: path.parents[1] / "state")
     later(session, clock, 4)
     assert len(copies()) == 1
 
@@ -527,9 +528,9 @@ def test_a_save_that_is_given_up_keeps_the_app_open(three):
 RUN = """
     import sys, time
     from pathlib import Path
-    from editor import autosaves, files, recovery
-    from editor.commands.level import ReplaceLevel
-    from editor.document import Document
+    from editor.documents import autosaves, files, recovery
+    from editor.documents.commands.level import ReplaceLevel
+    from editor.documents.document import Document
 
     base, path = Path(sys.argv[1]), Path(sys.argv[2])
     autosaves.PAUSE = 0.0

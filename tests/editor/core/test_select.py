@@ -5,8 +5,8 @@ import math
 import pytest
 
 from editor import actions
-from editor.overlay import HandleKind
-from editor.picking import handles
+from editor.base.overlay import HandleKind
+from editor.editing.picking import handles
 from kinetix.level.geometry import bounds_of, referenced_body, to_world
 from kinetix.level.model import Level
 from tests.editor.core.helpers import Hand, a_level, a_session
@@ -327,8 +327,8 @@ def test_a_joint_dropped_on_other_bodies_joins_them_and_keeps_its_motor():
 
 
 def test_guides_tell_their_length():
-    from editor.overlay import Label, Line, Style
-    from editor.snapping import measured
+    from editor.base.overlay import Label, Line, Style
+    from editor.editing.snapping import measured
 
     long = Line(a=(1.0, 1.0), b=(1.0, 2.5), style=Style.GUIDE)
     short = Line(a=(1.0, 1.0), b=(1.02, 1.0), style=Style.GUIDE)

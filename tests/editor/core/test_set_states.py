@@ -4,9 +4,9 @@ import jax
 import numpy as np
 import pytest
 
-from editor import files
+from editor.documents import files
 from editor.gallery.export import SetPlan, export_set
-from editor.simulation.stepping import start_state
+from editor.worker.simulation.stepping import start_state
 from kinetix.environment.params import static_env_params_from_size
 from kinetix.environment.reset import make_reset_fn_list_of_levels
 from kinetix.level.codec import resolve_path

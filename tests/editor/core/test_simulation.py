@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image as Picture
 
-from editor.recording import Trace
-from editor.requests import (
+from editor.worker.recording import Trace
+from editor.worker.requests import (
     MUTATIONS,
     Advance,
     CheckDynamics,
@@ -59,7 +59,7 @@ LEVEL = Level(
 
 @pytest.fixture(scope="module")
 def perform():
-    from editor import simulation
+    from editor.worker import simulation
 
     return lambda request: simulation.perform(request, Unheard())
 
@@ -113,7 +113,7 @@ def test_held_keys_drive_the_motor(episode):
 
 
 def test_another_level_of_the_same_size_compiles_nothing(perform, episode):
-    from editor.simulation.stepping import PROGRAMS
+    from editor.worker.simulation.stepping import PROGRAMS
 
     PROGRAMS.taken_fresh()
     other = LEVEL.replace(bodies=(*LEVEL.bodies[1:],), joints=(), thrusters=(), gravity=(0.0, -2.0))
@@ -271,8 +271,8 @@ def test_a_level_is_judged_without_a_plan(perform):
 
 
 NAMES = """
-from editor import physics
-from editor.settings import Settings
+from editor.base import physics
+from editor.base.settings import Settings
 from kinetix.engine.presets import DEFAULT, PRESETS
 from kinetix.engine.solvers import SOLVERS
 

@@ -5,7 +5,15 @@ import random
 
 import pytest
 
-from editor.snapping import Rules, Snapped, features, snap_angle, snap_point, snap_shift, targets
+from editor.editing.snapping import (
+    Rules,
+    Snapped,
+    features,
+    snap_angle,
+    snap_point,
+    snap_shift,
+    targets,
+)
 from kinetix.level.model import Body, Circle, Level, Polygon
 
 BOX = Polygon(vertices=((0.5, 0.3), (-0.5, 0.3), (-0.5, -0.3), (0.5, -0.3)))
@@ -160,7 +168,7 @@ def test_angles_may_be_left_alone():
 
 
 def test_equal_gaps_are_shown_with_their_width():
-    from editor.snapping import measured
+    from editor.editing.snapping import measured
 
     def ball(number, x):
         return Body(id=number, shape=Circle(radius=0.2), position=(x, 2.2))

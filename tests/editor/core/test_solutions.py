@@ -6,13 +6,13 @@ import pytest
 
 from editor import actions
 from editor.actions import run
-from editor.commands.level import ReplaceLevel
-from editor.jobs import Worker
-from editor.playback import Mode
-from editor.recording import Trace
-from editor.requests import Opened, PlaySolution
+from editor.base.settings import Settings
+from editor.documents.commands.level import ReplaceLevel
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import Settings
+from editor.worker.jobs import Worker
+from editor.worker.recording import Trace
+from editor.worker.requests import Opened, PlaySolution
 from kinetix.level.model import Solution
 from tests.editor.core.helpers import FakeSimulator, a_level
 

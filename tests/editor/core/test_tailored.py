@@ -8,10 +8,11 @@ import jax
 import numpy as np
 import pytest
 
-from editor.jobs import Worker
-from editor.outline import outline
-from editor.panels.status import StatusBar
-from editor.requests import (
+from editor.base.settings import Settings
+from editor.session import Session
+from editor.window.panels.status import StatusBar
+from editor.worker.jobs import Worker
+from editor.worker.requests import (
     Advance,
     Cancelled,
     PlaySolution,
@@ -20,8 +21,7 @@ from editor.requests import (
     StartEpisode,
     Tailor,
 )
-from editor.session import Session
-from editor.settings import Settings
+from editor.worker.step_key import outline
 from kinetix.level.model import (
     Arena,
     ArenaBody,
@@ -115,7 +115,7 @@ OTHER = {
 
 @pytest.mark.parametrize("name", SAME)
 def test_a_level_with_the_same_parts_has_the_same_step(name):
-    from editor.simulation.stepping import tailored_params
+    from editor.worker.simulation.stepping import tailored_params
 
     assert tailored_params(SAME[name], "fast") == tailored_params(LEVEL, "fast")
     assert outline(SAME[name]) == outline(LEVEL)
@@ -123,7 +123,7 @@ def test_a_level_with_the_same_parts_has_the_same_step(name):
 
 @pytest.mark.parametrize("name", OTHER)
 def test_a_level_with_other_parts_has_another_step(name):
-    from editor.simulation.stepping import tailored_params
+    from editor.worker.simulation.stepping import tailored_params
 
     assert tailored_params(OTHER[name], "fast") != tailored_params(LEVEL, "fast")
     # Wherever the step differs the window has to notice, and it has the outline alone.
@@ -131,13 +131,13 @@ def test_a_level_with_other_parts_has_another_step(name):
 
 
 def test_each_physics_has_its_own_step():
-    from editor.simulation.stepping import tailored_params
+    from editor.worker.simulation.stepping import tailored_params
 
     assert tailored_params(LEVEL, "fast") != tailored_params(LEVEL, "balanced")
 
 
 def test_the_steps_that_were_used_last_are_kept():
-    from editor.simulation.compiling import KEPT, Programs
+    from editor.worker.simulation.compiling import KEPT, Programs
 
     programs, program = Programs(), object()
     keys = range(KEPT + 1)
@@ -150,8 +150,8 @@ def test_the_steps_that_were_used_last_are_kept():
 
 
 def test_nothing_that_compiling_changes_stays_changed():
-    from editor.pauses import without_pauses
-    from editor.simulation.quiet import not_stored
+    from editor.worker.simulation.quiet import not_stored
+    from editor.worker.yielding import without_pauses
 
     def settings():
         return gc.get_threshold(), jax.config.jax_persistent_cache_min_compile_time_secs
@@ -193,7 +193,7 @@ def test_the_status_line_says_when_a_step_is_being_made():
 
 @pytest.fixture(scope="module")
 def perform():
-    from editor import simulation
+    from editor.worker import simulation
 
     return lambda request, progress=None: simulation.perform(request, progress or Unheard())
 
@@ -269,7 +269,7 @@ def test_going_back_in_the_own_step_gives_the_same_to_the_bit(perform, own):
 
 @pytest.mark.slow
 def test_pictures_of_both_are_drawn_by_one_function(perform, shared, own):
-    from editor.simulation import pictures
+    from editor.worker.simulation import pictures
 
     view = {"level": LEVEL, "size": (96, 64), "centre": (2.5, 1.0), "scale": 20.0}
     first = perform(RenderState(state=shared[-1].state, **view))

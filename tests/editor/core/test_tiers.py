@@ -4,7 +4,7 @@ import jax
 import numpy as np
 import pytest
 
-from editor.requests import (
+from editor.worker.requests import (
     Advance,
     AgentRef,
     Casting,
@@ -15,8 +15,8 @@ from editor.requests import (
     Tailor,
     WarmUp,
 )
-from editor.simulation import disk, stepping
-from editor.simulation.compiling import Programs
+from editor.worker.simulation import disk, stepping
+from editor.worker.simulation.compiling import Programs
 from tests.editor.core.helpers import Unheard
 from tests.editor.core.test_tailored import LEFT, LEVEL
 
@@ -28,8 +28,8 @@ def perform(tmp_path_factory):
     """The bridge with nothing compiled and an empty cache on disk."""
     from jax.experimental.compilation_cache import compilation_cache
 
-    from editor import simulation
-    from editor.simulation import cast
+    from editor.worker import simulation
+    from editor.worker.simulation import cast
 
     folder, programs = tmp_path_factory.mktemp("cache"), Programs()
     stored, name = jax.config.jax_compilation_cache_dir, "jax_compilation_cache_dir"

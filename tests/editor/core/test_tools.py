@@ -5,7 +5,7 @@ import math
 import pytest
 
 from editor import actions
-from editor.tools import TOOLS
+from editor.editing.tools import TOOLS
 from kinetix.level.geometry import signed_area
 from kinetix.level.model import Level
 from tests.editor.core.helpers import Hand, a_level, a_session, texts
@@ -262,7 +262,7 @@ def leave_by_space(session, hand):
 
 
 def leave_by_focus(session, hand):
-    from editor.events import FocusEvent
+    from editor.base.events import FocusEvent
 
     actions.handle(session, FocusEvent(focused=False))
 
@@ -299,7 +299,7 @@ def test_every_way_out_of_a_gesture_leaves_the_document_as_it_was(tool, way):
 
 @pytest.mark.parametrize("tool", TOOL_GESTURES)
 def test_the_wheel_only_zooms(tool):
-    from editor.events import WheelEvent
+    from editor.base.events import WheelEvent
 
     session = a_session()
     hand = Hand(session)
@@ -368,7 +368,7 @@ def test_a_shape_on_the_floor_is_made_low_without_collapsing():
 
 
 def test_two_wheels_drawn_alike_are_equal():
-    from editor.commands.fields import shared_value
+    from editor.documents.commands.fields import shared_value
 
     session = a_session(Level(name="Empty"))
     hand = Hand(session)

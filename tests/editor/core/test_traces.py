@@ -7,11 +7,11 @@ import pytest
 
 from editor import actions
 from editor.actions import export, run
-from editor.commands.level import ReplaceLevel
-from editor.events import DropEvent
-from editor.playback import Mode
-from editor.recording import Mind
-from editor.trace_files import read_trace, write_trace
+from editor.base.events import DropEvent
+from editor.documents.commands.level import ReplaceLevel
+from editor.play.playback import Mode
+from editor.play.trace_files import read_trace, write_trace
+from editor.worker.recording import Mind
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import a_level, a_session
 

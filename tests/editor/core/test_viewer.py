@@ -13,13 +13,17 @@ import pytest
 
 from editor import actions
 from editor.actions import agents, measure, watch
-from editor.evaluation import Plan, best
-from editor.events import DropEvent
-from editor.follower import Follower
-from editor.jobs import Worker
-from editor.playback import Mode
-from editor.recording import Mind, Trace, channels_of
-from editor.requests import (
+from editor.agents.evaluation import Plan, best
+from editor.agents.viewer import mismatch
+from editor.base.events import DropEvent
+from editor.base.settings import Settings
+from editor.gallery.results import Results
+from editor.play.playback import Mode
+from editor.play.second_player import Follower
+from editor.session import Session
+from editor.worker.jobs import Worker
+from editor.worker.recording import Mind, Trace, channels_of
+from editor.worker.requests import (
     SCRIPTED,
     AgentRef,
     AgentSummary,
@@ -34,10 +38,6 @@ from editor.requests import (
     Score,
     Standing,
 )
-from editor.results import Results
-from editor.session import Session
-from editor.settings import Settings
-from editor.viewer import mismatch
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, KinetixError
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts

@@ -9,11 +9,14 @@ import pytest
 
 from editor import actions
 from editor.actions import agents
-from editor.document import Document
-from editor.jobs import JobState, Worker
-from editor.panels.evaluate import scripted_summary
-from editor.playback import Mode
-from editor.requests import (
+from editor.base.settings import Settings
+from editor.documents.document import Document
+from editor.play.playback import Mode
+from editor.session import Session
+from editor.window.panels.evaluate import scripted_summary
+from editor.window.waiting import awaited
+from editor.worker.jobs import JobState, Worker
+from editor.worker.requests import (
     Advance,
     AgentRef,
     CheckDynamics,
@@ -29,9 +32,6 @@ from editor.requests import (
     StartEpisode,
     WarmUp,
 )
-from editor.session import Session
-from editor.settings import Settings
-from editor.waiting import awaited
 from kinetix.level.model import Solution
 from tests.editor.core.helpers import FakeSimulator, a_level
 from tests.editor.core.test_viewer import a_summary, a_trace
@@ -179,10 +179,10 @@ def test_play_tells_who_is_prepared_and_stopping_frees_the_worker(held):
 _NEVER_ENDS = """
 import sys, threading, time
 from editor import __main__ as app
-from editor.jobs import Worker
-from editor.requests import RandomLevel, StartEpisode, WarmUp
+from editor.worker.jobs import Worker
+from editor.worker.requests import RandomLevel, StartEpisode, WarmUp
 from editor.session import Session
-from editor.settings import Settings
+from editor.base.settings import Settings
 from kinetix.level.model import Level
 
 begun = threading.Barrier(4)

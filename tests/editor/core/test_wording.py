@@ -2,7 +2,7 @@
 
 import pytest
 
-from editor.wording import describe as in_lists
+from editor.base.wording import describe as in_lists
 from kinetix.level.codec import load_level
 from kinetix.level.validate import describe as in_problems
 from kinetix.paths import levels_dir

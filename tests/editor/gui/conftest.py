@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from editor.actions import file
-from editor.events import FocusEvent, KeyEvent, Pointer, PointerEvent, TextEvent, WheelEvent
+from editor.base.events import FocusEvent, KeyEvent, Pointer, PointerEvent, TextEvent, WheelEvent
 from editor.hosts.headless import HeadlessHost
-from editor.jobs import Worker
-from editor.requests import Progress, Request
 from editor.session import Session
-from editor.widgets import Probe
+from editor.toolkit.widgets import Probe
+from editor.worker.jobs import Worker
+from editor.worker.requests import Progress, Request
 from kinetix.level.model import Level
 from tests.editor import days
 

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from editor.marks import Room
+from editor.drawing.marks import Room
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
 from tests.editor.core.helpers import a_level, a_session
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from editor import recovery
-from editor.commands.group import Move
-from editor.jobs import Worker
+from editor.documents import recovery
+from editor.documents.commands.group import Move
 from editor.session import Session
+from editor.worker.jobs import Worker
 from tests.editor.core.helpers import a_level
 from tests.editor.gui.conftest import refuse
 

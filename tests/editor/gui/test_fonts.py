@@ -5,8 +5,8 @@ import shutil
 import pytest
 from imgui_bundle import imgui
 
-from editor.fonts import FAMILIES, Fallbacks, folders, found
-from editor.look import FONTS
+from editor.toolkit.appearance import FONTS
+from editor.toolkit.fonts import FAMILIES, Fallbacks, folders, found
 from tests.editor import days
 
 pytestmark = pytest.mark.parametrize("day", [days.FIRST], indirect=True)

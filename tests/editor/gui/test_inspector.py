@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from editor.settings import Settings
+from editor.base.settings import Settings
 from kinetix.level.model import Arena, ArenaBody, Geometry
 from tests.editor.core.helpers import a_level
 
@@ -221,7 +221,7 @@ def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
     joint = gui.level.joints[0]
     assert (joint.a, joint.b) == (1, 3)
     edit_text(gui, "inspector.joint.x", "1.9")
-    from editor.picking import joint_position
+    from editor.editing.picking import joint_position
 
     assert joint_position(gui.level, gui.level.joints[0])[0] == pytest.approx(1.9, abs=1e-5)
     gui.click("inspector.body_a")

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from editor.base.settings import Settings
 from editor.session import Session
-from editor.settings import Settings
 from tests.editor.core.helpers import a_session
 
 

@@ -5,7 +5,7 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS
 from editor.actions.base import always, editing, playing, selecting
-from editor.panels.palette import entries
+from editor.window.panels.palette import entries
 from tests.editor.core.helpers import a_level, a_session
 
 

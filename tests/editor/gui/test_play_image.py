@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from editor.controls import NOOP
-from editor.jobs import Worker
-from editor.play_image import PlayImage
-from editor.playback import Mode
-from editor.recording import Snapshot
-from editor.requests import Advance, Image, RenderState, StartEpisode
+from editor.base.controls import NOOP
+from editor.base.settings import Settings
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import Settings
+from editor.window.play_image import PlayImage
+from editor.worker.jobs import Worker
+from editor.worker.recording import Snapshot
+from editor.worker.requests import Advance, Image, RenderState, StartEpisode
 from kinetix.level.model import Body, Circle, Level
 
 LEVEL = Level(name="Ball", bodies=(Body(id=1, shape=Circle(radius=0.3), position=(2.5, 2.5)),))

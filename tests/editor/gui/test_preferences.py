@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import editor
-from editor.look import COLOURS, DARK, LIGHT, THEMES
-from editor.panels.preferences import PAGES
-from editor.settings import Settings
+from editor.base.settings import Settings
+from editor.toolkit.appearance import COLOURS, DARK, LIGHT, THEMES
+from editor.window.panels.preferences import PAGES
 from tests.editor import days
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from editor.jobs import Worker
-from editor.prompts import Choice, Question, TextQuestion
+from editor.base.prompts import Choice, Question, TextQuestion
+from editor.base.settings import Settings
 from editor.session import Session
-from editor.settings import Settings
+from editor.worker.jobs import Worker
 from kinetix.level.codec import save_level
 from kinetix.level.model import Level
 from tests.editor.gui.conftest import refuse

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from editor import layouts
+from editor.base.settings import Settings
 from editor.session import Session
-from editor.settings import Settings
+from editor.window import layouts
 from tests.editor import days
 
 pytestmark = pytest.mark.parametrize("day", [days.FIRST], indirect=True)

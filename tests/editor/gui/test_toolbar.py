@@ -4,8 +4,8 @@ import itertools
 
 import pytest
 
-from editor.look import Icons
-from editor.panels.toolbar import TOOL_ICONS
+from editor.toolkit.appearance import Icons
+from editor.window.panels.toolbar import TOOL_ICONS
 from tests.editor.core.helpers import a_session
 
 WINDOWS = [

@@ -1,11 +1,11 @@
 """Trying a level out: what happens without a plan, which size and agents it fits."""
 
 from editor.actions.compatible import compatible_agents
-from editor.jobs import Worker
-from editor.requests import CheckDynamics, DynamicsReport
+from editor.agents.random_play import Trial, fitting
+from editor.base.settings import Settings
 from editor.session import Session
-from editor.settings import Settings
-from editor.trial import Trial, fitting
+from editor.worker.jobs import Worker
+from editor.worker.requests import CheckDynamics, DynamicsReport
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from tests.editor.core.helpers import a_level

@@ -6,21 +6,25 @@ import json
 import numpy as np
 import pytest
 
-from editor import actions, play_side
+from editor import actions
 from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
-from editor.agent_overlay import most_entropy, value_range
-from editor.browser import nothing_here
-from editor.evaluation import Plan
-from editor.follower import Follower
-from editor.jobs import Worker
-from editor.panels import timeline
-from editor.panels.evaluate import end_of
-from editor.panels.timeline import marks_of
-from editor.playback import Mode
-from editor.prompts import FileQuestion
-from editor.recording import Mind
-from editor.requests import (
+from editor.agents.evaluation import Plan
+from editor.base.prompts import FileQuestion
+from editor.base.settings import Settings
+from editor.drawing.agent_overlay import most_entropy, value_range
+from editor.gallery.results import Results
+from editor.play.playback import Mode
+from editor.play.second_player import Follower
+from editor.session import Session
+from editor.window import play_side
+from editor.window.browser import nothing_here
+from editor.window.panels import timeline
+from editor.window.panels.evaluate import end_of
+from editor.window.panels.timeline import marks_of
+from editor.worker.jobs import Worker
+from editor.worker.recording import Mind
+from editor.worker.requests import (
     AgentView,
     AttemptPaths,
     EvaluatedLevel,
@@ -32,9 +36,6 @@ from editor.requests import (
     TracePaths,
     ViewTable,
 )
-from editor.results import Results
-from editor.session import Session
-from editor.settings import Settings
 from kinetix.agents.compare import leaderboard
 from kinetix.paths import checkpoints_dir
 from tests.editor.core.helpers import FakeSimulator, a_level

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from editor.actions import ACTIONS
-from editor.events import KeyEvent
-from editor.jobs import Worker
-from editor.keys import label
-from editor.panels.help import rows_of
-from editor.panels.menu import MENUS
-from editor.playback import Mode
+from editor.base.events import KeyEvent
+from editor.base.settings import Settings
+from editor.play.playback import Mode
 from editor.session import Session
-from editor.settings import Settings
+from editor.toolkit.keys import label
+from editor.window.panels.help import rows_of
+from editor.window.panels.menu import MENUS
+from editor.worker.jobs import Worker
 from kinetix.level.codec import load_level
 from kinetix.level.model import Body, Circle, Level, Polygon
 from kinetix.paths import levels_dir

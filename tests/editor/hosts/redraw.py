@@ -4,15 +4,15 @@ import sys
 
 import numpy as np
 
-from editor.events import Pointer, PointerEvent
+from editor.base.events import Pointer, PointerEvent
+from editor.base.prompts import Choice, MenuQuestion
+from editor.base.settings import Settings
 from editor.hosts.bench import crowded_level
 from editor.hosts.offscreen import OffscreenHost
 from editor.hosts.renderer import GlRenderer
-from editor.jobs import Worker
-from editor.look import COLOURS
-from editor.prompts import Choice, MenuQuestion
 from editor.session import Session
-from editor.settings import Settings
+from editor.toolkit.appearance import COLOURS
+from editor.worker.jobs import Worker
 
 LASTING = sys.argv[1] == "window"
 

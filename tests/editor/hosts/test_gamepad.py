@@ -4,9 +4,9 @@ import pygame
 import pytest
 
 from editor import actions
-from editor.events import PadEvent
+from editor.base.events import PadEvent
 from editor.hosts.gamepad import Gamepads
-from editor.playback import Mode
+from editor.play.playback import Mode
 from tests.editor.core.helpers import a_session
 
 

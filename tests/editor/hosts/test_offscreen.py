@@ -53,7 +53,7 @@ def test_an_event_is_seen_in_the_frame_that_takes_it(home, monkeypatch):
     for name, value in home.items():
         monkeypatch.setenv(name, value)
     from editor.actions import file
-    from editor.events import Pointer, PointerEvent
+    from editor.base.events import Pointer, PointerEvent
     from editor.hosts.offscreen import OffscreenHost
     from editor.session import Session
 

@@ -4,7 +4,7 @@ import pygame
 import pytest
 from imgui_bundle import imgui
 
-from editor.events import (
+from editor.base.events import (
     DropEvent,
     FocusEvent,
     KeyEvent,
@@ -17,7 +17,7 @@ from editor.events import (
 )
 from editor.hosts.inputs import FAR, InputFeeder
 from editor.hosts.pygame_events import translate
-from editor.keys import IMGUI, label
+from editor.toolkit.keys import IMGUI, label
 
 
 @pytest.fixture(autouse=True)

@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from editor.events import TextEvent
+from editor.base.events import TextEvent
+from editor.base.settings import Settings
 from editor.hosts.recorder import Recorder
 from editor.hosts.replay import Replayer
 from editor.session import Session
-from editor.settings import Settings
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator
 from tests.editor.gui.conftest import day, make_gui, yesterday  # noqa: F401 - fixtures

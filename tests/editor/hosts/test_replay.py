@@ -7,9 +7,9 @@ import pytest
 
 from editor.hosts.headless import HeadlessHost
 from editor.hosts.replay import Replayer, ReplayError
-from editor.jobs import Worker
-from editor.requests import Progress, Request
 from editor.session import Session
+from editor.worker.jobs import Worker
+from editor.worker.requests import Progress, Request
 from kinetix.level.codec import load_level, loads
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir

@@ -1,0 +1,1 @@
+"""Watching agents: players, evaluations, training runs, results."""

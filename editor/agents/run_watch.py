@@ -1,0 +1,72 @@
+"""A training run that is watched while it trains: its metrics, and when it has a newer agent."""
+
+import functools
+from collections.abc import Callable
+from typing import Final
+
+from editor.worker.jobs import Job, JobState, Worker
+from editor.worker.requests import ReadRun, RunNews
+
+POLL_SECONDS: Final = 2.0
+"""How often the folder is looked at."""
+
+
+class RunWatch:
+    """Looks at one run's folder now and then; never writes there."""
+
+    def __init__(self, worker: Worker) -> None:
+        self._worker = worker
+        self.path = ""
+        """The run's folder; empty: none is watched."""
+        self.rows: list[dict[str, float]] = []
+        """Its metrics, one row an update."""
+        self.newest: int | None = None
+        """Environment steps of the newest checkpoint."""
+        self.error = ""
+        self._asked = -POLL_SECONDS
+        self._pending = False
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of all metrics that have occurred."""
+        return tuple(dict.fromkeys(name for row in self.rows for name in row))
+
+    def watch(self, path: str) -> None:
+        """Watch a run; an empty path watches none."""
+        self.path, self.error = path, ""
+        self.rows, self.newest = [], None
+        self._asked = -POLL_SECONDS
+
+    def tick(self, now: float, changed: Callable[[int], None]) -> None:
+        """Look at the folder when it is time.
+
+        Args:
+            now: The session's clock [s].
+            changed: Called with the steps of a newer checkpoint.
+        """
+        if not self.path or self._pending or now - self._asked < POLL_SECONDS:
+            return
+        self._asked, self._pending = now, True
+        self._worker.submit(
+            ReadRun(path=self.path, after=len(self.rows)),
+            title="Reading the training run",
+            done=functools.partial(self._done, self.path, changed),
+        )
+
+    def _done(self, path: str, changed: Callable[[int], None], job: Job) -> None:
+        self._pending = False
+        if path != self.path:
+            return
+        if job.state is JobState.FAILED:
+            self.error = job.error
+            return
+        if job.state is not JobState.DONE:
+            return
+        news: RunNews = job.result
+        self.error = ""
+        if news.total < len(self.rows):
+            self.rows = []
+        self.rows += news.rows
+        if news.newest is not None and news.newest != self.newest:
+            self.newest = news.newest
+            changed(news.newest)

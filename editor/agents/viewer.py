@@ -1,0 +1,130 @@
+"""What the agent viewer is set to: the two agents, their draws, the comparison, the evaluation."""
+
+import dataclasses
+from typing import Final, Literal, TypeAlias
+
+from editor.agents.evaluation import Evaluation
+from editor.agents.run_watch import RunWatch
+from editor.play.playback import Simulator
+from editor.play.second_player import Follower
+from editor.worker.jobs import Job, Worker
+from editor.worker.requests import AgentSummary, AgentView, AttemptPaths, Casting
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of, needed_capacity
+
+SlotName: TypeAlias = Literal["a", "b"]
+SLOTS: Final[tuple[SlotName, ...]] = ("a", "b")
+Compare: TypeAlias = Literal["off", "ghost", "side"]
+COMPARE_LABELS: Final[dict[Compare, str]] = {
+    "off": "Off",
+    "ghost": "Ghost",
+    "side": "Side by side",
+}
+
+
+@dataclasses.dataclass(kw_only=True)
+class AgentSlot:
+    """A place for an agent."""
+
+    path: str = ""
+    """What was asked for; empty: nothing."""
+    summary: AgentSummary | None = None
+    error: str = ""
+    """Why it could not be loaded; one sentence."""
+    loading: bool = False
+    job: Job | None = None
+    """What loads it, or has loaded it."""
+
+
+class Viewer:
+    """The agent viewer's state; panels and actions change it freely."""
+
+    def __init__(self, worker: Worker, evaluator: Worker, rival: Simulator) -> None:
+        self.slots: dict[SlotName, AgentSlot] = {name: AgentSlot() for name in SLOTS}
+        self.paths: AttemptPaths | None = None
+        """Ways of all attempts on a level, drawn over it; None: none are."""
+        self.paths_pending = False
+        self.path_outcomes: tuple[str, ...] = ()
+        """Only ways that end so are drawn; empty: all."""
+        self.lit_path: int | None = None
+        """The attempt that is pointed at."""
+        self.contenders: tuple[AgentSummary, ...] = ()
+        """Agents that are evaluated besides those of the slots."""
+        self.seed = 0
+        self.attempt = 0
+        self.deterministic = False
+        self.by_hand = False
+        """Whether a person has taken over until they hand back."""
+        self.compare: Compare = "off"
+        self.other_physics = ""
+        """Preset or solver under which the same is played beside; empty: nothing is."""
+        self.rival = Follower(rival)
+        self.evaluation = Evaluation(evaluator)
+        self.run = RunWatch(worker)
+        self.other_runs: tuple[RunWatch, ...] = ()
+        """Runs whose curves are shown beside those of `run`; their agents are not taken."""
+        self.follow_run = True
+        """Whether the newest checkpoint of the watched run is played as soon as it is there."""
+        self.eye_open = False
+        """Whether the panel with the agent's view is on the screen."""
+        self.timeline_open = False
+        """Whether the timeline is on the screen: then contacts are noted for its marks."""
+        self.eye: AgentView | None = None
+        self.eye_of: object = None
+        """The moment that `eye` shows."""
+        self.eye_agent: AgentSummary | None = None
+        self.eye_pending = False
+        self.eye_error = ""
+        self.eye_stamp = 0
+        self.recorded = 0
+        """Evaluations whose results are kept already."""
+        self.compared_episode = -1
+        """The episode that the rival belongs to."""
+
+    def casting(self, slot: SlotName) -> Casting | None:
+        """The agent of a slot with its draws, or None when there is none."""
+        summary = self.slots[slot].summary
+        if summary is None:
+            return None
+        return Casting(
+            agent=summary.ref,
+            seed=self.seed,
+            attempt=self.attempt,
+            deterministic=self.deterministic,
+            digest=summary.digest,
+        )
+
+    @property
+    def arrangement(self) -> Compare:
+        """How the second episode is shown: another physics always stands beside."""
+        return "side" if self.other_physics else self.compare
+
+    @property
+    def agents(self) -> tuple[AgentSummary, ...]:
+        """The agents that are loaded, each once."""
+        found = [slot.summary for slot in self.slots.values() if slot.summary is not None]
+        return tuple(dict.fromkeys(found))
+
+
+def mismatch(summary: AgentSummary, level: Level) -> str:
+    """Why an agent cannot play a level, or a word of warning; empty when all is well."""
+    needs = needed_capacity(level) if summary.any_size else capacity_of(level)
+    sizes = dataclasses.astuple(needs)
+    trained = summary.capacity
+    if trained is None:
+        return ""
+    larger = [
+        f"{have} {name} (it knows {most})"
+        for have, most, name in zip(sizes, trained, _KINDS, strict=True)
+        if have > most
+    ]
+    if not larger:
+        return ""
+    has = "has" if dataclasses.astuple(needed_capacity(level)) == sizes else "is of a size with"
+    needed = f"this level {has} {' and '.join(larger)}"
+    if summary.any_size:
+        return f"It can play, but {needed}."
+    return f"It cannot play this level: it sees one size only, and {needed}."
+
+
+_KINDS: Final = ("polygons with the arena", "circles", "joints", "thrusters")

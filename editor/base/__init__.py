@@ -1,0 +1,1 @@
+"""Values and small helpers that every room of the editor may use."""

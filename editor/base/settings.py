@@ -1,0 +1,153 @@
+"""What the app remembers about its user between runs: plain values in one JSON file."""
+
+import contextlib
+import dataclasses
+from pathlib import Path
+from typing import Annotated, Final, Literal, Self, get_type_hints
+
+import msgspec
+from msgspec import Meta
+
+from editor.base.state_file import read_state, write_state
+from kinetix.paths import config_dir
+
+RECENTS_MAX: Final = 10
+GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
+"""Choices of the grid [m]."""
+ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
+"""Choices of what angles snap to [°]."""
+LARGEST_SCALE: Final = 4.0
+"""Of the interface: a stored scale beyond it is passed over."""
+TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)
+"""Choices of the size of the text."""
+
+DEBUG_FIRST: Final = ("centres", "velocities", "contacts", "anchors", "limits")
+"""Debug drawings that are switched on with the first debug drawing ever."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class Settings:
+    """Preferences; every field has a default, an unknown or broken stored value is passed over."""
+
+    recents: list[str] = dataclasses.field(default_factory=list)
+    """Paths, newest first."""
+    snap_smart: bool = True
+    snap_grid: bool = True
+    grid_visible: bool = True
+    key_caps: bool = True
+    """Whether the canvas shows the keys of joints and thrusters."""
+    renderer_picture: bool = False
+    """Whether Play shows the renderer's pictures, pixel by pixel as `kinetix render` makes them."""
+    minimap: bool = False
+    """Whether the canvas has a small map of the arena in its corner."""
+    grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1
+    """[m]"""
+    angle_step_deg: Annotated[float, Meta(ge=0.1, le=180.0)] = 15.0
+    nudge_step: Annotated[float, Meta(ge=1e-4, le=10.0)] = 0.05
+    """What an arrow key moves [m]."""
+    move_jointed: bool = True
+    """Whether jointed neighbours move with a dragged body."""
+    from_centre: bool = False
+    """Whether rectangles grow from their centre (Alt as a switch)."""
+    keep_tool: bool = False
+    """Whether a tool stays after it has made something."""
+    physics: str = "balanced"
+    restart_automatically: bool = False
+    theme: Literal["dark", "light"] = "dark"
+    """Colours of the window; those of levels are the palette's."""
+    palette: str = "kinetix"
+    glyphs: bool = True
+    """Role marks on bodies."""
+    patterns: bool = False
+    ui_scale: Annotated[float, Meta(ge=0.0, le=LARGEST_SCALE)] = 0.0
+    """0: as the display says."""
+    text_scale: Annotated[float, Meta(ge=0.5, le=2.0)] = 1.0
+    """Size of the text besides the interface's: 0.85 to 1.3."""
+    radians: bool = False
+    """Whether fields show angles in radians instead of degrees."""
+    reduced_motion: bool = False
+    layout: str = ""
+    """The dock layout as the toolkit writes it."""
+    layouts: dict[str, str] = dataclasses.field(default_factory=dict)
+    """Layouts that the user has kept, by name."""
+    keys: dict[str, list[str]] = dataclasses.field(default_factory=dict)
+    """Rebound chords by action id."""
+    controls: dict[str, list[int]] = dataclasses.field(default_factory=dict)
+    """Rebound play keys: key -> [channel, value]."""
+    gallery_folders: list[str] = dataclasses.field(default_factory=list)
+    """Folders that the gallery shows besides the app's and the user's own."""
+    recent_agents: list[str] = dataclasses.field(default_factory=list)
+    """Folders of agents, newest first."""
+    agent_overlay: list[str] = dataclasses.field(default_factory=lambda: ["heat", "numbers"])
+    """Names of the agent's overlays that are on."""
+    debug_draw: list[str] = dataclasses.field(default_factory=list)
+    """Names of the debug drawings that are on."""
+
+    @classmethod
+    def load(cls, path: Path | None = None) -> Self:
+        """Read the file; defaults where it is absent or says something else."""
+        path = path or settings_path()
+        stored = read_state(path)
+        settings = cls()
+        for name, kind in get_type_hints(cls, include_extras=True).items():
+            if name in stored:
+                with contextlib.suppress(msgspec.ValidationError, UnicodeError):
+                    setattr(settings, name, msgspec.convert(stored[name], kind))
+        return settings
+
+    def save(self, path: Path | None = None) -> None:
+        """Write the file.
+
+        Raises:
+            LevelError: It cannot be written.
+        """
+        write_state(path or settings_path(), dataclasses.asdict(self))
+
+    def remember(self, path: Path) -> None:
+        """Put a file on top of the recent ones."""
+        name = str(path.resolve())
+        self.recents = [name, *(other for other in self.recents if other != name)][:RECENTS_MAX]
+
+
+class SettingsKeeper:
+    """Writes settings when they have changed; what another window has changed meanwhile stays."""
+
+    def __init__(
+        self, settings: Settings, path: Path | None = None, *, stored: bool = True
+    ) -> None:
+        """Take the settings as they were read.
+
+        Args:
+            settings: What to keep.
+            path: The file; by default the user's own.
+            stored: Whether to write at all; scripted runs leave no traces.
+        """
+        self._settings = settings
+        self._path = path
+        self._stored = stored
+        self._written = dataclasses.asdict(settings)
+
+    def save(self) -> None:
+        """Write what has changed since it was read or written last.
+
+        Raises:
+            LevelError: It cannot be written; it is not tried again before something else changes.
+        """
+        now = dataclasses.asdict(self._settings)
+        changed = {name: value for name, value in now.items() if value != self._written[name]}
+        if not changed or not self._stored:
+            return
+        self._written = now
+        path = self._path or settings_path()
+        there = read_state(path)
+        for name in ("recents", "recent_agents"):
+            others = there.get(name)
+            if name in changed and isinstance(others, list):
+                changed[name] = list(dict.fromkeys([*changed[name], *map(str, others)]))
+                del changed[name][RECENTS_MAX:]
+        write_state(path, there | changed)
+
+
+def settings_path() -> Path:
+    """Where the settings are kept."""
+    return config_dir() / "settings.json"

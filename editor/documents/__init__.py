@@ -1,0 +1,1 @@
+"""Open levels: snapshots, commands, undo, files, copies of unsaved work."""

@@ -1,0 +1,338 @@
+"""Copies of unsaved levels: written soon after a change, kept until the level is saved or given up.
+
+Every run has a folder of its own below the user's state folder, named at random, because process
+ids repeat. A lock in it tells whether the run still goes on. What a run that has ended left there
+is offered to the next one.
+"""
+
+import datetime
+import json
+import secrets
+import threading
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Final
+
+from editor.documents.document import Document, Stamp, same_content
+from editor.documents.run_lock import RunLock, goes_on
+from kinetix.errors import KinetixError, LevelError
+from kinetix.files.json_text import parse
+from kinetix.files.regular import FileError, read_text
+from kinetix.level.atomic import write_atomically
+from kinetix.level.codec import dumps
+from kinetix.paths import state_dir
+
+PAUSE: Final = 2.0
+"""A change is copied after so much quiet [s]."""
+LONGEST: Final = 5.0
+"""While changes go on without a pause a copy is made this often [s]."""
+_OPEN: Final = "open.json"
+"""In the folder of a run: the files that it has open."""
+
+
+def autosave_dir() -> Path:
+    """Return the folder of all copies."""
+    return state_dir() / "autosave"
+
+
+class _Watched:
+    """A document and how far its copy is."""
+
+    def __init__(self, document: Document, file: Path) -> None:
+        self.document = document
+        self.file = file
+        self.seen = document.committed
+        """The level in the last frame."""
+        self.saves = document.saves
+        self.first = self.last = 0.0
+        """When what is not copied yet began to change, and when it changed last [s]."""
+        self.wanted: bytes | None = None
+        """What the thread is to write."""
+        self.gone = False
+        """Whether the thread is to remove the copy."""
+
+
+class Autosaves:
+    """The copies of one run. A thread writes, so that no frame waits for a disk."""
+
+    def __init__(
+        self,
+        folder: Path | None = None,
+        *,
+        stored: bool = True,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Prepare; nothing is written before there is something to keep.
+
+        Args:
+            folder: Where runs have their folders; by default in the user's state folder.
+            stored: Whether to write at all; scripted runs leave no traces.
+            clock: Time [s].
+        """
+        self._base = folder
+        self._stored = stored
+        self._clock = clock
+        self._name = secrets.token_hex(8)
+        self._lock: RunLock | None = None
+        self._watched: dict[int, _Watched] = {}
+        self._open: tuple[str, ...] = ()
+        self._wake = threading.Condition()
+        self._thread: threading.Thread | None = None
+        self._busy = self._ended = False
+        self._locking = threading.Lock()
+        self._failed: list[tuple[_Watched, str]] = []
+        """Copies that could not be written, with the reason."""
+
+    @property
+    def folder(self) -> Path:
+        """The run's own folder."""
+        return (self._base or autosave_dir()) / self._name
+
+    @property
+    def pending(self) -> bool:
+        """Whether a change waits to be copied."""
+        return any(watched.first for watched in self._watched.values())
+
+    def follow(self, documents: Iterable[Document]) -> None:
+        """Look for changes; call it in every frame.
+
+        Raises:
+            KinetixError: The last copy could not be written.
+        """
+        if not self._stored:
+            return
+        now = self._clock()
+        for document in documents:
+            if document.number in self._watched or document.dirty:
+                self._look(self._watch(document), now)
+        self._complain()
+
+    def _complain(self) -> None:
+        reason = ""
+        while self._failed:
+            watched, reason = self._failed.pop()
+            watched.document.autosaved_at = None  # so that it is tried again
+        if reason:
+            raise KinetixError(f"No copy of unsaved changes could be kept. {reason}")
+
+    def _watch(self, document: Document) -> _Watched:
+        known = self._watched.get(document.number)
+        if known is None:
+            known = _Watched(document, self.folder / f"{document.number}.json")
+            self._watched[document.number] = known
+        return known
+
+    def _look(self, watched: _Watched, now: float) -> None:
+        document = watched.document
+        if document.saves != watched.saves:
+            watched.saves = document.saves
+            self._remove(watched, with_origin=True)
+        level = document.committed
+        if not document.dirty:
+            watched.first, watched.seen = 0.0, level
+            if document.autosaved_at is not None:
+                self._remove(watched, with_origin=False)
+            return
+        nowhere = document.autosaved_at is None and not watched.first
+        if nowhere or level is not watched.seen:
+            watched.seen, watched.last = level, now
+            watched.first = watched.first or now
+        if watched.first and (now - watched.last >= PAUSE or now - watched.first >= LONGEST):
+            self.keep(document)
+
+    def keep(self, document: Document) -> None:
+        """Copy a document now where it has changes that no copy holds."""
+        if not (self._stored and document.dirty):
+            return
+        level, watched = document.level, self._watch(document)
+        watched.first, watched.seen = 0.0, document.committed
+        if document.autosaved_at is not None and same_content(level, document.autosaved):
+            return
+        now = datetime.datetime.now().astimezone()
+        document.autosaved, document.autosaved_at = level, now
+        stamp = document.stamp
+        record = {
+            "path": str(document.path.resolve()) if document.path else None,
+            "format": document.format,
+            "time": now.astimezone(datetime.UTC).isoformat(),
+            "base": stamp.digest if isinstance(stamp, Stamp) else None,
+            "origin": [str(file) for file in document.origin],
+            "level": dumps(level),
+        }
+        with self._wake:
+            watched.wanted, watched.gone = json.dumps(record).encode(), False
+            self._start()
+            self._wake.notify_all()
+
+    def forget(self, document: Document) -> None:
+        """Remove the copy of a document that the user has given up, and what it was made from."""
+        if self._stored:
+            self._remove(self._watch(document), with_origin=True)
+
+    def _remove(self, watched: _Watched, *, with_origin: bool) -> None:
+        document = watched.document
+        document.autosaved, document.autosaved_at = document.level, None
+        watched.first = 0.0
+        with self._wake:
+            watched.wanted, watched.gone = None, True
+            self._start()
+            self._wake.notify_all()
+        if with_origin:
+            for file in document.origin:
+                discard(file)
+            document.origin = ()
+
+    def flush(self) -> None:
+        """Wait until everything is on the disk.
+
+        Raises:
+            KinetixError: It could not be written.
+        """
+        with self._wake:
+            while self._thread is not None and (self._busy or self._due()):
+                self._wake.wait()
+        self._complain()
+
+    def open_files(self, files: Iterable[Path]) -> None:
+        """Tell other runs which files this one has open.
+
+        Raises:
+            LevelError: It cannot be written.
+        """
+        names = tuple(sorted(str(file.resolve()) for file in files))
+        if not self._stored or names == self._open:
+            return
+        self._open = names
+        self._begin()
+        write_atomically(self.folder / _OPEN, json.dumps(names).encode())
+
+    def open_elsewhere(self, file: Path) -> bool:
+        """Return whether a run that goes on, other than this one, has a file open."""
+        name = str(file.resolve())
+        return self._stored and any(
+            name in _open_in(run)
+            for run in _runs(self._base)
+            if run != self.folder and goes_on(run)
+        )
+
+    def end(self) -> None:
+        """Let go of everything; copies of what was neither saved nor given up stay."""
+        with self._wake:
+            self._ended = True
+            self._wake.notify_all()
+        if self._thread is not None:
+            self._thread.join(5.0)
+        if self._lock is not None:
+            self._lock.release()
+            (self.folder / _OPEN).unlink(missing_ok=True)
+            _tidy(self.folder)
+
+    def _due(self) -> list[_Watched]:
+        return [each for each in self._watched.values() if each.gone or each.wanted is not None]
+
+    def _start(self) -> None:
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._write_all, name="autosave", daemon=True)
+            self._thread.start()
+
+    def _write_all(self) -> None:
+        while True:
+            with self._wake:
+                self._busy = False
+                self._wake.notify_all()
+                while not (due := self._due()) and not self._ended:
+                    self._wake.wait()
+                if not due:
+                    return
+                self._busy = True
+                work = [(each, each.wanted) for each in due]
+                for each in due:
+                    each.wanted, each.gone = None, False
+            for watched, content in work:
+                try:
+                    self._write(watched.file, content)
+                except (OSError, KinetixError) as error:
+                    self._failed.append((watched, str(error)))
+
+    def _write(self, file: Path, content: bytes | None) -> None:
+        if content is None:
+            file.unlink(missing_ok=True)
+            return
+        self._begin()
+        write_atomically(file, content)
+
+    def _begin(self) -> None:
+        """Make the folder of the run and lock it.
+
+        Raises:
+            LevelError: It cannot be made.
+        """
+        with self._locking:
+            if self._lock is not None:
+                return
+            for _ in range(3):
+                try:
+                    self.folder.mkdir(parents=True, exist_ok=True)
+                    self._lock = RunLock(self.folder)
+                    return
+                except FileNotFoundError:
+                    # A run that looked at it before it was locked has tidied it up.
+                    continue
+                except OSError as error:
+                    reason = error.strerror or str(error)
+                    raise LevelError(f"{self.folder}: cannot be made: {reason}") from error
+            raise LevelError(f"{self.folder}: cannot be made: it is removed again and again")
+
+
+def _runs(base: Path | None = None) -> list[Path]:
+    """Return the folders of all runs."""
+    try:
+        return sorted(path for path in (base or autosave_dir()).iterdir() if path.is_dir())
+    except OSError:
+        return []
+
+
+def _open_in(run: Path) -> list[str]:
+    try:
+        names = parse(read_text(run / _OPEN, "kept"), run / _OPEN)
+    except FileError:
+        return []
+    return names if isinstance(names, list) else []
+
+
+def _tidy(run: Path) -> None:
+    """Remove the folder of a run that has ended and left nothing."""
+    if any(run.glob("*[0-9].json")):
+        return
+    for file in (*run.glob(".*.tmp"), run / _OPEN):
+        file.unlink(missing_ok=True)
+    RunLock.remove(run)
+    try:
+        run.rmdir()
+    except OSError:
+        return
+
+
+def discard(file: Path) -> None:
+    """Remove a copy, and its run's folder when nothing else is in it."""
+    file.unlink(missing_ok=True)
+    if file.parent.parent.name == autosave_dir().name and not goes_on(file.parent):
+        _tidy(file.parent)
+
+
+def left_behind(base: Path | None = None) -> list[Path]:
+    """Return the copies that runs which have ended left behind.
+
+    Among them those of version 0.1.0, which lie in the folder itself and are named by process ids.
+    """
+    folder = base or autosave_dir()
+    found = sorted(folder.glob("*-*.json")) if folder.is_dir() else []
+    for run in _runs(base):
+        if goes_on(run):
+            continue
+        copies = sorted(run.glob("*[0-9].json"))
+        if not copies:
+            _tidy(run)
+        found += copies
+    return found

@@ -1,0 +1,135 @@
+"""The clipboard: a sub-graph of a level as text, and pasting it."""
+
+import dataclasses
+from collections.abc import Hashable
+from typing import Annotated, Final, Literal
+
+import msgspec
+
+from editor.documents.commands.base import Selection, count_label
+from editor.documents.commands.level import renumbered
+from kinetix.errors import CommandError
+from kinetix.level.geometry import bounds_of, referenced_body, to_local, to_world
+from kinetix.level.model import Body, Joint, Level, Point, Record, Thruster
+
+FORMAT: Final = "kinetix-clip"
+VERSION: Final = 1
+
+
+class Clip(Record, frozen=True, kw_only=True):
+    """What was copied: bodies, the joints between them (and to the arena), their thrusters."""
+
+    format: Literal["kinetix-clip"] = FORMAT
+    version: Annotated[int, msgspec.Meta(ge=1, le=VERSION)] = VERSION
+    bodies: tuple[Body, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    thrusters: tuple[Thruster, ...] = ()
+
+
+def copied(level: Level, selection: Selection) -> Clip:
+    """The sub-graph of a selection: its bodies with everything that hangs only on them.
+
+    A selection without bodies copies the selected joints and thrusters themselves, which serve as
+    the source of pasted properties.
+    """
+    bodies = tuple(body for body in level.bodies if body.id in selection)
+    ids = {body.id for body in bodies}
+    if not bodies:
+        return Clip(
+            joints=tuple(j for j in level.joints if j.id in selection),
+            thrusters=tuple(t for t in level.thrusters if t.id in selection),
+        )
+    return Clip(
+        bodies=bodies,
+        joints=tuple(
+            j for j in level.joints if all(isinstance(end, str) or end in ids for end in (j.a, j.b))
+        ),
+        thrusters=tuple(t for t in level.thrusters if t.body in ids),
+    )
+
+
+def dumps(clip: Clip) -> str:
+    """The clip as text for the system's clipboard."""
+    return msgspec.json.encode(clip).decode()
+
+
+def loads(text: str) -> Clip:
+    """Read a clip.
+
+    Raises:
+        CommandError: The text is no clip of ours.
+    """
+    try:
+        clip = msgspec.json.decode(text.encode(), type=Clip)
+    except msgspec.DecodeError as error:
+        reason = f": {error}" if FORMAT in text[:200] else ""
+        raise CommandError(f"The clipboard holds nothing that can be pasted{reason}.") from None
+    ids = {body.id for body in clip.bodies}
+    ends = {end for joint in clip.joints for end in (joint.a, joint.b)}
+    ends |= {thruster.body for thruster in clip.thrusters}
+    if clip.bodies and not {end for end in ends if not isinstance(end, str)} <= ids:
+        raise CommandError("The clipboard's joints do not fit its bodies.")
+    return clip
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Paste:
+    """Adds a clip's bodies, joints and thrusters with new ids."""
+
+    clip: Clip
+    shift: Point
+    """How far from where they were copied [m]."""
+    verb: str = "Paste"
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        return count_label(self.verb, len(self.clip.bodies), "shape")
+
+    def apply(self, level: Level) -> Level:
+        """Append the sub-graph; joints to the arena are anchored anew where they now are.
+
+        Raises:
+            CommandError: The clip holds no body.
+        """
+        if not self.clip.bodies:
+            raise CommandError("Copy at least one shape to paste it.")
+        dx, dy = self.shift
+        moved = Level(
+            name="clip",
+            arena=level.arena,
+            bodies=tuple(
+                b.replace(position=(b.position[0] + dx, b.position[1] + dy))
+                for b in self.clip.bodies
+            ),
+            thrusters=self.clip.thrusters,
+            joints=self.clip.joints,
+        )
+        moved = moved.replace(joints=tuple(_on_arena(moved, j) for j in moved.joints))
+        new = {old.id: level.next_id + k for k, old in enumerate(moved.entities())}
+        fresh = renumbered(moved, new)
+        return level.replace(
+            bodies=level.bodies + fresh.bodies,
+            joints=level.joints + fresh.joints,
+            thrusters=level.thrusters + fresh.thrusters,
+            next_id=level.next_id + len(new),
+        )
+
+
+def _on_arena(level: Level, joint: Joint) -> Joint:
+    """Let a joint's anchor on the arena follow the one on its body."""
+    if isinstance(joint.a, str) == isinstance(joint.b, str):
+        return joint
+    arena, body = ("a", "b") if isinstance(joint.a, str) else ("b", "a")
+    point = to_world(referenced_body(level, getattr(joint, body)), getattr(joint, f"anchor_{body}"))
+    local = to_local(referenced_body(level, getattr(joint, arena)), point)
+    return joint.replace(**{f"anchor_{arena}": local})
+
+
+def shift_to(clip: Clip, at: Point) -> Point:
+    """The shift that puts the middle of a clip at a point [m]."""
+    if not clip.bodies:
+        return (0.0, 0.0)
+    left, bottom, right, top = bounds_of(clip.bodies)
+    return at[0] - (left + right) / 2, at[1] - (bottom + top) / 2

@@ -1,0 +1,419 @@
+"""Edits of whole selections: moving, turning, scaling, mirroring, aligning, ordering, deleting."""
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable, Hashable
+from typing import Literal
+
+from editor.documents.commands.base import EntityId, Selection, count_label
+from editor.documents.commands.rigid import reanchored, with_bodies
+from kinetix.errors import CommandError
+from kinetix.level.geometry import (
+    bounds,
+    centre_of_mass,
+    reverse_winding,
+    rotate,
+    signed_area,
+)
+from kinetix.level.model import Body, Circle, Joint, Level, Limits, Point, Polygon, Shape, Thruster
+
+
+def _chosen(level: Level, ids: Selection) -> list[Body]:
+    bodies = [body for body in level.bodies if body.id in ids]
+    if not bodies:
+        raise CommandError("Select a shape first.")
+    return bodies
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Move:
+    """Shifts bodies; joints to bodies that stay follow the moved ones."""
+
+    ids: Selection
+    shift: Point
+    """[m]"""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        return count_label("Move", len(self.ids), "shape")
+
+    def apply(self, level: Level) -> Level:
+        """Shift the bodies.
+
+        Raises:
+            CommandError: No body is selected.
+        """
+        if self.shift == (0.0, 0.0):
+            return level
+        _chosen(level, self.ids)
+        dx, dy = self.shift
+        moved = with_bodies(
+            level,
+            self.ids,
+            lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy)),
+        )
+        return reanchored(moved, self.ids)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MoveEach:
+    """Shifts each body by its own amount (align and distribute)."""
+
+    shifts: tuple[tuple[int, Point], ...]
+    """Body id and shift [m]."""
+    label: str
+    merge_key: Hashable | None = None
+
+    def apply(self, level: Level) -> Level:
+        """Shift the bodies."""
+        for body_id, shift in self.shifts:
+            level = Move(ids=(body_id,), shift=shift).apply(level)
+        return level
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Rotate:
+    """Turns bodies about a point."""
+
+    ids: Selection
+    angle: float
+    """Counter-clockwise [rad]."""
+    pivot: Point | None = None
+    """[m]; None: the centroid of the bodies' positions."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        return count_label("Rotate", len(self.ids), "shape")
+
+    def apply(self, level: Level) -> Level:
+        """Turn the bodies; joints to bodies that stay follow.
+
+        Raises:
+            CommandError: No body is selected.
+        """
+        if self.angle == 0.0:
+            return level
+        pivot = self.pivot or centroid(_chosen(level, self.ids))
+
+        def turned(body: Body) -> Body:
+            offset = (body.position[0] - pivot[0], body.position[1] - pivot[1])
+            x, y = rotate(offset, self.angle)
+            return body.replace(
+                position=(pivot[0] + x, pivot[1] + y), angle=body.angle + self.angle
+            )
+
+        return reanchored(with_bodies(level, self.ids, turned), self.ids)
+
+
+def centroid(bodies: list[Body]) -> Point:
+    """Mean of the bodies' positions [m]."""
+    count = len(bodies)
+    return (
+        sum(body.position[0] for body in bodies) / count,
+        sum(body.position[1] for body in bodies) / count,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Scale:
+    """Scales a group uniformly about a point; anchors and thrusters on the bodies scale along."""
+
+    ids: Selection
+    factor: float
+    pivot: Point
+    """[m]"""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        return count_label("Scale", len(self.ids), "shape")
+
+    def apply(self, level: Level) -> Level:
+        """Scale the bodies.
+
+        Raises:
+            CommandError: No body is selected, or the factor is not positive.
+        """
+        _chosen(level, self.ids)
+        if not self.factor > 0:
+            raise CommandError("The size must stay positive.")
+        if self.factor == 1.0:
+            return level
+        px, py = self.pivot
+
+        def place(position: Point) -> Point:
+            return px + self.factor * (position[0] - px), py + self.factor * (position[1] - py)
+
+        factors = (self.factor, self.factor)
+        return _resized(level, self.ids, factors, lambda body: place(body.position))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Stretch:
+    """Scales one body along its own axes, holding a point of its frame in place."""
+
+    body: int
+    factors: Point
+    """Along the body's own x and y; a circle takes the first for both."""
+    hold: Point = (0.0, 0.0)
+    """The point of the frame that stays where it is in the world [m]."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Resize shape"
+
+    def apply(self, level: Level) -> Level:
+        """Scale the body.
+
+        Raises:
+            CommandError: There is no such body, or a factor is not positive.
+        """
+        body = _chosen(level, (self.body,))[0]
+        if not min(self.factors) > 0:
+            raise CommandError("The size must stay positive.")
+        if self.factors == (1.0, 1.0):
+            return level
+        fx, fy = self.factors
+        if isinstance(body.shape, Circle):
+            fy = fx
+        x, y = rotate(((1 - fx) * self.hold[0], (1 - fy) * self.hold[1]), body.angle)
+        place = (body.position[0] + x, body.position[1] + y)
+        return _resized(level, (self.body,), (fx, fy), lambda _: place)
+
+
+def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body], Point]) -> Level:
+    def scaled(point: Point) -> Point:
+        return factors[0] * point[0], factors[1] * point[1]
+
+    def shape(old: Shape) -> Shape:
+        if isinstance(old, Circle):
+            return Circle(radius=old.radius * factors[0])
+        return Polygon(vertices=tuple(scaled(vertex) for vertex in old.vertices))
+
+    resized = with_bodies(
+        level,
+        ids,
+        lambda b: b.replace(shape=shape(b.shape), position=place(b), mass_properties=None),
+    )
+    joints = tuple(
+        joint.replace(
+            anchor_a=scaled(joint.anchor_a) if joint.a in ids else joint.anchor_a,
+            anchor_b=scaled(joint.anchor_b) if joint.b in ids else joint.anchor_b,
+        )
+        for joint in level.joints
+    )
+    thrusters = tuple(
+        t.replace(position=scaled(t.position)) if t.body in ids else t for t in level.thrusters
+    )
+    return reanchored(resized.replace(joints=joints, thrusters=thrusters), ids)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetVertices:
+    """Gives a polygon other corners; the frame's origin goes to the centre of mass."""
+
+    body: int
+    vertices: tuple[Point, ...]
+    """In the world [m], in any turning sense."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Move vertex"
+
+    def apply(self, level: Level) -> Level:
+        """Reshape the polygon; anchors and thrusters stay where they are in the world.
+
+        Raises:
+            CommandError: There is no such body.
+        """
+        old = _chosen(level, (self.body,))[0]
+        new = polygon_body(self.vertices, level, old)
+        dx, dy = new.position[0] - old.position[0], new.position[1] - old.position[1]
+        x, y = rotate((dx, dy), -old.angle)
+
+        def kept(point: Point) -> Point:
+            return point[0] - x, point[1] - y
+
+        joints = tuple(
+            joint.replace(
+                anchor_a=kept(joint.anchor_a) if joint.a == old.id else joint.anchor_a,
+                anchor_b=kept(joint.anchor_b) if joint.b == old.id else joint.anchor_b,
+            )
+            for joint in level.joints
+        )
+        thrusters = tuple(
+            t.replace(position=kept(t.position)) if t.body == old.id else t for t in level.thrusters
+        )
+        changed = with_bodies(level, (old.id,), lambda _: new)
+        return changed.replace(joints=joints, thrusters=thrusters)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Mirror:
+    """Mirrors bodies, their inner joints and their thrusters about the middle of the selection."""
+
+    ids: Selection
+    axis: Literal["x", "y"]
+    """`x`: left and right change places; `y`: up and down."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Says the direction."""
+        return "Mirror left–right" if self.axis == "x" else "Mirror up–down"
+
+    def apply(self, level: Level) -> Level:
+        """Mirror the selection.
+
+        A mirrored motor turns the other way for the same key, as a mirror image does.
+
+        Raises:
+            CommandError: No body is selected.
+        """
+        bodies = _chosen(level, self.ids)
+        k = 0 if self.axis == "x" else 1
+        boxes = [bounds(body) for body in bodies]
+        middle = (min(box[k] for box in boxes) + max(box[k + 2] for box in boxes)) / 2
+
+        def flip(point: Point) -> Point:
+            return (-point[0], point[1]) if k == 0 else (point[0], -point[1])
+
+        def body(old: Body) -> Body:
+            position = list(old.position)
+            position[k] = 2 * middle - position[k]
+            velocity = list(old.velocity)
+            velocity[k] = -velocity[k]
+            return old.replace(
+                shape=_mirrored(old.shape, flip),
+                position=tuple(position),
+                angle=-old.angle,
+                velocity=tuple(velocity),
+                angular_velocity=-old.angular_velocity,
+            )
+
+        def joint(old: Joint) -> Joint:
+            ends = {e: getattr(old, e) in self.ids for e in ("a", "b")}
+            if not any(ends.values()):
+                return old
+            anchors = {
+                f"anchor_{end}": flip(getattr(old, f"anchor_{end}"))
+                for end, inside in ends.items()
+                if inside
+            }
+            return (
+                _reversed(old.replace(**anchors)) if all(ends.values()) else old.replace(**anchors)
+            )
+
+        def thruster(old: Thruster) -> Thruster:
+            if old.body not in self.ids:
+                return old
+            angle = math.pi - old.angle if k == 0 else -old.angle
+            return old.replace(position=flip(old.position), angle=angle)
+
+        mirrored = with_bodies(level, self.ids, body).replace(
+            joints=tuple(joint(old) for old in level.joints),
+            thrusters=tuple(thruster(old) for old in level.thrusters),
+        )
+        return reanchored(mirrored, self.ids)
+
+
+def _mirrored(shape: Shape, flip: Callable[[Point], Point]) -> Shape:
+    if isinstance(shape, Circle):
+        return shape
+    return Polygon(vertices=reverse_winding(tuple(flip(vertex) for vertex in shape.vertices)))
+
+
+def _reversed(joint: Joint) -> Joint:
+    """A joint whose two bodies were mirrored: angles, limits and motor run the other way."""
+    limits = joint.limits and Limits(
+        on=joint.limits.on, min=-joint.limits.max, max=-joint.limits.min
+    )
+    motor = joint.motor and joint.motor.replace(speed=-joint.motor.speed)
+    return joint.replace(reference_angle=-joint.reference_angle, limits=limits, motor=motor)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Reorder:
+    """Brings bodies one place forward or back among their kind (drawing and slot order)."""
+
+    ids: Selection
+    step: Literal[1, -1]
+    """1: later in the list, drawn above."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Says the direction."""
+        return "Bring forward" if self.step == 1 else "Send back"
+
+    def apply(self, level: Level) -> Level:
+        """Swap each body with its neighbour of the same kind.
+
+        Raises:
+            CommandError: No body is selected.
+        """
+        _chosen(level, self.ids)
+        bodies = list(level.bodies)
+        for circles in (False, True):
+            slots = [i for i, b in enumerate(bodies) if isinstance(b.shape, Circle) == circles]
+            pairs = list(itertools.pairwise(slots))
+            for low, high in reversed(pairs) if self.step == 1 else pairs:
+                goes, stays = (low, high) if self.step == 1 else (high, low)
+                if bodies[goes].id in self.ids and bodies[stays].id not in self.ids:
+                    bodies[low], bodies[high] = bodies[high], bodies[low]
+        return level.replace(bodies=tuple(bodies))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Remove:
+    """Deletes entities; bodies go with their joints and thrusters."""
+
+    ids: Selection
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        return count_label("Delete", len(self.ids), "item")
+
+    def apply(self, level: Level) -> Level:
+        """Delete the entities; the arena stays."""
+        gone = set(self.ids)
+        return level.replace(
+            bodies=tuple(b for b in level.bodies if b.id not in gone),
+            joints=tuple(j for j in level.joints if not gone & {j.id, *_ids(j.a), *_ids(j.b)}),
+            thrusters=tuple(t for t in level.thrusters if not gone & {t.id, t.body}),
+        )
+
+
+def _ids(reference: EntityId) -> tuple[int, ...]:
+    return () if isinstance(reference, str) else (reference,)
+
+
+def polygon_body(vertices: tuple[Point, ...], level: Level, like: Body | None = None) -> Body:
+    """A polygon body with these world corners, turned counter-clockwise.
+
+    Args:
+        vertices: Corners in the world [m].
+        level: Its inertia model says where the centre of mass is.
+        like: A body to take angle and properties from.
+    """
+    if signed_area(vertices) < 0:
+        vertices = reverse_winding(vertices)
+    cx, cy = centre_of_mass(Polygon(vertices=vertices), level.inertia_model)
+    angle = like.angle if like else 0.0
+    local = tuple(rotate((x - cx, y - cy), -angle) for x, y in vertices)
+    shape = Polygon(vertices=local)
+    if like is None:
+        return Body(id=level.next_id, shape=shape, position=(cx, cy))
+    return like.replace(shape=shape, position=(cx, cy), mass_properties=None)

@@ -1,0 +1,204 @@
+"""Edits of joints: joining two bodies, bringing the anchors together again."""
+
+import dataclasses
+from collections.abc import Callable, Hashable
+
+from editor.documents.commands.base import EntityId
+from kinetix.errors import CommandError
+from kinetix.level.geometry import referenced_body, to_local, to_world
+from kinetix.level.model import (
+    ARENA_NAMES,
+    BodyReference,
+    Circle,
+    Joint,
+    JointKind,
+    Level,
+    Motor,
+    Point,
+)
+
+
+def drawing_rank(level: Level, reference: BodyReference) -> tuple[int, int]:
+    """Sorts body references from below: the arena, polygons, circles, each in list order."""
+    if isinstance(reference, str):
+        return 0, ARENA_NAMES.index(reference)
+    for index, body in enumerate(level.bodies):
+        if body.id == reference:
+            return (2 if isinstance(body.shape, Circle) else 1), index
+    raise CommandError(f"There is no body {reference}.")
+
+
+def joint_between(
+    level: Level, bodies: tuple[BodyReference, BodyReference], point: Point, kind: JointKind
+) -> Joint:
+    """A new joint of two bodies at a world point; the lower body is `a`.
+
+    Raises:
+        CommandError: A body is missing, or both are the same.
+    """
+    a, b = sorted(bodies, key=lambda reference: drawing_rank(level, reference))
+    if a == b:
+        raise CommandError("A joint needs two different bodies.")
+    body_a, body_b = referenced_body(level, a), referenced_body(level, b)
+    return Joint(
+        id=level.next_id,
+        kind=kind,
+        a=a,
+        b=b,
+        anchor_a=to_local(body_a, point),
+        anchor_b=to_local(body_b, point),
+        reference_angle=body_b.angle - body_a.angle,
+        motor=Motor() if kind == "revolute" else None,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AddJoint:
+    """Joins two bodies at a world point."""
+
+    bodies: tuple[BodyReference, BodyReference]
+    point: Point
+    kind: JointKind
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Names the kind."""
+        return "Add joint" if self.kind == "revolute" else "Add weld"
+
+    def apply(self, level: Level) -> Level:
+        """Append the joint.
+
+        Raises:
+            CommandError: A body is missing, or both are the same.
+        """
+        joint = joint_between(level, self.bodies, self.point, self.kind)
+        return level.replace(joints=(*level.joints, joint), next_id=level.next_id + 1)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class MoveJoint:
+    """Puts a joint's anchors at another world point of its two bodies."""
+
+    joint: int
+    point: Point
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Move joint"
+
+    def apply(self, level: Level) -> Level:
+        """Set both anchors.
+
+        Raises:
+            CommandError: There is no such joint.
+        """
+        return _with_joint(level, self.joint, lambda joint: self._moved(level, joint))
+
+    def _moved(self, level: Level, joint: Joint) -> Joint:
+        return joint.replace(
+            anchor_a=to_local(referenced_body(level, joint.a), self.point),
+            anchor_b=to_local(referenced_body(level, joint.b), self.point),
+        )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RehangJoint:
+    """Puts a joint at another place and on the bodies there; motor and limits stay."""
+
+    joint: int
+    bodies: tuple[BodyReference, BodyReference]
+    point: Point
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Move joint to other bodies"
+
+    def apply(self, level: Level) -> Level:
+        """Join the other bodies.
+
+        Raises:
+            CommandError: There is no such joint, a body is missing, or both are the same.
+        """
+
+        def rehung(joint: Joint) -> Joint:
+            fresh = joint_between(level, self.bodies, self.point, joint.kind)
+            return fresh.replace(id=joint.id, motor=joint.motor, limits=joint.limits)
+
+        return _with_joint(level, self.joint, rehung)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ReassignJoint:
+    """Lets a joint hold another body; the anchor stays where it is in the world."""
+
+    joint: int
+    end: str
+    """`a` or `b`."""
+    body: BodyReference
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return f"Change body {self.end.upper()} of joint"
+
+    def apply(self, level: Level) -> Level:
+        """Change one end.
+
+        Raises:
+            CommandError: There is no such joint, or both ends would be the same body.
+        """
+        return _with_joint(level, self.joint, lambda joint: self._reassigned(level, joint))
+
+    def _reassigned(self, level: Level, joint: Joint) -> Joint:
+        if self.body == (joint.b if self.end == "a" else joint.a):
+            raise CommandError("A joint needs two different bodies.")
+        point = to_world(
+            referenced_body(level, getattr(joint, self.end)), getattr(joint, f"anchor_{self.end}")
+        )
+        local = to_local(referenced_body(level, self.body), point)
+        changed = joint.replace(**{self.end: self.body, f"anchor_{self.end}": local})
+        angle = referenced_body(level, changed.b).angle - referenced_body(level, changed.a).angle
+        return changed.replace(reference_angle=angle)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Reanchor:
+    """Brings the two anchors of joints together, on body b's side (the fix of W209)."""
+
+    joints: tuple[EntityId, ...]
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Re-anchor joint"
+
+    def apply(self, level: Level) -> Level:
+        """Move anchor b onto anchor a."""
+        return level.replace(
+            joints=tuple(
+                joint.replace(
+                    anchor_b=to_local(
+                        referenced_body(level, joint.b),
+                        to_world(referenced_body(level, joint.a), joint.anchor_a),
+                    )
+                )
+                if joint.id in self.joints
+                else joint
+                for joint in level.joints
+            )
+        )
+
+
+def _with_joint(level: Level, joint_id: int, change: Callable[[Joint], Joint]) -> Level:
+    if all(joint.id != joint_id for joint in level.joints):
+        raise CommandError(f"There is no joint {joint_id}.")
+    return level.replace(
+        joints=tuple(change(joint) if joint.id == joint_id else joint for joint in level.joints)
+    )

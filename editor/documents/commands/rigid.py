@@ -1,0 +1,94 @@
+"""Pure helpers of rigid edits: jointed components, moving anchors along, freeing bodies."""
+
+import math
+from collections.abc import Callable, Collection
+
+from editor.documents.commands.base import EntityId
+from kinetix.level.geometry import (
+    centre_of_mass,
+    recentred,
+    referenced_body,
+    to_local,
+    to_world,
+)
+from kinetix.level.model import Body, Circle, Joint, Level, Point
+
+CENTRE_TOLERANCE = 1e-6
+"""A free body whose centre of mass is further off than this is recentred [m]."""
+
+
+def component(level: Level, ids: Collection[EntityId]) -> set[int]:
+    """The given bodies and all that hang on them by joints; the arena joins nothing."""
+    reached = {body.id for body in level.bodies if body.id in ids}
+    grown = True
+    while grown:
+        grown = False
+        for joint in level.joints:
+            ends = {end for end in (joint.a, joint.b) if not isinstance(end, str)}
+            if ends & reached and not ends <= reached:
+                reached |= ends
+                grown = True
+    return reached
+
+
+def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body], Body]) -> Level:
+    """The level with some of its bodies changed."""
+    return level.replace(
+        bodies=tuple(change(body) if body.id in ids else body for body in level.bodies)
+    )
+
+
+def reanchored(level: Level, moved: Collection[EntityId]) -> Level:
+    """Let joints between moved and resting bodies follow the moved ones.
+
+    The anchor on the moved body stays where it is on that body; the other one goes to the same
+    place in the world. A weld holds the bodies at their new angles.
+    """
+    if not any((joint.a in moved) != (joint.b in moved) for joint in level.joints):
+        return level
+
+    def follow(joint: Joint) -> Joint:
+        if (joint.a in moved) == (joint.b in moved):
+            return joint
+        try:
+            a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
+        except KeyError:
+            return joint
+        if joint.a in moved:
+            joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
+        else:
+            joint = joint.replace(anchor_a=to_local(a, to_world(b, joint.anchor_b)))
+        if joint.kind == "fixed":
+            joint = joint.replace(reference_angle=b.angle - a.angle)
+        return joint
+
+    return level.replace(joints=tuple(follow(joint) for joint in level.joints))
+
+
+def freed(level: Level, body_id: int) -> Level:
+    """Put the origin of a free body's frame at its centre of mass; nothing moves in the world.
+
+    Its anchors and thrusters are shifted along, so that they too stay where they are.
+    """
+    body = level.body(body_id)
+    if body.fixed or isinstance(body.shape, Circle):
+        return level
+    shift = centre_of_mass(body.shape, level.inertia_model)
+    if math.hypot(*shift) < CENTRE_TOLERANCE:
+        return level
+
+    def shifted(point: Point) -> Point:
+        return point[0] - shift[0], point[1] - shift[1]
+
+    joints = tuple(
+        joint.replace(
+            anchor_a=shifted(joint.anchor_a) if joint.a == body_id else joint.anchor_a,
+            anchor_b=shifted(joint.anchor_b) if joint.b == body_id else joint.anchor_b,
+        )
+        for joint in level.joints
+    )
+    thrusters = tuple(
+        t.replace(position=shifted(t.position)) if t.body == body_id else t for t in level.thrusters
+    )
+    level = with_bodies(level, (body_id,), lambda b: recentred(b, level.inertia_model))
+    return level.replace(joints=joints, thrusters=thrusters)

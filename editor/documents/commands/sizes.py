@@ -1,0 +1,106 @@
+"""Edits of sizes by numbers: width and height of polygons, their corners, a joint's place."""
+
+import dataclasses
+from collections.abc import Hashable
+from typing import Final, Literal
+
+from editor.base.arithmetic import Change
+from editor.documents.commands.base import Selection, count_label
+from editor.documents.commands.group import SetVertices, Stretch
+from kinetix.errors import CommandError
+from kinetix.level.geometry import polygon_fault, world_vertices
+from kinetix.level.model import Body, Circle, Level, Point, Polygon
+
+Axis = Literal[0, 1]
+SIDE_MIN: Final = 0.02
+SIDE_MAX: Final = 10.0
+"""Limits of widths and heights [m]."""
+
+
+def extent(shape: Polygon, axis: Axis) -> float:
+    """Return the width (axis 0) or height (axis 1) of a polygon in its own frame [m]."""
+    values = [vertex[axis] for vertex in shape.vertices]
+    return max(values) - min(values)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetExtent:
+    """Changes width or height of polygons, each from its own; the middle stays."""
+
+    ids: Selection
+    axis: Axis
+    change: Change
+    """In metres."""
+
+    @property
+    def label(self) -> str:
+        """Counts."""
+        verb = "Change width of" if self.axis == 0 else "Change height of"
+        return count_label(verb, len(self.ids), "shape")
+
+    @property
+    def merge_key(self) -> Hashable:
+        """The same side of the same shapes."""
+        return None if self.change.relative else ("extent", self.ids, self.axis)
+
+    def apply(self, level: Level) -> Level:
+        """Stretch the polygons.
+
+        Raises:
+            CommandError: No polygon is selected.
+        """
+        found = [b for b in level.bodies if b.id in self.ids and isinstance(b.shape, Polygon)]
+        if not found:
+            raise CommandError("Select a polygon first.")
+        for body in found:
+            level = self._stretched(level, body)
+        return level
+
+    def _stretched(self, level: Level, body: Body) -> Level:
+        assert isinstance(body.shape, Polygon)
+        before = extent(body.shape, self.axis)
+        wanted = min(max(self.change.of(before), SIDE_MIN), SIDE_MAX)
+        factor = wanted / before
+        factors = (factor, 1.0) if self.axis == 0 else (1.0, factor)
+        middle = tuple(
+            (min(v[k] for v in body.shape.vertices) + max(v[k] for v in body.shape.vertices)) / 2
+            for k in (0, 1)
+        )
+        return Stretch(body=body.id, factors=factors, hold=(middle[0], middle[1])).apply(level)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetCorner:
+    """Puts one coordinate of a polygon's corner elsewhere in the world."""
+
+    body: int
+    corner: int
+    axis: Axis
+    value: float
+    """[m]"""
+
+    @property
+    def label(self) -> str:
+        """Names the corner."""
+        return f"Move corner {self.corner + 1}"
+
+    @property
+    def merge_key(self) -> Hashable:
+        """The same coordinate."""
+        return "corner", self.body, self.corner, self.axis
+
+    def apply(self, level: Level) -> Level:
+        """Reshape the polygon.
+
+        Raises:
+            CommandError: It would not be a convex polygon any more.
+        """
+        body = level.body(self.body)
+        assert not isinstance(body.shape, Circle)
+        corners: list[Point] = list(world_vertices(body))
+        x, y = corners[self.corner]
+        corners[self.corner] = (self.value, y) if self.axis == 0 else (x, self.value)
+        fault = polygon_fault(tuple(corners))
+        if fault is not None and "clockwise" not in fault:
+            raise CommandError(f"This corner cannot go there: {fault}.")
+        return SetVertices(body=self.body, vertices=tuple(corners)).apply(level)

@@ -1,0 +1,280 @@
+"""One open level: what is committed, what a gesture previews, what undo remembers."""
+
+import dataclasses
+import datetime
+import hashlib
+import itertools
+from pathlib import Path
+from typing import Final, Literal, TypeAlias
+
+from editor.base.wording import describe
+from editor.documents.commands.base import Command, EntityId, Selection
+from editor.documents.history import Entry, History
+from kinetix.level.codec import level_hash
+from kinetix.level.kinetix_env import KinetixEnvDocument
+from kinetix.level.model import ARENA_NAMES, Level
+from kinetix.level.validate import Issue, validate
+
+Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
+
+_NUMBERS = itertools.count(1)
+_TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
+"""What may change without making a recorded solution invalid."""
+
+
+def same_content(a: Level, b: Level) -> bool:
+    """Whether two levels say the same; the id counter does not count."""
+    return a is b or a.replace(next_id=b.next_id) == b
+
+
+def same_simulation(a: Level, b: Level) -> bool:
+    """Whether two levels play alike: equal but for names, texts and the recorded solution."""
+    return a is b or a.replace(**{name: getattr(b, name) for name in _TEXT_FIELDS}) == b
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a commit did."""
+
+    changed: bool
+    """False: the command changed nothing and made no history entry."""
+    created: Selection = ()
+    """Ids of the entities that are new."""
+    notices: tuple[str, ...] = ()
+    """Sentences about side effects that the user should know."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Stamp:
+    """A file as it was read: enough to notice that somebody else changed it."""
+
+    modified_ns: int
+    content: bytes
+
+    @property
+    def digest(self) -> str:
+        """Short name of the content."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
+class Document:
+    """A level being edited: immutable snapshots, a preview on top, a counter that only rises."""
+
+    def __init__(
+        self,
+        level: Level,
+        *,
+        path: Path | None = None,
+        format: Format = "kinetix-level",
+        warnings: tuple[str, ...] = (),
+        source: KinetixEnvDocument | None = None,
+    ) -> None:
+        self.number = next(_NUMBERS)
+        """Tells the documents of one run apart."""
+        self.source = source
+        """The peer's file as it was read, for writing it back byte for byte."""
+        self.stamp: Stamp | None = None
+        """What the file looked like on disk when it was last read or written."""
+        self.outside = ""
+        """What somebody else has done to the file; empty: nothing."""
+        self.path = path
+        self.format: Format = format
+        self.warnings = warnings
+        """What the file holds and the document does not, one sentence each."""
+        self.locked: frozenset[EntityId] = frozenset()
+        """Entities that picking passes over; editor state, not saved."""
+        self.hidden: frozenset[EntityId] = frozenset()
+        """Entities that are not drawn in Edit; editor state, not saved."""
+        self.names: dict[int, str] = {}
+        """What the user calls entities, by id; editor state, not saved in the level."""
+        self.autosaved: Level = level
+        """What the autosave last wrote, or the level as opened."""
+        self.autosaved_at: datetime.datetime | None = None
+        """When a copy of unsaved changes was last made; None: there is none."""
+        self.origin: tuple[Path, ...] = ()
+        """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
+        self.saves = 0
+        """How often it was saved."""
+        self._history: History[Level, Selection] = History(level, ())
+        self._saved: Level | None = level
+        self._next_id = level.next_id
+        self._selection: Selection = ()
+        self._preview: Level | None = None
+        self._issues: tuple[Level, tuple[Issue, ...]] | None = None
+
+    @property
+    def level(self) -> Level:
+        """The committed level; its `next_id` is the document's counter."""
+        level = self._history.current.value
+        return level if level.next_id == self._next_id else level.replace(next_id=self._next_id)
+
+    @property
+    def committed(self) -> Level:
+        """The snapshot behind `level`: the same object until something changes."""
+        return self._history.current.value
+
+    @property
+    def shown(self) -> Level:
+        """What the canvas draws: the preview of a gesture, or the committed level."""
+        return self._preview if self._preview is not None else self._history.current.value
+
+    @property
+    def previewing(self) -> bool:
+        """Whether a preview is on show."""
+        return self._preview is not None
+
+    @property
+    def history(self) -> History[Level, Selection]:
+        """The snapshots; read it, change it only through the document."""
+        return self._history
+
+    @property
+    def next_id(self) -> int:
+        """The id that the next new entity gets."""
+        return self._next_id
+
+    @property
+    def dirty(self) -> bool:
+        """Whether there are changes that no file holds; undoing to the saved state is clean."""
+        return self._saved is None or not same_content(self._history.current.value, self._saved)
+
+    @property
+    def untouched(self) -> bool:
+        """Whether nothing is lost with it: no file, no change, nothing to undo."""
+        return self.path is None and not self.dirty and len(self._history.entries) == 1
+
+    @property
+    def title(self) -> str:
+        """What the tab says."""
+        return self.path.name if self.path else self.level.name
+
+    @property
+    def hash(self) -> str:
+        """Identity of the committed content."""
+        return level_hash(self.level)
+
+    def name_of(self, entity: EntityId) -> str:
+        """What an entity is called: by the user, or by kind and id."""
+        own = self.names.get(entity) if isinstance(entity, int) else None
+        return own or describe(self.shown, entity)
+
+    @property
+    def problems(self) -> tuple[Issue, ...]:
+        """The issues of the level on show, checked once for each level."""
+        if self._issues is None or self._issues[0] is not self.shown:
+            self._issues = (self.shown, tuple(validate(self.shown)))
+        return self._issues[1]
+
+    @property
+    def selection(self) -> Selection:
+        """What is selected; setting it never changes the level and never clears redo."""
+        return self._selection
+
+    @selection.setter
+    def selection(self, selection: Selection) -> None:
+        known = self._known_ids(self.shown)
+        self._selection = tuple(dict.fromkeys(i for i in selection if i in known))
+        if self._preview is None:
+            self._history.select(self._selection)
+
+    def preview(self, command: Command | None) -> None:
+        """Show what a command would do to the *committed* level; None shows the committed level.
+
+        Raises:
+            CommandError: The command cannot be done; what was on show stays.
+        """
+        self._preview = None if command is None else command.apply(self.level)
+
+    def discard_preview(self) -> None:
+        """Show the committed level again."""
+        self._preview = None
+
+    def commit(self, command: Command, *, time: float = 0.0) -> Outcome:
+        """Do a command as one history entry (which may merge with the last).
+
+        Args:
+            command: The edit.
+            time: Now [s], for merging.
+
+        Returns:
+            Whether anything changed, what is new, what else happened.
+
+        Raises:
+            CommandError: It cannot be done; the document is as before.
+        """
+        before = self._history.current.value
+        after = command.apply(self.level)
+        self._preview = None
+        if same_content(after, before):
+            return Outcome(changed=False)
+        notices = []
+        kept = after.solution is not None and after.solution is before.solution
+        if kept and not same_simulation(after, before):
+            after = after.replace(solution=None)
+            notices.append("The recorded solution was dropped: the level changed.")
+        notices += self._mass_notices(before, after)
+        known = self._known_ids(before)
+        created: Selection = tuple(e.id for e in after.entities() if e.id not in known)
+        self._next_id = max(self._next_id, after.next_id)
+        self._selection = self._surviving(after)
+        self._history.push(
+            Entry(
+                label=command.label,
+                value=after,
+                selection=self._selection,
+                merge_key=command.merge_key,
+                time=time,
+            )
+        )
+        return Outcome(changed=True, created=created, notices=tuple(notices))
+
+    def undo(self) -> str | None:
+        """Take the last entry back; returns its label, or None when there is none."""
+        self._preview = None
+        label = self._history.undo_label
+        self._show(self._history.undo())
+        return label
+
+    def redo(self) -> str | None:
+        """Do the next entry again; returns its label, or None when there is none."""
+        self._preview = None
+        label = self._history.redo_label
+        self._show(self._history.redo())
+        return label
+
+    def jump(self, index: int) -> None:
+        """Go to any entry of the history."""
+        self._preview = None
+        self._show(self._history.jump(index))
+
+    def mark_saved(self, path: Path | None = None, format: Format | None = None) -> None:
+        """Remember that the committed level is what the file holds."""
+        self._history.seal()
+        self._saved = self._history.current.value
+        self.saves += 1
+        self.path = path or self.path
+        self.format = format or self.format
+
+    def mark_unsaved(self) -> None:
+        """Remember that no file holds this level (it was recovered, or its file is gone)."""
+        self._saved = None
+
+    def _show(self, entry: Entry[Level, Selection] | None) -> None:
+        if entry is not None:
+            self._selection = entry.selection
+
+    def _surviving(self, level: Level) -> Selection:
+        known = self._known_ids(level)
+        return tuple(i for i in self._selection if i in known)
+
+    @staticmethod
+    def _known_ids(level: Level) -> set[EntityId]:
+        return {*(entity.id for entity in level.entities()), *ARENA_NAMES}
+
+    @staticmethod
+    def _mass_notices(before: Level, after: Level) -> list[str]:
+        held = {b.id for b in before.bodies if b.mass_properties is not None}
+        lost = [b.id for b in after.bodies if b.id in held and b.mass_properties is None]
+        if not lost:
+            return []
+        return ["Imported mass properties were dropped: mass now follows from shape and density."]

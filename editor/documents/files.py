@@ -1,0 +1,95 @@
+"""Level files of the app: open, save with a backup, changes from outside."""
+
+import os
+from pathlib import Path
+
+from editor.documents.document import Document, Format, Stamp
+from kinetix.errors import LevelError
+from kinetix.files.regular import FileError, read_bytes
+from kinetix.level.atomic import write_with_backup
+from kinetix.level.codec import dumps, load_document, resolve_path
+from kinetix.level.kinetix_env import lost_fields
+from kinetix.level.model import Level
+
+
+def open_document(path: str | Path) -> Document:
+    """A document from a level file of either format.
+
+    Args:
+        path: A file, or the name of a bundled level such as `s/name`.
+
+    Raises:
+        LevelError: The file is missing or bad; one sentence with file and JSON path.
+    """
+    file = resolve_path(path)
+    stamp = read_stamp(file)
+    loaded = load_document(file)
+    document = Document(
+        loaded.level,
+        path=file,
+        format=loaded.format,
+        warnings=loaded.warnings,
+        source=loaded.source,
+    )
+    document.stamp = stamp
+    return document
+
+
+def lost_on_save(level: Level, path: Path, format: Format) -> tuple[str, ...]:
+    """The fields that a save in this format would not carry."""
+    return lost_fields(level, stem=path.stem) if format == "kinetix-env" else ()
+
+
+def save_document(document: Document, path: Path, format: Format) -> None:
+    """Write a document; the file's previous content stays beside it as `NAME.json.bak`.
+
+    Args:
+        document: What to save; afterwards it is clean and belongs to the file.
+        path: The file.
+        format: The format to write.
+
+    Raises:
+        LevelError: The file cannot be written; the old one is as it was.
+    """
+    if path.is_file() and not os.access(path, os.W_OK):
+        raise LevelError(f"{path}: cannot be saved: the file is read-only")
+    data = dumps(document.level, format=format, source=document.source).encode()
+    write_with_backup(path, data)
+    document.mark_saved(path, format)
+    # What another program writes from here on is a change from outside.
+    written = read_stamp(path)
+    modified = 0 if written is None or written.content != data else written.modified_ns
+    document.stamp, document.outside = Stamp(modified_ns=modified, content=data), ""
+
+
+def conflicts(document: Document, path: Path) -> bool:
+    """Return whether a save would replace what another program has put into the document's file."""
+    if document.path is None or path.resolve() != document.path.resolve():
+        return False
+    now = read_stamp(path)
+    return now is not None and (document.stamp is None or now.content != document.stamp.content)
+
+
+def read_stamp(path: Path) -> Stamp | None:
+    """What a file looks like now, or None when it cannot be read."""
+    try:
+        return Stamp(modified_ns=path.stat().st_mtime_ns, content=read_bytes(path, "level"))
+    except (OSError, FileError):
+        return None
+
+
+def changed_outside(document: Document) -> bool:
+    """Whether somebody else has changed or removed the document's file since it was last read."""
+    if document.path is None or document.stamp is None:
+        return False
+    try:
+        modified = document.path.stat().st_mtime_ns
+    except OSError:
+        return True
+    if modified == document.stamp.modified_ns:
+        return False
+    now = read_stamp(document.path)
+    if now is not None and now.content == document.stamp.content:
+        document.stamp = now
+        return False
+    return True

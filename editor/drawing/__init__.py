@@ -1,0 +1,1 @@
+"""Drawing the level and everything that lies over it as vectors."""

@@ -1,0 +1,51 @@
+"""The ways of all attempts of an evaluation over the level, coloured by how they end."""
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from editor.drawing.vectors import Painter
+from editor.toolkit.appearance import COLOURS, alpha, u32
+from editor.toolkit.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+OUTCOME_COLOURS: Final[dict[str, str]] = {
+    "won": "good",
+    "lost": "bad",
+    "timeout": "warn",
+    "broken": "bad",
+}
+_MOST: Final = 300
+"""Ways that are drawn; more only hide each other."""
+
+
+def paint_paths(session: "Session", painter: Painter) -> None:
+    """Draw the ways of the green shape on the level that they belong to.
+
+    Args:
+        session: The app.
+        painter: Where to draw.
+    """
+    paths = session.viewer.paths
+    if paths is None or paths.level_hash != session.document.hash:
+        return
+    draw, camera = painter.draw, painter.camera
+    lit = session.viewer.lit_path
+    order = [k for k in range(min(len(paths.outcomes), _MOST)) if k != lit]
+    for k in [*order, lit] if lit is not None and lit < len(paths.outcomes) else order:
+        outcome = paths.outcomes[k]
+        if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
+            continue
+        places: list[Any] = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
+        colour = COLOURS.of(OUTCOME_COLOURS[outcome])
+        strong = k == lit
+        shade = u32(colour if strong else alpha(colour, 0.45))
+        draw.add_polyline(places, shade, px(3.5 if strong else 1.75), 0)
+        draw.add_circle_filled(places[-1], px(4), u32(colour))
+    if paths.parting is not None:
+        at = int(np.searchsorted(paths.step, paths.parting))
+        for k in order[:_MOST]:
+            x, y = paths.position[k][min(at, paths.position.shape[1] - 1)].tolist()
+            draw.add_circle(camera.to_screen((x, y)), px(3), u32(COLOURS.backdrop), 0, px(1.5))

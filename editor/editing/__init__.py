@@ -1,0 +1,1 @@
+"""Editing on the canvas: tools, picking, snapping."""

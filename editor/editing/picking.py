@@ -1,0 +1,262 @@
+"""What lies under a point or in a box, and the handles of a selection. Plain Python, no toolkit."""
+
+import math
+from collections.abc import Collection, Iterator
+from typing import Final
+
+from editor.base.overlay import Handle, HandleKind
+from kinetix.level.geometry import (
+    arena_body,
+    bounds,
+    bounds_of,
+    contains,
+    inside_box,
+    referenced_body,
+    rotate,
+    signed_distance,
+    to_world,
+    touches_box,
+)
+from kinetix.level.model import ARENA_NAMES, Body, Circle, Joint, Level, Point, Thruster
+
+EntityId = int | str
+Selection = tuple[EntityId, ...]
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, right, top [m]."""
+
+JOINT_RADIUS: Final = 0.06
+"""Half the width of a joint's mark [m]."""
+THRUSTER_RADIUS: Final = 0.10
+"""Half the width of a thruster's mark [m]."""
+PICK_PIXELS: Final = 8.0
+"""Whatever the zoom, a thing this near to the pointer is under it [px]."""
+HANDLE_PIXELS: Final = 7.0
+"""Half the width of a handle's catch area [px]."""
+ROTATE_PIXELS: Final = 28.0
+"""How far the rotation handle stands off [px]."""
+
+
+def joint_position(level: Level, joint: Joint) -> Point:
+    """Where a joint is drawn: its anchor on the body that is fixed, else the mean of both [m].
+
+    Raises:
+        KeyError: A body is missing.
+    """
+    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
+    on_a, on_b = to_world(a, joint.anchor_a), to_world(b, joint.anchor_b)
+    if a.fixed != b.fixed:
+        return on_a if a.fixed else on_b
+    return (on_a[0] + on_b[0]) / 2, (on_a[1] + on_b[1]) / 2
+
+
+def thruster_position(level: Level, thruster: Thruster) -> Point:
+    """Where a thruster is attached [m].
+
+    Raises:
+        KeyError: Its body is missing.
+    """
+    return to_world(level.body(thruster.body), thruster.position)
+
+
+def reach(body: Body) -> float:
+    """Radius of the circle around the origin of a body's frame that holds the body [m]."""
+    if isinstance(body.shape, Circle):
+        return body.shape.radius
+    return max(math.hypot(x, y) for x, y in body.shape.vertices)
+
+
+def _under(body: Body, point: Point, radius: float) -> bool:
+    distance = math.dist(body.position, point)
+    if distance <= radius:
+        return True
+    return distance <= reach(body) and signed_distance(body, point) <= 0.0
+
+
+def stack(
+    level: Level,
+    point: Point,
+    radius: float,
+    *,
+    without: Collection[EntityId] = (),
+    arena: bool = False,
+) -> Selection:
+    """Everything under a point, the uppermost first.
+
+    The order is the drawing order from above: joints and thrusters (the nearest first), circles,
+    polygons, then the arena.
+
+    Args:
+        level: Where to look.
+        point: The pointer [m].
+        radius: What eight pixels cover [m].
+        without: Entities to pass over (locked or hidden).
+        arena: Whether the arena bodies count.
+
+    Returns:
+        Ids and arena names.
+    """
+    found: list[tuple[tuple[int, float], EntityId]] = []
+    bodies = {body.id: body for body in level.bodies}
+    for joint in level.joints:
+        distance = _joint_distance(level, bodies, joint, point)
+        if distance <= max(radius, JOINT_RADIUS):
+            found.append(((0, distance), joint.id))
+    for thruster in level.thrusters:
+        distance = _thruster_distance(bodies, thruster, point)
+        if distance <= max(radius, THRUSTER_RADIUS):
+            found.append(((1, distance), thruster.id))
+    for index, body in enumerate(level.bodies):
+        if _under(body, point, radius):
+            layer = 2 if isinstance(body.shape, Circle) else 3
+            found.append(((layer, -index), body.id))
+    around = ARENA_NAMES if arena else ()
+    found += [((4, 0.0), n) for n in around if contains(arena_body(level.arena, n), point)]
+    found.sort(key=lambda item: item[0])
+    return tuple(entity for _, entity in found if entity not in without)
+
+
+def _thruster_distance(bodies: dict[int, Body], thruster: Thruster, point: Point) -> float:
+    body = bodies.get(thruster.body)
+    return math.inf if body is None else math.dist(to_world(body, thruster.position), point)
+
+
+def _joint_distance(level: Level, bodies: dict[int, Body], joint: Joint, point: Point) -> float:
+    known = all(isinstance(end, str) or end in bodies for end in (joint.a, joint.b))
+    return math.dist(joint_position(level, joint), point) if known else math.inf
+
+
+def bodies_at(
+    level: Level, point: Point, *, without: Collection[EntityId] = (), arena: bool = True
+) -> Selection:
+    """The bodies that contain a point, the uppermost first; the arena's last."""
+    circles = [b for b in level.bodies if isinstance(b.shape, Circle)]
+    polygons = [b for b in level.bodies if not isinstance(b.shape, Circle)]
+    drawn = (*reversed(circles), *reversed(polygons))
+    found: list[EntityId] = [b.id for b in drawn if b.id not in without and contains(b, point)]
+    if arena:
+        found += [n for n in ARENA_NAMES if contains(arena_body(level.arena, n), point)]
+    return tuple(found)
+
+
+def inside(
+    level: Level,
+    box: Rectangle,
+    *,
+    touching: bool,
+    without: Collection[EntityId] = (),
+) -> Selection:
+    """What a rubber band takes: what lies wholly inside, or also what it touches."""
+    test = touches_box if touching else inside_box
+    found: list[EntityId] = [b.id for b in level.bodies if test(b, box)]
+    for entity_id, place in _places(level):
+        if box[0] <= place[0] <= box[2] and box[1] <= place[1] <= box[3]:
+            found.append(entity_id)
+    return tuple(entity for entity in found if entity not in without)
+
+
+def _places(level: Level) -> Iterator[tuple[int, Point]]:
+    known = {body.id for body in level.bodies}
+    for joint in level.joints:
+        if all(isinstance(end, str) or end in known for end in (joint.a, joint.b)):
+            yield joint.id, joint_position(level, joint)
+    for thruster in level.thrusters:
+        if thruster.body in known:
+            yield thruster.id, thruster_position(level, thruster)
+
+
+def selected_bodies(level: Level, selection: Collection[EntityId]) -> tuple[Body, ...]:
+    """The selected bodies in list order, without the arena's."""
+    return tuple(body for body in level.bodies if body.id in selection)
+
+
+def selection_box(level: Level, selection: Collection[EntityId]) -> Rectangle | None:
+    """Box around what is selected, or None when nothing with a place is."""
+    bodies = selected_bodies(level, selection)
+    boxes = [bounds_of(bodies)] if bodies else []
+    boxes += [(*place, *place) for i, place in _places(level) if i in selection]
+    boxes += [bounds(arena_body(level.arena, n)) for n in ARENA_NAMES if n in selection]
+    if not boxes:
+        return None
+    low, high = (min(b[0] for b in boxes), min(b[1] for b in boxes)), boxes
+    return *low, max(b[2] for b in high), max(b[3] for b in high)
+
+
+def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, ...]:
+    """The handles of a selection.
+
+    One circle has its radius; one rectangle or quadrilateral corners and edges in its own axes; one
+    triangle its vertices; a thruster its direction; a group the corners of the box around it. All
+    bodies have a handle to rotate.
+
+    Args:
+        level: Where the entities are.
+        selection: What is selected.
+        metres: What one pixel covers [m].
+    """
+    bodies = selected_bodies(level, selection)
+    if len(bodies) == 0:
+        thrusters = [t for t in level.thrusters if t.id in selection]
+        if len(thrusters) != 1 or len(selection) != 1:
+            return ()
+        return (_aim_handle(level, thrusters[0], metres),)
+    if len(bodies) > 1:
+        left, bottom, right, top = bounds_of(bodies)
+        corners = ((left, bottom), (right, bottom), (right, top), (left, top))
+        above = ((left + right) / 2, top + ROTATE_PIXELS * metres)
+        scale = (Handle(kind=HandleKind.SCALE, at=at, index=i) for i, at in enumerate(corners))
+        return (Handle(kind=HandleKind.ROTATE, at=above), *scale)
+    (body,) = bodies
+    return _single_handles(body, metres)
+
+
+def _single_handles(body: Body, metres: float) -> tuple[Handle, ...]:
+    if isinstance(body.shape, Circle):
+        radius = body.shape.radius
+        above = to_world(body, (0.0, radius + ROTATE_PIXELS * metres))
+        return (
+            Handle(kind=HandleKind.ROTATE, at=above),
+            Handle(kind=HandleKind.RADIUS, at=to_world(body, (radius, 0.0))),
+        )
+    vertices = body.shape.vertices
+    left, right = min(x for x, _ in vertices), max(x for x, _ in vertices)
+    bottom, top = min(y for _, y in vertices), max(y for _, y in vertices)
+    above = to_world(body, ((left + right) / 2, top + ROTATE_PIXELS * metres))
+    rotate_handle = Handle(kind=HandleKind.ROTATE, at=above)
+    if len(vertices) == 3:
+        return (
+            rotate_handle,
+            *(
+                Handle(kind=HandleKind.VERTEX, at=to_world(body, vertex), index=i)
+                for i, vertex in enumerate(vertices)
+            ),
+        )
+    corners = ((left, bottom), (right, bottom), (right, top), (left, top))
+    middle = ((left + right) / 2, (bottom + top) / 2)
+    edges = (
+        (HandleKind.SCALE_Y, (middle[0], bottom)),
+        (HandleKind.SCALE_X, (right, middle[1])),
+        (HandleKind.SCALE_Y, (middle[0], top)),
+        (HandleKind.SCALE_X, (left, middle[1])),
+    )
+    return (
+        rotate_handle,
+        *(
+            Handle(kind=HandleKind.SCALE, at=to_world(body, at), index=i)
+            for i, at in enumerate(corners)
+        ),
+        *(Handle(kind=kind, at=to_world(body, at), index=i) for i, (kind, at) in enumerate(edges)),
+    )
+
+
+def _aim_handle(level: Level, thruster: Thruster, metres: float) -> Handle:
+    body = level.body(thruster.body)
+    x, y = to_world(body, thruster.position)
+    dx, dy = rotate((2 * ROTATE_PIXELS * metres, 0.0), body.angle + thruster.angle)
+    return Handle(kind=HandleKind.AIM, at=(x + dx, y + dy))
+
+
+def pick_handle(candidates: Collection[Handle], point: Point, radius: float) -> Handle | None:
+    """The handle under a point: the nearest within `radius` [m], or None."""
+    near = [(math.dist(h.at, point), i, h) for i, h in enumerate(candidates)]
+    near = [item for item in near if item[0] <= radius]
+    return min(near)[2] if near else None

@@ -1,0 +1,202 @@
+"""What a tool is, and the one driver of all gestures.
+
+A gesture is a generator: it is started by a press, yields what to show, is sent the following
+pointer events and returns the command to commit (or None). Everything a gesture remembers is a
+local variable of the generator, so that leaving it in any way leaves nothing behind.
+"""
+
+import abc
+import contextlib
+import dataclasses
+import inspect
+import math
+from collections.abc import Generator
+from typing import TYPE_CHECKING, ClassVar, Final, TypeAlias
+
+from editor.base.events import Pointer, PointerEvent
+from editor.base.overlay import Cursor, Mark
+from editor.documents.commands.base import Command
+from kinetix.errors import CommandError
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+DRAG_PIXELS: Final = 3.0
+"""Less movement than this between press and release is a click."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Feedback:
+    """What a tool shows at one moment."""
+
+    command: Command | None = None
+    """Previewed on the committed level."""
+    marks: tuple[Mark, ...] = ()
+    hint: str = ""
+    """A sentence for the status bar; empty: the tool's own."""
+    cursor: Cursor = Cursor.ARROW
+
+
+Gesture: TypeAlias = Generator[Feedback, PointerEvent, Command | None]
+
+NOTHING: Final = Feedback()
+
+
+class Tool(abc.ABC):
+    """Turns pointer events into commands; holds no state of its own between gestures."""
+
+    id: ClassVar[str]
+    label: ClassVar[str]
+    hint: ClassVar[str]
+    """What to do with it, for the status bar."""
+    click_click: ClassVar[bool] = False
+    """Whether click, move, click does the same as press, drag, release."""
+    creates: ClassVar[bool] = False
+    """Whether it makes things; then Select takes over afterwards unless the tool is kept."""
+
+    @abc.abstractmethod
+    def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
+        """Start a gesture at a press of the left button; None when there is nothing to do."""
+
+    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+        """What to show while the pointer only moves."""
+        del session, event
+        return Feedback(cursor=Cursor.CROSS)
+
+
+class Driver:
+    """Runs one gesture at a time: previews what it yields, commits what it returns."""
+
+    def __init__(self, session: "Session") -> None:
+        self._session = session
+        self._gesture: Gesture | None = None
+        self._press: PointerEvent | None = None
+        self._last: PointerEvent | None = None
+        self._floating = False
+        self._typed = ""
+        self.feedback = NOTHING
+        """What the gesture, or else the tool under the pointer, shows now."""
+
+    @property
+    def active(self) -> bool:
+        """Whether a gesture is under way."""
+        return self._gesture is not None
+
+    @property
+    def typed(self) -> str:
+        """The size typed so far."""
+        return self._typed
+
+    def pointer(self, event: PointerEvent) -> None:
+        """Take a pointer event of the left button, or a move."""
+        event = dataclasses.replace(event, typed=_numbers(self._typed))
+        if self._gesture is None:
+            if event.kind is Pointer.PRESS:
+                self._begin(event)
+            elif event.kind is Pointer.MOVE:
+                self.feedback = self._session.tool.hover(self._session, event)
+            return
+        if self._floating:
+            if event.kind is Pointer.PRESS:
+                return
+            if event.kind is Pointer.RELEASE:
+                self._floating = False
+        elif event.kind is Pointer.RELEASE and self._is_click(event):
+            # The press was a click: the gesture goes on until the next one.
+            self._floating = True
+            return
+        self._send(event)
+
+    def text(self, characters: str) -> bool:
+        """Take typed characters as a size; False when no gesture wants them."""
+        if self._gesture is None or not set(characters) <= set("0123456789.,x*"):
+            return False
+        self._typed += characters.replace(",", ".").replace("*", "x")
+        self._resend()
+        return True
+
+    def backspace(self) -> bool:
+        """Take the last typed character back; False when there is none."""
+        if not self._typed:
+            return False
+        self._typed = self._typed[:-1]
+        self._resend()
+        return True
+
+    def accept(self) -> bool:
+        """Finish the gesture where it is (Enter); False when none is under way."""
+        if self._gesture is None or self._last is None:
+            return False
+        self._send(dataclasses.replace(self._last, kind=Pointer.RELEASE))
+        return True
+
+    def cancel(self) -> bool:
+        """Drop the gesture and its preview; False when none was under way.
+
+        A gesture that itself asks the user something, as its last act, is left to end by itself.
+        """
+        if self._gesture is None or inspect.getgeneratorstate(self._gesture) == inspect.GEN_RUNNING:
+            return False
+        self._gesture.close()
+        self._end()
+        return True
+
+    def _begin(self, event: PointerEvent) -> None:
+        self._typed = ""
+        self._press = self._last = event
+        self._gesture = self._session.tool.press(self._session, event)
+        if self._gesture is not None:
+            self._advance(None)
+
+    def _send(self, event: PointerEvent) -> None:
+        self._last = event
+        self._advance(event)
+
+    def _resend(self) -> None:
+        if self._last is not None:
+            typed = _numbers(self._typed)
+            self._send(dataclasses.replace(self._last, kind=Pointer.MOVE, typed=typed))
+
+    def _advance(self, event: PointerEvent | None) -> None:
+        assert self._gesture is not None
+        document = self._session.document
+        try:
+            feedback = self._gesture.send(event)  # pyright: ignore[reportArgumentType]
+        except StopIteration as finished:
+            self._end()
+            if finished.value is not None:
+                self._session.execute(finished.value)
+                if self._session.tool.creates:
+                    self._session.tool_done()
+            return
+        except CommandError as error:
+            self._end()
+            self._session.complain(str(error))
+            return
+        except Exception:
+            self._end()
+            raise
+        self.feedback = feedback
+        try:
+            document.preview(feedback.command)
+        except CommandError as error:
+            self.feedback = dataclasses.replace(feedback, hint=str(error), cursor=Cursor.REFUSED)
+
+    def _end(self) -> None:
+        self._gesture = self._press = self._last = None
+        self._floating, self._typed = False, ""
+        self.feedback = NOTHING
+        self._session.document.discard_preview()
+
+    def _is_click(self, event: PointerEvent) -> bool:
+        assert self._press is not None
+        tool = self._session.tool
+        return tool.click_click and math.dist(self._press.screen, event.screen) < DRAG_PIXELS
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    numbers = []
+    for part in text.split("x"):
+        with contextlib.suppress(ValueError):
+            numbers.append(float(part))
+    return tuple(numbers)

@@ -1,0 +1,61 @@
+"""Draws circles: from the centre outwards, or from rim to rim with Alt."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from editor.base.events import Pointer, PointerEvent
+from editor.base.overlay import Cursor, Label, Line, Style
+from editor.documents.commands.bodies import AddBody
+from editor.editing.snapping import apart_from, measured, snap_point
+from editor.editing.tools.base import Feedback, Gesture, Tool
+from kinetix.level.model import Body, Circle
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+RADIUS_MIN: Final = 0.02
+RADIUS_MAX: Final = 5.0
+"""The format's limits [m]."""
+RADIUS_STEP: Final = 0.05
+"""What Shift rounds the radius to [m]."""
+
+
+class CircleTool(Tool):
+    """Press at the centre, drag to the rim."""
+
+    id = "circle"
+    label = "Circle"
+    hint = "Drag from the centre outwards. Shift: round radius, Alt: rim to rim, or type a radius."
+    click_click = True
+    creates = True
+
+    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+        """Draw one circle."""
+        available = session.targets()
+        start = snap_point(event.world, session.rules(event.modifiers), available).point
+        available = apart_from(available, start)
+        snapped, command = None, None
+        feedback = Feedback(cursor=Cursor.CROSS)
+        while True:
+            event = yield feedback
+            if event.kind is Pointer.RELEASE:
+                return command
+            snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+            end, centre = snapped.point, start
+            radius = math.dist(start, end)
+            if event.modifiers.alt:
+                centre, radius = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2), radius / 2
+            if event.modifiers.shift:
+                radius = max(round(radius / RADIUS_STEP), 1) * RADIUS_STEP
+            if event.typed:
+                radius = event.typed[0]
+            command = None
+            if RADIUS_MIN <= radius <= RADIUS_MAX:
+                body = Body(id=1, shape=Circle(radius=radius), position=centre)
+                command = AddBody(body=body)
+            marks = (
+                *measured(snapped.guides),
+                Line(a=centre, b=end, style=Style.PREVIEW),
+                Label(at=end, text=f"radius {radius:.2f} m"),
+            )
+            feedback = Feedback(command=command, marks=marks, cursor=Cursor.CROSS)

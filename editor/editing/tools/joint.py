@@ -1,0 +1,128 @@
+"""Joins two bodies where they overlap: a hinge, or a weld that also holds the angle."""
+
+from typing import TYPE_CHECKING
+
+from editor.base.events import Pointer, PointerEvent
+from editor.base.overlay import Cursor, Dot, Line, Mark, Outline, Ring, Style
+from editor.base.prompts import Choice, MenuQuestion
+from editor.documents.commands.joints import AddJoint
+from editor.editing.picking import bodies_at
+from editor.editing.snapping import snap_point
+from editor.editing.tools.base import Feedback, Gesture, Tool
+from kinetix.level.geometry import referenced_body, world_vertices
+from kinetix.level.model import BodyReference, Circle, JointKind, Level, Point
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+TOO_FEW = "A joint needs two overlapping shapes"
+PAIRS_MAX = 10
+"""Pairs offered when several bodies lie under the pointer."""
+
+
+class JointTool(Tool):
+    """Click where two bodies overlap; with two bodies selected they are taken."""
+
+    id = "joint"
+    label = "Joint"
+    hint = "Click where two shapes overlap: a hinge with a motor."
+    kind: JointKind = "revolute"
+    creates = True
+
+    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+        """Show the anchor and the two bodies, or why there is nothing to join."""
+        point = self._point(session, event)
+        pairs = self._pairs(session, point)
+        if not pairs:
+            return Feedback(hint=TOO_FEW, cursor=Cursor.REFUSED)
+        return Feedback(
+            marks=pair_marks(session.document.level, pairs[0], point), cursor=Cursor.CROSS
+        )
+
+    def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
+        """Join at the release; several pairs are asked about."""
+        point = self._point(session, event)
+        pairs = self._pairs(session, point)
+        if not pairs:
+            session.complain(TOO_FEW)
+            return None
+        return self._join(session, pairs, point)
+
+    def _join(
+        self, session: "Session", pairs: list[tuple[BodyReference, BodyReference]], point: Point
+    ) -> Gesture:
+        document = session.document
+        level = document.level
+        while True:
+            marks = pair_marks(level, pairs[0], point)
+            event = yield Feedback(marks=marks, cursor=Cursor.CROSS)
+            if event.kind is Pointer.RELEASE:
+                break
+        if len(pairs) == 1:
+            return AddJoint(bodies=pairs[0], point=point, kind=self.kind)
+        choices = tuple(
+            Choice(
+                id=str(k),
+                label=f"{document.name_of(a)} — {document.name_of(b)}",
+                ids=(a, b),
+            )
+            for k, (a, b) in enumerate(pairs[:PAIRS_MAX])
+        )
+        session.ask(
+            MenuQuestion(
+                title="Join which shapes?",
+                choices=choices,
+                at=event.screen,
+                answer=lambda choice: self._answered(session, pairs, point, choice),
+            )
+        )
+        return None
+
+    def _answered(
+        self,
+        session: "Session",
+        pairs: list[tuple[BodyReference, BodyReference]],
+        point: Point,
+        choice: str | None,
+    ) -> None:
+        if choice is not None:
+            session.execute(AddJoint(bodies=pairs[int(choice)], point=point, kind=self.kind))
+            session.tool_done()
+
+    def _point(self, session: "Session", event: PointerEvent) -> Point:
+        rules = session.rules(event.modifiers)
+        return snap_point(event.world, rules, session.targets()).point
+
+    def _pairs(self, session: "Session", point: Point) -> list[tuple[BodyReference, BodyReference]]:
+        level = session.document.level
+        selected = [i for i in session.selection if any(i == body.id for body in level.bodies)]
+        under = list(bodies_at(level, point, without=session.document.hidden))
+        if len(selected) == 2 and set(selected) <= set(under):
+            return [(selected[0], selected[1])]  # pyright: ignore[reportReturnType]
+        found = [(a, b) for i, a in enumerate(under) for b in under[i + 1 :]]
+        free = [pair for pair in found if not all(isinstance(end, str) for end in pair)]
+        return free  # pyright: ignore[reportReturnType]
+
+
+class WeldTool(JointTool):
+    """Like Joint, but the two bodies keep their angle."""
+
+    id = "weld"
+    label = "Weld"
+    hint = "Click where two shapes overlap: they become one rigid piece."
+    kind: JointKind = "fixed"
+
+
+def pair_marks(
+    level: Level, pair: tuple[BodyReference, BodyReference], point: Point
+) -> tuple[Mark, ...]:
+    """The two bodies of a joint and its anchor: A solid, B dashed."""
+    marks: list[Mark] = []
+    for reference, style in zip(pair, (Style.BODY_A, Style.BODY_B), strict=True):
+        body = referenced_body(level, reference)
+        if isinstance(body.shape, Circle):
+            marks.append(Ring(centre=body.position, radius=body.shape.radius, style=style))
+        else:
+            marks.append(Outline(points=world_vertices(body), style=style))
+        marks.append(Line(a=body.position, b=point, style=style))
+    return (*marks, Dot(at=point, style=Style.PREVIEW))

@@ -1,0 +1,102 @@
+"""Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
+
+from typing import TYPE_CHECKING, Any
+
+from editor.base.events import Point, Pointer, PointerEvent
+from editor.base.overlay import Cursor, Label, Mark
+from editor.documents.commands.bodies import PLACE_DECIMALS
+from editor.documents.commands.group import Move
+from editor.documents.commands.joints import MoveJoint, RehangJoint
+from editor.documents.commands.thrusters import PlaceThruster
+from editor.editing.picking import bodies_at
+from editor.editing.snapping import measured, snap_point, snap_shift
+from editor.editing.tools.base import Feedback, Gesture
+from editor.editing.tools.joint import pair_marks
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
+    """Move bodies: Shift keeps to one axis, Ctrl inverts snapping, typed numbers are the shift.
+
+    Args:
+        session: The app.
+        press: Where the drag began.
+        ids: The bodies that move.
+    """
+    level = session.document.level
+    bodies = [body for body in level.bodies if body.id in ids]
+    # The grabbed body leads: its centre is what the grid takes.
+    bodies.sort(key=lambda body: body.id not in session.selection)
+    available = session.targets(ids)
+    snapped, command = None, None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        shift = (event.world[0] - press.world[0], event.world[1] - press.world[1])
+        if event.modifiers.shift:
+            shift = (shift[0], 0.0) if abs(shift[0]) >= abs(shift[1]) else (0.0, shift[1])
+        snapped = snap_shift(bodies, shift, session.rules(event.modifiers), available, snapped)
+        dx, dy = (round(value, PLACE_DECIMALS) for value in snapped.point)
+        if event.modifiers.shift:
+            dx, dy = (dx, 0.0) if shift[1] == 0.0 else (0.0, dy)
+        if event.typed:
+            dx, dy = event.typed[0], event.typed[1] if len(event.typed) > 1 else 0.0
+        command = Move(ids=ids, shift=(dx, dy))
+        if event.kind is Pointer.RELEASE:
+            return command
+        label = Label(at=event.world, text=f"{dx:+.2f}, {dy:+.2f} m")
+        feedback = Feedback(
+            command=command, marks=(*measured(snapped.guides), label), cursor=Cursor.MOVE
+        )
+
+
+def drag_joint(session: "Session", press: PointerEvent, joint: int) -> Gesture:
+    """Move a joint's anchor; dropped where other bodies lie over each other, it joins those."""
+    del press
+    available, snapped = session.targets(), None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+        command = _joint_at(session, joint, snapped.point)
+        if event.kind is Pointer.RELEASE:
+            return command
+        marks: tuple[Mark, ...] = measured(snapped.guides)
+        if isinstance(command, RehangJoint):
+            names = " and ".join(session.document.name_of(body) for body in command.bodies)
+            pair = pair_marks(session.document.level, command.bodies, command.point)
+            marks = (*marks, *pair, Label(at=event.world, text=f"joins {names}"))
+        feedback = Feedback(command=command, marks=marks, cursor=Cursor.MOVE)
+
+
+def _joint_at(session: "Session", joint_id: int, point: Point) -> MoveJoint | RehangJoint:
+    """Return the edit that puts a joint at a point: on its bodies while they reach there."""
+    level = session.document.level
+    joint = next(joint for joint in level.joints if joint.id == joint_id)
+    hidden = session.document.hidden
+    under = [body for body in bodies_at(level, point) if body not in hidden]
+    kept = [end for end in (joint.a, joint.b) if end in under]
+    if len(kept) == 2 or len(under) < 2:
+        return MoveJoint(joint=joint_id, point=point)
+    others = [body for body in under if body not in kept]
+    first, second = [*kept, *others][:2]
+    if isinstance(first, str) and isinstance(second, str):
+        return MoveJoint(joint=joint_id, point=point)
+    bodies: Any = (first, second)
+    return RehangJoint(joint=joint_id, bodies=bodies, point=point)
+
+
+def drag_thruster(session: "Session", press: PointerEvent, thruster: int) -> Gesture:
+    """Move a thruster on its body."""
+    del press
+    available, snapped = session.targets(), None
+    feedback = Feedback(cursor=Cursor.MOVE)
+    while True:
+        event = yield feedback
+        snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
+        command = PlaceThruster(thruster=thruster, point=snapped.point)
+        if event.kind is Pointer.RELEASE:
+            return command
+        feedback = Feedback(command=command, marks=measured(snapped.guides), cursor=Cursor.MOVE)

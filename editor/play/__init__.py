@@ -1,0 +1,1 @@
+"""Playing a level: states, the clock, keys, recorded episodes."""

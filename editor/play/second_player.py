@@ -1,0 +1,133 @@
+"""A second episode that keeps step with the one on show: for comparing two players.
+
+It has no clock of its own: it plays as far as the first one has come, in engine steps, and keeps
+every moment, so that it follows a timeline back and forth too.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from editor.play.playback import Simulator
+from editor.worker.recording import FRAME_SKIP, Action, Snapshot
+from editor.worker.requests import Casting
+from kinetix.errors import KinetixError
+from kinetix.level.model import Level
+
+_AHEAD = 2
+"""Steps that are asked for before they are needed, so that it is there when the first one is."""
+_AT_ONCE = 8
+"""Steps in one request at most: the first episode must not wait long for its turn."""
+
+
+Mirror: TypeAlias = Callable[[], Sequence[Action]]
+"""What has been done in the first episode so far, step by step."""
+
+
+class Follower:
+    """The second episode."""
+
+    def __init__(self, simulator: Simulator) -> None:
+        self.simulator = simulator
+        self.level: Level | None = None
+        self.player = ""
+        """What who plays is called; empty: nobody."""
+        self.failure = ""
+        """Why it could not start or go on."""
+        self.snapshots: list[Snapshot] = []
+        self._starting = False
+        self._mirror: Mirror | None = None
+        self._used: list[Action] = []
+
+    @property
+    def active(self) -> bool:
+        """Whether there is a second episode."""
+        return self.level is not None
+
+    @property
+    def waiting(self) -> bool:
+        """Whether its first state has not come."""
+        return self._starting
+
+    def start(
+        self,
+        level: Level,
+        physics: str,
+        casting: Casting | None,
+        *,
+        player: str,
+        mirror: Mirror | None = None,
+    ) -> None:
+        """Begin an episode.
+
+        Args:
+            level: The level.
+            physics: Preset or solver, which may differ from the first episode's.
+            casting: Who plays; None: nobody, all controls stay at rest.
+            player: What that is called on the screen.
+            mirror: Where there is no agent: what to do, the same as in the first episode.
+        """
+        self.stop()
+        self._mirror = mirror if casting is None else None
+        self.level, self.player, self._starting = level, player, True
+        self.simulator.start(level, physics, casting)
+
+    def stop(self) -> None:
+        """Forget everything."""
+        self.simulator.stop()
+        self.level, self.player, self.failure = None, "", ""
+        self.snapshots, self._starting = [], False
+        self._mirror, self._used = None, []
+
+    def tick(self, engine_step: int) -> None:
+        """Take what has arrived and ask for what is missing up to an engine step."""
+        if self.level is None or self.failure:
+            return
+        try:
+            arrived = self.simulator.take()
+        except KinetixError as error:
+            self.failure = str(error)
+            raise
+        self.snapshots += arrived
+        self._starting = self._starting and not self.snapshots
+        if not self.snapshots:
+            return
+        if self._mirror is not None:
+            self._do_the_same(self._mirror())
+            return
+        if self.snapshots[-1].outcome is not None:
+            return
+        have = self.snapshots[-1].step + self.simulator.outstanding
+        missing = engine_step // self.frame_skip + _AHEAD - have
+        if missing > 0 and self.simulator.outstanding < _AT_ONCE:
+            self.simulator.advance((None,) * min(missing, _AT_ONCE))
+
+    def _do_the_same(self, actions: Sequence[Action]) -> None:
+        """Ask for the steps of the first episode; where that has taken another turn, go back."""
+        if self.simulator.outstanding:
+            return
+        common = min(len(actions), len(self._used))
+        agreed = next((k for k in range(common) if actions[k] != self._used[k]), common)
+        if agreed < common:
+            # An episode that has ended here may have fewer moments than were asked for.
+            agreed = min(agreed, len(self.snapshots) - 1)
+            del self.snapshots[agreed + 1 :]
+            del self._used[agreed:]
+            self.simulator.restore(self.snapshots[-1])
+        if self.snapshots[-1].outcome is not None:
+            return
+        more = tuple(actions[len(self._used) : len(self._used) + _AT_ONCE])
+        if more:
+            self._used += more
+            self.simulator.advance(more)
+
+    @property
+    def frame_skip(self) -> int:
+        """Engine steps in one of its environment steps."""
+        return self.snapshots[0].frame_skip if self.snapshots else FRAME_SKIP
+
+    def shown(self, engine_step: int) -> Snapshot | None:
+        """The moment that belongs to an engine step; the last one where it has ended before."""
+        if not self.snapshots:
+            return None
+        index = engine_step // self.frame_skip
+        return self.snapshots[min(index, len(self.snapshots) - 1)]

@@ -1,0 +1,1 @@
+"""Dear ImGui as the app uses it: widgets, theme, fonts, icons."""

@@ -1,0 +1,1 @@
+"""The window: panels, canvas, dialogs, layouts and the one frame function."""

@@ -1,0 +1,171 @@
+"""The agents: who plays, with which draws, what is shown of it, and whom it is compared with."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import actions
+from editor.actions import agents
+from editor.agents.viewer import COMPARE_LABELS, SlotName, mismatch
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.keys import label as chord_label
+from editor.toolkit.widgets import px
+from editor.window.panels.base import Panel
+from editor.worker.requests import AgentSummary
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+OVERLAYS: Final[dict[str, tuple[str, str]]] = {
+    "heat": ("Actions on joints and thrusters", "Colour: where the policy leans. Arrow: chosen."),
+    "numbers": ("Value and entropy", "What it expects of the future, and how unsure it is."),
+}
+"""Names in the settings, labels and explanations."""
+
+
+class AgentsPanel(Panel):
+    """Two slots, the draws, the comparison, the overlays."""
+
+    id, title, icon = "agents", "Agents", Icons.agent
+
+    def draw(self, session: "Session") -> None:
+        """Draw the sections."""
+        viewer = session.viewer
+        self._slot(session, "a")
+        if viewer.slots["a"].summary is not None:
+            self._play(session)
+            if widgets.section("Draws"):
+                self._draws(session)
+        if widgets.section("Compare with"):
+            self._slot(session, "b")
+            self._compare(session)
+        if widgets.section("Shown while it plays"):
+            self._overlays(session)
+        if widgets.section("Measure and watch", opened=False):
+            self._more(session)
+
+    def _slot(self, session: "Session", slot: SlotName) -> None:
+        place = session.viewer.slots[slot]
+        summary = place.summary
+        width = imgui.get_content_region_avail().x
+        if summary is None and not place.loading:
+            hint = "Let an agent play" if slot == "a" else "A second agent, same level and seed"
+            widgets.small(hint)
+        label = summary.name if summary is not None else "Choose an agent…"
+        if place.loading:
+            widgets.spinner(7)
+            imgui.same_line(0, px(8))
+            widgets.muted("Loading …")
+        elif widgets.button(
+            session, f"agents.choose.{slot}", f"{slot.upper()}:  {label}", width=width
+        ):
+            session.queue(f"agent.choose_{slot}")
+        if place.error:
+            widgets.small(place.error, COLOURS.bad)
+        if summary is not None:
+            self._summary(session, summary, slot)
+
+    def _summary(self, session: "Session", summary: AgentSummary, slot: SlotName) -> None:
+        lines = [summary.network]
+        if summary.parameters:
+            memory = ", with memory" if summary.recurrent else ""
+            lines.append(f"{summary.parameters:,} parameters{memory}".replace(",", " "))
+        seen = summary.observation.replace("_", " ")
+        lines.append(f"sees {seen}, says {summary.action.replace('_', ' ')}")
+        trained = [f"{summary.physics} physics", f"an action holds {summary.frame_skip} steps"]
+        if summary.steps is not None:
+            trained.append(f"{summary.steps:,} steps of training".replace(",", " "))
+        lines.append(", ".join(trained))
+        if summary.parameters:
+            if summary.description:
+                widgets.small(summary.description, COLOURS.text)
+            for line in lines:
+                widgets.small(line)
+        playback = session.playback
+        level = playback.level if playback.active else session.document.level
+        problem = mismatch(summary, level) if level is not None else ""
+        if problem:
+            widgets.small(problem, COLOURS.warn if summary.any_size else COLOURS.bad)
+        if slot == "a" and summary.parameters and playback.physics != summary.physics:
+            words = f"It plays under {playback.physics} now, and was trained under "
+            widgets.small(f"{words}{summary.physics}.", COLOURS.warn)
+        if widgets.button(session, f"agents.clear.{slot}", "Take out"):
+            session.queue(lambda: agents.clear_slot(session, slot))
+
+    def _play(self, session: "Session") -> None:
+        imgui.same_line()
+        keys = chord_label("f6")
+        summary = session.viewer.slots["a"].summary
+        playback = session.playback
+        level = playback.level if playback.active else session.document.level
+        able = summary is None or level is None or summary.any_size or not mismatch(summary, level)
+        with widgets.disabled(not able):
+            pressed = widgets.primary_button(session, "agents.play", f"{Icons.play}  Let it play")
+        if pressed and able:
+            session.queue("run.play_agent")
+        widgets.tooltip("Let the agent play", actions.BY_ID["run.play_agent"].tooltip, keys)
+
+    def _draws(self, session: "Session") -> None:
+        viewer = session.viewer
+        with widgets.property_table("draws") as opened:
+            if not opened:
+                return
+            widgets.row("Actions", "Drawn from the policy, as in training, or the likeliest ones.")
+            options = [("drawn", "Drawn"), ("likeliest", "Likeliest")]
+            now = "likeliest" if viewer.deterministic else "drawn"
+            picked = widgets.choice(session, "agents.mode", now, options)
+            if picked is not None and picked != now:
+                session.queue("agent.deterministic")
+            widgets.row("Seed", "Equal seeds give equal draws, here and in kinetix eval.")
+            changed, seed = imgui.input_int("###seed", viewer.seed)
+            widgets.probe(session, "agents.seed")
+            if changed:
+                session.queue(lambda: agents.set_draws(session, seed=max(seed, 0)))
+            widgets.row("Attempt", "Each has draws of its own. N and B go on and back.")
+            changed, attempt = imgui.input_int("###attempt", viewer.attempt)
+            widgets.probe(session, "agents.attempt")
+            if changed:
+                session.queue(lambda: agents.set_draws(session, attempt=max(attempt, 0)))
+
+    def _compare(self, session: "Session") -> None:
+        viewer = session.viewer
+        if viewer.slots["b"].summary is None:
+            return
+        for index, (kind, label) in enumerate(COMPARE_LABELS.items()):
+            if index:
+                imgui.same_line()
+            if imgui.radio_button(f"{label}###compare.{kind}", viewer.compare == kind):
+                session.queue(f"agent.compare_{kind}")
+            widgets.probe(session, f"agents.compare.{kind}")
+        widgets.small("F6 plays A against B; Space plays you against B.")
+        rival = viewer.rival
+        if rival.failure:
+            widgets.small(rival.failure, COLOURS.bad)
+
+    def _overlays(self, session: "Session") -> None:
+        settings = session.settings
+        for name, (label, detail) in OVERLAYS.items():
+            on = name in settings.agent_overlay
+            changed, on = widgets.checkbox(session, f"agents.overlay.{name}", label, on)
+            widgets.tooltip(label, detail)
+            if changed:
+                kept = [other for other in settings.agent_overlay if other != name]
+                settings.agent_overlay = [*kept, name] if on else kept
+
+    def _more(self, session: "Session") -> None:
+        run = session.viewer.run
+        if widgets.button(session, "agents.evaluate", "Evaluate…"):
+            session.queue("level.evaluate")
+        imgui.same_line()
+        if widgets.button(session, "agents.watch", "Watch a training run…"):
+            session.queue("agent.watch_run")
+        if run.path:
+            with widgets.font(FONTS.mono, 0.0):
+                widgets.small(run.path)
+
+
+def agent_label(session: "Session", slot: SlotName) -> str:
+    """What an agent is called on the screen."""
+    summary = session.viewer.slots[slot].summary
+    return summary.name if summary is not None else ""

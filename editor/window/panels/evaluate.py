@@ -1,0 +1,524 @@
+"""The evaluation: which agents on which levels, how far it is, the table of solve rates."""
+
+import dataclasses
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.actions import measure
+from editor.actions.save_table import ask_save
+from editor.agents.evaluation import Column, Plan, Row, best
+from editor.base.physics import PHYSICS
+from editor.base.prompts import FileQuestion
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
+from editor.toolkit.widgets import px
+from editor.window.panels.base import Panel
+from editor.worker.requests import SCRIPTED, AgentRef, AgentSummary
+from kinetix.agents.compare import labels_of, leaderboard, paired
+from kinetix.agents.results import EpisodeResult, LevelResult
+from kinetix.paths import levels_dir
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_OUTCOMES: Final[dict[str, tuple[str, str]]] = {
+    "won": (Icons.good, "good"),
+    "lost": (Icons.skull, "bad"),
+    "timeout": (Icons.hourglass, "warn"),
+    "broken": (Icons.error, "bad"),
+}
+_SOURCES: Final = (
+    ("this", "The level in front"),
+    ("s", "The app's levels of size s"),
+    ("m", "The app's levels of size m"),
+    ("l", "The app's levels of size l"),
+    ("chosen", "What is chosen in the gallery"),
+    ("folder", "A folder…"),
+    ("set", "A file or level set…"),
+)
+_HEADS: Final[dict[Column, str]] = {
+    "level": "Level",
+    "solve_rate": "Solved",
+    "mean_return": "Return",
+    "mean_length": "Steps",
+}
+MOST_ATTEMPTS: Final = 1000
+_MOST_WORDS: Final = 60
+"""Letters of the names of agents that are shown; the rest is told by the tooltip."""
+_MOST_WIDE: Final = 2
+"""Agents with columns for return and length; of more only the rates are shown, as a heat map."""
+_ATTEMPTS: Final = 250.0
+"""Width of the attempts beside the table [px at 100 %]."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class _Form:
+    """What the panel's fields say."""
+
+    source: str = "this"
+    paths: tuple[str, ...] = ()
+    attempts: int = 20
+    seed: int = 0
+    physics: str = ""
+    """Empty: each agent's own, as `kinetix eval` does."""
+    scripted: tuple[str, ...] = ()
+    wanted: str = ""
+    sort: Column = "level"
+    sort_agent: int = 0
+    descending: bool = False
+    chosen: tuple[int, int] | None = None
+    """Level and agent whose attempts are on show."""
+
+
+def scripted_summary(name: str) -> AgentSummary:
+    """A scripted agent without asking the worker: it has nothing to load."""
+    return AgentSummary(
+        ref=AgentRef(path=name),
+        name=name,
+        description="",
+        observation="blind",
+        action="multi_discrete",
+        network="no network",
+        parameters=0,
+        recurrent=False,
+        capacity=None,
+        any_size=True,
+        physics="balanced",
+        frame_skip=2,
+        steps=None,
+        training="",
+        folder="",
+    )
+
+
+def _columns(agents: int) -> tuple[Column, ...]:
+    """Columns per agent."""
+    return ("solve_rate", "mean_return", "mean_length") if agents <= _MOST_WIDE else ("solve_rate",)
+
+
+def _label(words: str) -> None:
+    """What the next field is."""
+    widgets.beside(170, gap=12)
+    imgui.align_text_to_frame_padding()
+    widgets.muted(words)
+    imgui.same_line(0, px(6))
+
+
+def end_of(words: str, width: float) -> str:
+    """Return as much of the end of some words as fits: names of levels differ there."""
+    if imgui.calc_text_size(words).x <= width:
+        return words
+    low, high = 0, len(words)
+    while low < high:
+        middle = (low + high) // 2
+        if imgui.calc_text_size(f"…{words[middle:]}").x <= width:
+            high = middle
+        else:
+            low = middle + 1
+    return f"…{words[low:]}"
+
+
+class EvaluatePanel(Panel):
+    """A form, a bar, a table; double-clicking a result opens one of its episodes."""
+
+    id, title, icon = "evaluate", "Evaluate", Icons.trophy
+    height = 330.0
+
+    def __init__(self) -> None:
+        self._form = _Form()
+        self._plan: Plan | None = None
+
+    def draw(self, session: "Session") -> None:
+        """Draw the form, then what is known."""
+        self._fields(session)
+        self._run(session)
+        evaluation = session.viewer.evaluation
+        if evaluation.error:
+            widgets.wrapped(evaluation.error, COLOURS.bad)
+        if evaluation.standing is not None:
+            for number, error in evaluation.standing.errors:
+                assert evaluation.plan is not None
+                name = evaluation.plan.agents[number].name
+                widgets.wrapped(f"{name}: {error}", COLOURS.bad)
+        if evaluation.plan is None:
+            widgets.small(
+                "Every agent plays every level several times; a row a level, a column an agent."
+            )
+            return
+        self._head(session)
+        form = self._form
+        space = imgui.get_content_region_avail()
+        beside = px(_ATTEMPTS) if form.chosen is not None else 0.0
+        size = (space.x - beside - (px(10) if beside else 0.0), max(space.y, px(64)))
+        self._table(session, size)
+        if beside:
+            imgui.same_line(0, px(10))
+            imgui.begin_child("attempts", (0.0, size[1]))
+            self._attempts(session)
+            imgui.end_child()
+
+    def _head(self, session: "Session") -> None:
+        """Filter and means."""
+        imgui.set_next_item_width(px(210))
+        _, self._form.wanted = imgui.input_text_with_hint(
+            "###wanted", "Filter levels", self._form.wanted
+        )
+        widgets.probe(session, "evaluate.filter")
+        self._summary(session)
+
+    def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
+        scripted = tuple(scripted_summary(name) for name in self._form.scripted)
+        loaded = tuple(a for a in session.viewer.agents if a.ref.path not in self._form.scripted)
+        others = tuple(a for a in session.viewer.contenders if a not in loaded)
+        return (*loaded, *others, *scripted)
+
+    def _fields(self, session: "Session") -> None:
+        form = self._form
+        imgui.set_next_item_width(px(210))
+        picked = widgets.choice(session, "evaluate.source", form.source, _SOURCES)
+        if picked is not None:
+            self._choose_source(session, picked)
+        widgets.tooltip("Levels", ", ".join(form.paths) or "What is played.")
+        _label("Attempts")
+        imgui.set_next_item_width(px(96))
+        changed, attempts = imgui.input_int("###attempts", form.attempts)
+        widgets.probe(session, "evaluate.attempts")
+        if changed:
+            form.attempts = min(max(attempts, 1), MOST_ATTEMPTS)
+        widgets.tooltip("Attempts", "Independent episodes for each level and agent.")
+        _label("Seed")
+        imgui.set_next_item_width(px(96))
+        changed, seed = imgui.input_int("###seed", form.seed)
+        widgets.probe(session, "evaluate.seed")
+        if changed:
+            form.seed = max(seed, 0)
+        widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
+        widgets.beside(140, gap=8)
+        imgui.set_next_item_width(px(140))
+        options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
+        picked = widgets.choice(session, "evaluate.physics", form.physics, options)
+        form.physics = form.physics if picked is None else picked
+        self._who(session)
+        for name in SCRIPTED:
+            widgets.beside(90, gap=12)
+            on = name in form.scripted
+            changed, on = widgets.checkbox(session, f"evaluate.{name}", name, on)
+            if changed:
+                kept = tuple(other for other in form.scripted if other != name)
+                form.scripted = (*kept, name) if on else kept
+
+    def _who(self, session: "Session") -> None:
+        """The agents that are measured, and more of them."""
+        viewer = session.viewer
+        names = [agent.name for agent in (*viewer.agents, *viewer.contenders)]
+        words = f"Agents: {', '.join(names) or 'none loaded'}"
+        shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
+        widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)
+        imgui.align_text_to_frame_padding()
+        widgets.muted(shown)
+        if shown != words:
+            widgets.tooltip("Agents", ", ".join(names))
+        imgui.same_line(0, px(8))
+        if widgets.button(session, "evaluate.more", "Add…"):
+            session.queue(lambda: measure.ask_contender(session))
+        widgets.tooltip("Measure too", "Another agent, or every checkpoint of a training run.")
+        if viewer.contenders:
+            imgui.same_line(0, px(4))
+            if widgets.button(session, "evaluate.fewer", "Only A and B"):
+                viewer.contenders = ()
+
+    def _choose_source(self, session: "Session", picked: str) -> None:
+        form = self._form
+        form.source, form.paths = picked, ()
+        if picked in ("s", "m", "l"):
+            form.paths = (str(levels_dir() / picked),)
+        elif picked == "chosen":
+            form.paths = tuple(session.gallery.selection)
+            if not form.paths:
+                session.complain("Choose levels in the gallery first (Ctrl+G).")
+                form.source = "this"
+        elif picked in ("folder", "set"):
+            self._ask(session, folder=picked == "folder")
+
+    def _ask(self, session: "Session", *, folder: bool) -> None:
+        def answer(path: Path | None) -> None:
+            if path is None:
+                self._form.source = "this"
+            else:
+                self._form.paths = (str(path),)
+
+        session.ask(
+            FileQuestion(
+                purpose="folder" if folder else "open",
+                title="Folder of levels" if folder else "Level or level set",
+                folder=levels_dir(),
+                answer=answer,
+            )
+        )
+
+    def _run(self, session: "Session") -> None:
+        form, evaluation = self._form, session.viewer.evaluation
+        who = self._agents(session)
+        widgets.beside(130, gap=16)
+        if evaluation.running:
+            if widgets.button(session, "evaluate.cancel", "Cancel"):
+                session.queue(evaluation.cancel)
+            job = evaluation.job
+            fraction = job.fraction if job is not None and job.fraction is not None else 0.0
+            words = job.message if job is not None else ""
+            imgui.same_line()
+            imgui.progress_bar(fraction, (px(240), 0), words or "Starting …")
+            return
+        with widgets.disabled(not who):
+            pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
+        if pressed:
+            session.queue(
+                lambda: measure.start_evaluation(
+                    session,
+                    who,
+                    form.paths,
+                    attempts=form.attempts,
+                    seed=form.seed,
+                    physics=form.physics,
+                    deterministic=session.viewer.deterministic,
+                )
+            )
+            form.chosen = None
+        if evaluation.standing is not None:
+            imgui.same_line()
+            if widgets.button(session, "evaluate.save", "Save the table…"):
+                session.queue(lambda: ask_save(session))
+            widgets.tooltip("Save the table", "CSV, or the lines of kinetix eval --json.")
+            if evaluation.cancelled:
+                imgui.same_line()
+                widgets.muted("Cancelled; what was done stays.")
+
+    def _table(self, session: "Session", size: tuple[float, float]) -> None:
+        form, evaluation = self._form, session.viewer.evaluation
+        plan = self._plan = evaluation.plan
+        assert plan is not None
+        flags = (
+            imgui.TableFlags_.row_bg.value
+            | imgui.TableFlags_.scroll_y.value
+            | imgui.TableFlags_.sortable.value
+            | imgui.TableFlags_.resizable.value
+            | imgui.TableFlags_.borders_inner_h.value
+        )
+        count = len(plan.agents)
+        shown = _columns(count)
+        if not imgui.begin_table(f"results{len(shown)}", 1 + len(shown) * count, flags, size):
+            return
+        imgui.table_setup_scroll_freeze(1, 1)
+        flags = (
+            imgui.TableColumnFlags_.default_sort.value | imgui.TableColumnFlags_.width_stretch.value
+        )
+        imgui.table_setup_column(_HEADS["level"], flags, 1.2)
+        labels = labels_of([plan.provenance(k) for k in range(count)])
+        for agent, label in zip(plan.agents, labels, strict=True):
+            mark = f"  {label}" if count > 1 else ""
+            for column in shown:
+                if column != "solve_rate":
+                    mark = ""  # the columns of an agent stand together
+                imgui.table_setup_column(
+                    f"{_HEADS[column]}{mark}###{agent.ref.path}{column}",
+                    imgui.TableColumnFlags_.width_stretch.value,
+                    1.6 if column == "solve_rate" else 0.7,
+                )
+        imgui.table_headers_row()
+        self._take_sorting()
+        rows = evaluation.rows(
+            sort=form.sort,
+            agent=form.sort_agent,
+            descending=form.descending,
+            wanted=form.wanted,
+        )
+        clipper = imgui.ListClipper()
+        clipper.begin(len(rows))
+        while clipper.step():
+            for index in range(clipper.display_start, clipper.display_end):
+                self._row(session, rows[index])
+        imgui.end_table()
+
+    def _summary(self, session: "Session") -> None:
+        evaluation = session.viewer.evaluation
+        assert evaluation.plan is not None
+        words = []
+        for number in range(len(evaluation.plan.agents)):
+            summary = evaluation.summary(number)
+            if summary is not None and summary["levels"]:
+                rate = f"{summary['mean_solve_rate']:.3f}"
+                words.append(f"{summary['agent']} under {summary['physics']}: {rate}")
+        if words:
+            imgui.same_line(0, px(14))
+            widgets.text(f"Mean solve rate   {'    '.join(words)}")
+        if len(evaluation.plan.agents) > 1 and len(words) == len(evaluation.plan.agents):
+            self._differences(session)
+
+    def _differences(self, session: "Session") -> None:
+        """How far the best is ahead of the others, on equal draws."""
+        contenders = session.viewer.evaluation.contenders()
+        first, *others = leaderboard(contenders)
+        by_label = {contender.label: contender for contender in contenders}
+        told = []
+        for row in others:
+            pair = paired(by_label[first["label"]], by_label[row["label"]])
+            if pair.difference is not None:
+                span = f"{pair.low:+.2f} to {pair.high:+.2f}"
+                told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+        if told:
+            more = f", and {len(told) - 2} more" if len(told) > 2 else ""
+            widgets.small(f"{first['label']} leads: {', '.join(told[:2])}{more}")
+            widgets.tooltip("Paired differences, 95 %", "\n".join(told))
+
+    def _take_sorting(self) -> None:
+        wish = imgui.table_get_sort_specs()
+        if wish is None or not wish.specs_dirty or wish.specs_count == 0:
+            return
+        spec = wish.get_specs(0)
+        column = spec.column_index
+        form = self._form
+        form.descending = spec.get_sort_direction() == imgui.SortDirection.descending
+        if column == 0:
+            form.sort = "level"
+        else:
+            plan = self._plan
+            shown = _columns(len(plan.agents) if plan is not None else 1)
+            form.sort_agent, kind = divmod(column - 1, len(shown))
+            form.sort = shown[kind]
+        wish.specs_dirty = False
+
+    def _row(self, session: "Session", row: Row) -> None:
+        imgui.table_next_row()
+        imgui.table_next_column()
+        shown = end_of(row.name, imgui.get_content_region_avail().x)
+        widgets.text(shown)
+        if shown != row.name:
+            widgets.tooltip(row.name)
+        winner, wide = best(row.results), len(row.results) <= _MOST_WIDE
+        for agent, result in enumerate(row.results):
+            imgui.table_next_column()
+            if result is None:
+                if row.errors[agent]:
+                    widgets.text("cannot play", COLOURS.warn)
+                    widgets.tooltip(row.name, row.errors[agent])
+                else:
+                    widgets.text("…", COLOURS.faint)
+                if wide:
+                    imgui.table_next_column()
+                    imgui.table_next_column()
+                continue
+            if not wide:
+                tint = u32(alpha(COLOURS.good, 0.45 * result.solve_rate))
+                imgui.table_set_bg_color(imgui.TableBgTarget_.cell_bg.value, tint)
+            self._rate(session, row, agent, result, winner)
+            if not wide:
+                continue
+            imgui.table_next_column()
+            widgets.text(f"{result.mean_return:.3f}", COLOURS.muted)
+            imgui.table_next_column()
+            widgets.text(f"{result.mean_length:.1f}", COLOURS.muted)
+
+    def _rate(
+        self,
+        session: "Session",
+        row: Row,
+        agent: int,
+        result: LevelResult,
+        winner: int | None,
+    ) -> None:
+        """The solve rate with its interval; a click shows the attempts, two open one."""
+        low, high = result.bounds
+        words = f"{result.solve_rate:.2f}   {low:.2f}-{high:.2f}"
+        colour = COLOURS.text
+        if len(row.results) > 1 and winner is not None:
+            words = f"{Icons.better if winner == agent else Icons.worse}  {words}"
+            colour = COLOURS.good if winner == agent else COLOURS.muted
+        chosen = self._form.chosen == (row.level, agent)
+        with widgets.coloured(text=colour):
+            flags = imgui.SelectableFlags_.allow_double_click.value
+            pressed = imgui.selectable(f"{words}###{row.level}.{agent}", chosen, flags)[0]
+        widgets.probe(session, f"evaluate.{row.name}.{agent}")
+        detail = f"{result.solved} of {result.attempts} won"
+        if result.failures:
+            detail += f"; otherwise {result.failures}"
+        widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
+        if not pressed:
+            return
+        self._form.chosen = (row.level, agent)
+        if imgui.is_mouse_double_clicked(0):
+            session.queue(lambda: measure.open_attempt(session, row.level, agent, 0))
+
+    def _attempts(self, session: "Session") -> None:
+        """The attempts of the chosen result one by one; a click opens one."""
+        evaluation, chosen = session.viewer.evaluation, self._form.chosen
+        plan = evaluation.plan
+        if chosen is None or plan is None or evaluation.standing is None:
+            return
+        level, agent = chosen
+        if level >= len(plan.levels) or agent >= len(plan.agents):
+            return
+        name = plan.levels[level].name
+        result = next((r for r in evaluation.results(agent) if r.level == name), None)
+        if result is None:
+            return
+        widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
+        self._ways(session, level, agent)
+        right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+        session.viewer.lit_path = None
+        for number, episode in enumerate(result.episodes):
+            if number and imgui.get_item_rect_max().x + px(26) < right:
+                imgui.same_line(0, px(3))
+            self._attempt(session, (level, agent, number), episode)
+
+    def _ways(self, session: "Session", level: int, agent: int) -> None:
+        """Show where all attempts went, and which of them."""
+        viewer = session.viewer
+        if viewer.paths_pending:
+            widgets.spinner(7)
+            imgui.same_line(0, px(8))
+            widgets.muted("Playing the attempts …")
+            return
+        label = "Hide their ways" if viewer.paths is not None else "Show their ways"
+        if widgets.button(session, "evaluate.ways", label):
+            session.queue(lambda: measure.show_paths(session, level, agent))
+        widgets.tooltip(label, "Where the green shape went in each attempt, over the level.")
+        if viewer.paths is None:
+            return
+        for outcome in dict.fromkeys(viewer.paths.outcomes):
+            widgets.beside(70, gap=8)
+            shown = not viewer.path_outcomes or outcome in viewer.path_outcomes
+            changed, on = widgets.checkbox(session, f"evaluate.ways.{outcome}", outcome, shown)
+            if changed:
+                kept = viewer.path_outcomes or tuple(dict.fromkeys(viewer.paths.outcomes))
+                others = tuple(one for one in kept if one != outcome)
+                viewer.path_outcomes = (*others, outcome) if on else others
+        step = viewer.paths.parting
+        if step is not None:
+            widgets.small(f"Wins leave the others at step {step}; a click opens it there.")
+
+    def _attempt(
+        self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
+    ) -> None:
+        icon, name = _OUTCOMES[episode.outcome]
+        colour = COLOURS.of(name)
+        at, side = imgui.get_cursor_screen_pos(), px(23)
+        pressed = imgui.invisible_button(f"attempt{which}", (side, side))
+        widgets.probe(session, f"evaluate.attempt.{which[2]}")
+        draw = imgui.get_window_draw_list()
+        fill = 0.34 if imgui.is_item_hovered() else 0.16
+        high = (at.x + side, at.y + side)
+        draw.add_rect_filled((at.x, at.y), high, u32(alpha(colour, fill)), px(4))
+        with widgets.font(FONTS.regular, SMALL - 1):
+            extent = imgui.calc_text_size(icon)
+            place = (at.x + (side - extent.x) / 2, at.y + (side - extent.y) / 2)
+            draw.add_text(place, u32(colour), icon)
+        told = f"{episode.outcome} after {episode.length} steps"
+        widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
+        if imgui.is_item_hovered():
+            session.viewer.lit_path = which[2]
+        if pressed:
+            paths = session.viewer.paths
+            at = None if paths is None else paths.parting
+            session.queue(lambda: measure.open_attempt(session, *which, at=at))

@@ -1,0 +1,179 @@
+"""What the command palette finds besides actions and files: settings, fields, single drawings."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
+
+from editor.actions import examples, view
+from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES
+from editor.drawing.debug_draw import LAYERS
+from kinetix.level.model import Body, Circle, Joint, Record, Thruster
+from kinetix.render.palette import PALETTES
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+SWITCHES: Final = {
+    "move_jointed": "Move jointed neighbors along",
+    "from_centre": "Draw rectangles from the center",
+    "keep_tool": "Keep the tool after drawing",
+    "restart_automatically": "Restart after the end",
+    "glyphs": "Role marks",
+    "patterns": "Role patterns",
+    "radians": "Angles in radians",
+    "reduced_motion": "Reduced motion",
+}
+"""Settings that are on or off."""
+CHOICES: Final[dict[str, tuple[str, tuple[tuple[Any, str], ...]]]] = {
+    "palette": ("Level colors", tuple((name, p.label) for name, p in PALETTES.items())),
+    "ui_scale": (
+        "Interface size",
+        ((0.0, "automatic"), *((s, f"{s:.0%}") for s in (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0))),
+    ),
+    "text_scale": ("Text size", tuple((scale, f"{scale:.0%}") for scale in TEXT_SCALES)),
+    "grid_step": ("Grid", tuple((step, f"{step:g} m") for step in GRID_STEPS)),
+    "angle_step_deg": ("Snap angles to", tuple((step, f"{step:g}°") for step in ANGLE_STEPS)),
+}
+"""Settings that take one of a few values."""
+_LEVEL_FIELDS: Final = (
+    ("Gravity x", "level.gravity.0"),
+    ("Gravity y", "level.gravity.1"),
+    ("Time limit", "level.max_timesteps"),
+    ("Name of the level", "level.name"),
+    ("Tags", "level.tags"),
+)
+_FIELDS: Final[tuple[tuple[type[Record], str, str], ...]] = (
+    (Body, "Position x", "position.x"),
+    (Body, "Position y", "position.y"),
+    (Body, "Angle", "angle"),
+    (Circle, "Radius", "shape.radius"),
+    (Body, "Density", "density"),
+    (Body, "Friction", "friction"),
+    (Body, "Bounciness", "restitution"),
+    (Body, "Velocity x", "velocity.x"),
+    (Body, "Velocity y", "velocity.y"),
+    (Body, "Spin", "angular_velocity"),
+    (Joint, "Motor speed", "motor.speed"),
+    (Joint, "Motor power", "motor.power"),
+    (Joint, "Min angle", "limits.min"),
+    (Joint, "Max angle", "limits.max"),
+    (Joint, "Reference angle", "reference_angle"),
+    (Thruster, "Thruster power", "power"),
+    (Thruster, "Thruster direction", "angle"),
+)
+"""What has the field, the words, and the dotted name."""
+_WANTED: Final[dict[type[Record], str]] = {
+    Body: "Select a shape first.",
+    Circle: "Select a circle first.",
+    Joint: "Select a hinge first.",
+    Thruster: "Select a thruster first.",
+}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Entry:
+    """Something that can be chosen."""
+
+    label: str
+    group: str
+    keys: str = ""
+    refusal: str = ""
+    """Why it cannot be done now; empty when it can."""
+    run: Callable[[], None]
+
+
+def score(words: str, typed: str) -> float | None:
+    """How well letters match in order; None when they do not. Less is better."""
+    at, total, lower = -1, 0.0, words.lower()
+    for letter in typed.lower().replace(" ", ""):
+        following = lower.find(letter, at + 1)
+        if following < 0:
+            return None
+        starts = following == 0 or lower[following - 1] in " -_/"
+        total += (following - at - 1) * (0.3 if starts else 1.0)
+        at = following
+    return total + 0.01 * len(words)
+
+
+def settings_entries(session: "Session") -> list[Entry]:
+    """Return the settings and the single debug drawings."""
+    settings = session.settings
+    found = []
+    for name, label in SWITCHES.items():
+        on = getattr(settings, name)
+        found.append(
+            Entry(
+                label=label,
+                group="on" if on else "off",
+                run=lambda name=name, on=on: setattr(settings, name, not on),
+            )
+        )
+    for name, (title, options) in CHOICES.items():
+        for value, label in options:
+            chosen = getattr(settings, name) == value
+            found.append(
+                Entry(
+                    label=f"{title}: {label}",
+                    group="chosen" if chosen else "Setting",
+                    run=lambda name=name, value=value: setattr(settings, name, value),
+                )
+            )
+    for name, label in LAYERS.items():
+        on = session.view.debug_draw and name in settings.debug_draw
+        found.append(
+            Entry(
+                label=f"Debug drawing: {label}",
+                group="on" if on else "off",
+                run=lambda name=name: view.toggle_drawing(session, name),
+            )
+        )
+    return found
+
+
+def template_entries(session: "Session") -> list[Entry]:
+    """Return what a new level can begin with."""
+    return [
+        Entry(
+            label=f"New from: {label}",
+            group="File",
+            run=lambda template=template: examples.new_from(session, template),
+        )
+        for template, (label, _) in examples.TEMPLATES.items()
+    ]
+
+
+def field_entries(session: "Session") -> list[Entry]:
+    """Return the fields of the level and of what is selected; choosing one types into it."""
+    if not session.editing:
+        return []
+    found = [
+        Entry(
+            label=label,
+            group="Level",
+            run=lambda name=name: _type_into(session, "level", name),
+        )
+        for label, name in _LEVEL_FIELDS
+    ]
+    records = session.document.level.entities()
+    selected = [record for record in records if record.id in session.selection]
+    for kind, label, path in _FIELDS:
+        fits = any(
+            isinstance(record.shape if isinstance(record, Body) else None, Circle)
+            if kind is Circle
+            else isinstance(record, kind)
+            for record in selected
+        )
+        found.append(
+            Entry(
+                label=label,
+                group="Inspector",
+                refusal="" if fits else _WANTED[kind],
+                run=lambda path=path: _type_into(session, "inspector", f"inspector.{path}"),
+            )
+        )
+    return found
+
+
+def _type_into(session: "Session", panel: str, field: str) -> None:
+    session.view.interface = True
+    session.view.front, session.view.field = panel, field

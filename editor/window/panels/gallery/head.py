@@ -1,0 +1,130 @@
+"""The head of the gallery: title, search, filters, order."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.gallery.search import SIZE_ORDER, SORTS, Sort
+from editor.toolkit import widgets
+from editor.toolkit.appearance import FONTS, Icons
+from editor.toolkit.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+SIZE_LABELS: Final = {
+    "s": "S",
+    "m": "M",
+    "l": "L",
+    "locomotion": "Locomotion",
+    "other": "Other",
+}
+"""What the classes of size are called."""
+
+
+def draw_head(session: "Session", count: int) -> None:
+    """Title, search, filters and order."""
+    gallery, wish = session.gallery, session.gallery.wish
+    with widgets.font(FONTS.bold, 18):
+        imgui.align_text_to_frame_padding()
+        widgets.text(f"{Icons.gallery}  Gallery")
+    imgui.same_line(0, px(14))
+    noun = "level" if count == 1 else "levels"
+    words = f"{count} {noun}" if not session.library.busy else f"{count} {noun} …"
+    imgui.align_text_to_frame_padding()
+    widgets.muted(words)
+    imgui.same_line(0, px(18))
+    close = px(34)
+    order = px(150)
+    room = imgui.get_content_region_avail().x - close - order - px(40)
+    imgui.set_next_item_width(max(min(room, px(420)), px(120)))
+    hint = f"{Icons.search}  Name, tag or word of the description"
+    changed, typed = imgui.input_text_with_hint("###gallery.search", hint, wish.words)
+    widgets.probe(session, "gallery.search")
+    if changed:
+        gallery.wish = dataclasses.replace(wish, words=typed)
+    imgui.same_line(0, px(8))
+    imgui.set_next_item_width(order)
+    picked = widgets.choice(
+        session, "gallery.sort", wish.sort, [(sort, f"By {sort}") for sort in SORTS]
+    )
+    if picked is not None:
+        sort: Sort = next(s for s in SORTS if s == picked)
+        gallery.wish = dataclasses.replace(wish, sort=sort)
+    imgui.same_line(0, px(2))
+    if widgets.icon_button(
+        session, "gallery.order", Icons.down if not wish.descending else Icons.up
+    ):
+        gallery.wish = dataclasses.replace(wish, descending=not wish.descending)
+    widgets.tooltip("The other way round")
+    imgui.same_line(imgui.get_window_width() - close - px(10))
+    if widgets.icon_button(session, "gallery.close", Icons.close):
+        session.queue("gallery.close")
+    widgets.tooltip("Back to the level", keys="Esc")
+    _filters(session)
+    imgui.dummy((0, px(2)))
+
+
+def _filters(session: "Session") -> None:
+    gallery, wish = session.gallery, session.gallery.wish
+    imgui.align_text_to_frame_padding()
+    widgets.small("Size")
+    for size in SIZE_ORDER:
+        imgui.same_line(0, px(6))
+        on = size in wish.sizes
+        name = f"gallery.size.{size}"
+        if widgets.icon_button(session, name, SIZE_LABELS[size], on=on):
+            sizes = wish.sizes ^ {size}
+            gallery.wish = dataclasses.replace(wish, sizes=sizes)
+    for field, label in (
+        ("thruster", "thruster"),
+        ("problems", "problems"),
+        ("solution", "solution"),
+    ):
+        imgui.same_line(0, px(10))
+        _switch(session, field, label)
+    players = session.results.players
+    if players:
+        imgui.same_line(0, px(10))
+        _winners(session, players)
+    if wish.filters:
+        imgui.same_line(0, px(10))
+        if widgets.icon_button(session, "gallery.clear", Icons.close, label="No filters"):
+            gallery.wish = dataclasses.replace(
+                type(wish)(), words=wish.words, sort=wish.sort, descending=wish.descending
+            )
+
+
+def _switch(session: "Session", field: str, label: str) -> None:
+    """A three-way choice: with, without, either."""
+    gallery = session.gallery
+    options = [("any", f"Any {label}"), ("with", f"With {label}"), ("without", f"No {label}")]
+    if label.endswith("s"):
+        options[0] = ("any", f"All {label}")
+    value = getattr(gallery.wish, field)
+    current = "any" if value is None else ("with" if value else "without")
+    imgui.set_next_item_width(px(136))
+    picked = widgets.choice(session, f"gallery.{field}", current, options)
+    if picked is not None:
+        wanted = {"any": None, "with": True, "without": False}[picked]
+        gallery.wish = dataclasses.replace(gallery.wish, **{field: wanted})
+
+
+def _winners(session: "Session", players: Sequence[str]) -> None:
+    """Solved, or not yet solved, by a player with recorded results."""
+    gallery, wish = session.gallery, session.gallery.wish
+    options = [("", "Solved by anybody or nobody")]
+    options += [(f"+{name}", f"Solved by {name}") for name in players]
+    options += [(f"-{name}", f"Not solved by {name}") for name in players]
+    current = f"+{wish.solved_by}" if wish.solved_by else ""
+    current = f"-{wish.unsolved_by}" if wish.unsolved_by else current
+    imgui.set_next_item_width(px(190))
+    picked = widgets.choice(session, "gallery.solved", current, options)
+    if picked is not None:
+        gallery.wish = dataclasses.replace(
+            wish,
+            solved_by=picked[1:] if picked.startswith("+") else "",
+            unsolved_by=picked[1:] if picked.startswith("-") else "",
+        )

@@ -1,0 +1,126 @@
+"""The left of the gallery: folders, level sets, tags."""
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.actions import gallery as doing
+from editor.gallery.card import Card
+from editor.gallery.search import SIZE_ORDER, tag_counts
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
+from editor.toolkit.widgets import px
+from kinetix.paths import levels_dir, user_levels_dir
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_TAGS: Final = 24
+
+
+def draw_places(session: "Session") -> None:
+    """Folders, sets and tags at the left."""
+    gallery, cards = session.gallery, session.library.cards
+    _heading("Folders")
+    _place(session, None, "All levels", len(cards))
+    counts = _folder_counts(cards)
+    for folder in doing.folders(session):
+        own = {levels_dir(): "That came with the app", user_levels_dir(): "My levels"}
+        label = own.get(folder, folder.name)
+        _place(session, folder, label, counts.get(str(folder), 0))
+        for inner in _inner(folder, counts):
+            _place(session, inner, inner.name, counts[str(inner)], indent=1)
+    imgui.dummy((0, px(2)))
+    if widgets.icon_button(session, "gallery.add_folder", Icons.plus, label="Add a folder…"):
+        session.queue("gallery.add_folder")
+    if session.library.sets:
+        imgui.dummy((0, px(8)))
+        _heading("Level sets")
+        for path in session.library.sets:
+            if imgui.selectable(f"{Icons.level}  {path.stem}###set-{path}", False)[0]:
+                session.queue(lambda path=path: doing.load_into_set(session, path))
+            widgets.tooltip(path.name, f"{path}. A click puts its levels into the set.")
+    tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
+    if tags:
+        imgui.dummy((0, px(8)))
+        _heading("Tags")
+        _tags(session, tags[:_TAGS])
+
+
+def _place(
+    session: "Session", folder: Path | None, label: str, count: int, *, indent: int = 0
+) -> None:
+    gallery = session.gallery
+    start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
+    height = imgui.get_text_line_height() + px(9)
+    chosen = gallery.folder == folder
+    if imgui.selectable(f"###place-{folder}", chosen, 0, (0, height))[0]:
+        gallery.folder = folder
+    widgets.probe(session, f"gallery.folder.{folder.name if folder else 'all'}")
+    if folder is not None:
+        widgets.tooltip(label, str(folder))
+        added = str(folder) in session.settings.gallery_folders
+        if added and imgui.begin_popup_context_item(f"place-menu-{folder}"):
+            if imgui.menu_item_simple("Show it no more"):
+                session.queue(lambda: doing.remove_folder(session, folder))
+            imgui.end_popup()
+    draw = imgui.get_window_draw_list()
+    top = start.y + px(4)
+    left = start.x + px(8 + 16 * indent)
+    icon = Icons.folder if folder is not None else Icons.gallery
+    draw.add_text((left, top), u32(COLOURS.info if folder else COLOURS.muted), icon)
+    draw.add_text((left + px(24), top), u32(COLOURS.text), label)
+    words = str(count)
+    right = start.x + width - px(8) - imgui.calc_text_size(words).x
+    draw.add_text((right, top), u32(COLOURS.faint), words)
+
+
+def _tags(session: "Session", tags: Sequence[tuple[str, int]]) -> None:
+    gallery, wish = session.gallery, session.gallery.wish
+    edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    for number, (tag, count) in enumerate(tags):
+        words = f"{tag} {count}"
+        width = imgui.calc_text_size(words).x + 2 * px(8)
+        if number:
+            after = imgui.get_item_rect_max().x + px(5)
+            if after + width < edge:
+                imgui.same_line(0, px(5))
+        if widgets.icon_button(
+            session, f"gallery.tag.{tag}", words, on=tag in wish.tags, height=px(24)
+        ):
+            gallery.wish = dataclasses.replace(wish, tags=wish.tags ^ {tag})
+
+
+def _heading(words: str) -> None:
+    with widgets.font(FONTS.bold, SMALL):
+        widgets.text(words.upper(), COLOURS.muted)
+
+
+def _below(card: Card, folder: Path) -> bool:
+    return card.file.is_relative_to(folder)
+
+
+_COUNTS: Final[dict[int, dict[str, int]]] = {}
+
+
+def _folder_counts(cards: tuple[Card, ...]) -> dict[str, int]:
+    """How many levels lie below each folder; worked out once for each list of cards."""
+    found = _COUNTS.get(id(cards))
+    if found is None:
+        found = {}
+        for card in cards:
+            for parent in card.file.parents:
+                found[str(parent)] = found.get(str(parent), 0) + 1
+        _COUNTS.clear()
+        _COUNTS[id(cards)] = found
+    return found
+
+
+def _inner(folder: Path, counts: dict[str, int]) -> list[Path]:
+    """The folders right below one that hold levels, small sizes first."""
+    inner = [path for name in counts if (path := Path(name)).parent == folder]
+    order = {name: number for number, name in enumerate(SIZE_ORDER)}
+    return sorted(inner, key=lambda path: (order.get(path.name, len(order)), path.name))

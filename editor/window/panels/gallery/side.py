@@ -1,0 +1,152 @@
+"""The right of the gallery: what is chosen, and the set being put together."""
+
+import datetime
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from editor import actions
+from editor.actions import gallery as doing
+from editor.gallery.card import Card
+from editor.gallery.filing import bundled
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.keys import label as chord_label
+from editor.toolkit.widgets import px
+from editor.window.browser import peek, thumbnail
+from editor.window.panels.gallery.cards import PAYLOAD, count_of
+from editor.window.panels.gallery.tray import SetTray
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+class Side:
+    """Two tabs: the chosen level, and the set."""
+
+    def __init__(self) -> None:
+        self._tray = SetTray()
+
+    def dialog(self, session: "Session") -> None:
+        """Ask how the set is to be exported, while that is asked."""
+        self._tray.dialog(session)
+
+    def draw(self, session: "Session") -> None:
+        """What is chosen, and the set being put together."""
+        with widgets.coloured(tab=COLOURS.surface, tab_selected=COLOURS.field):
+            self._tabs(session)
+        if imgui.get_drag_drop_payload_py_id() is not None:
+            self._whole_side_takes(session)
+
+    def _tabs(self, session: "Session") -> None:
+        gallery = session.gallery
+        if imgui.begin_tab_bar("side"):
+            opened = imgui.begin_tab_item(f"{Icons.info}  Level###level")[0]
+            widgets.probe(session, "gallery.tab.level")
+            if opened:
+                self._details(session)
+                imgui.end_tab_item()
+            count = f" ({len(gallery.tray)})" if gallery.tray else ""
+            opened = imgui.begin_tab_item(f"{Icons.reorder}  Set{count}###set")[0]
+            widgets.probe(session, "gallery.tab.set")
+            if imgui.begin_drag_drop_target():
+                self._drop(session)
+                imgui.end_drag_drop_target()
+            if opened:
+                self._tray.draw(session)
+                imgui.end_tab_item()
+            imgui.end_tab_bar()
+
+    def _whole_side_takes(self, session: "Session") -> None:
+        """While a card is dragged the whole side is where it can be dropped."""
+        low = imgui.get_window_pos()
+        size = imgui.get_window_size()
+        rect = imgui.internal.ImRect((low.x, low.y), (low.x + size.x, low.y + size.y))
+        if imgui.internal.begin_drag_drop_target_custom(rect, imgui.get_id("side-target")):
+            self._drop(session)
+            imgui.end_drag_drop_target()
+
+    def _drop(self, session: "Session") -> None:
+        if imgui.accept_drag_drop_payload_py_id(PAYLOAD) is not None:
+            session.queue(lambda: doing.put_in_set(session, list(session.gallery.selection)))
+
+    def _details(self, session: "Session") -> None:
+        chosen = session.gallery.chosen(session.library)
+        if not chosen:
+            widgets.empty_state(
+                Icons.level,
+                "Choose a level",
+                "A double click opens it. Ctrl and Shift choose several; drag them onto Set.",
+            )
+            return
+        if len(chosen) > 1:
+            with widgets.font(FONTS.bold, 17):
+                widgets.text(f"{len(chosen)} levels")
+        else:
+            self._one(session, chosen[0])
+        imgui.dummy((0, px(6)))
+        buttons = (
+            ("gallery.open", "Open", Icons.open),
+            ("gallery.add_to_set", "Add to the set", Icons.reorder),
+            ("gallery.rename", "Rename…", Icons.rename),
+            ("gallery.duplicate", "Duplicate", Icons.duplicate),
+            ("gallery.delete", "Delete", Icons.trash),
+        )
+        for number, (action_id, label, icon) in enumerate(buttons):
+            enabled = actions.available(session, actions.BY_ID[action_id])
+            if action_id in ("gallery.rename", "gallery.delete"):
+                enabled = enabled and not any(bundled(card.file) for card in chosen)
+            if number % 2:
+                imgui.same_line(0, px(6))
+            if widgets.icon_button(session, action_id, icon, label=label, enabled=enabled):
+                session.queue(action_id)
+            action = actions.BY_ID[action_id]
+            widgets.tooltip(action.label, action.tooltip, _keys(session, action_id))
+
+    def _one(self, session: "Session", card: Card) -> None:
+        side = min(imgui.get_content_region_avail().x, px(280))
+        level = peek(str(card.file.resolve()), card.modified_ns)
+        if not isinstance(level, str):
+            thumbnail(level, side)
+        with widgets.font(FONTS.bold, 17):
+            widgets.wrapped(card.name)
+        if card.fault:
+            widgets.small(card.fault, COLOURS.bad)
+            return
+        widgets.small(_summary(card))
+        if card.description:
+            widgets.wrapped(card.description)
+        if card.tags:
+            widgets.small("  ".join(f"#{tag}" for tag in card.tags), COLOURS.info)
+        if card.errors or card.warnings:
+            kinds = ((card.errors, "error"), (card.warnings, "warning"))
+            parts = [count_of(number, noun) for number, noun in kinds if number]
+            colour = COLOURS.bad if card.errors else COLOURS.warn
+            widgets.small(f"{Icons.warning}  {', '.join(parts)}", colour)
+        for trial, record in sorted(session.results.of(card.sha256).items()):
+            words = f"{trial.words}: won {record.solved} of {record.attempts}"
+            widgets.small(words, COLOURS.good if record.solved else COLOURS.muted)
+        when = datetime.datetime.fromtimestamp(card.modified_ns / 1e9)
+        widgets.small(f"{card.file.name}   {when:%Y-%m-%d %H:%M}", COLOURS.faint)
+        widgets.tooltip(card.file.name, card.path)
+
+
+def _summary(card: Card) -> str:
+    """Size and content in one line."""
+    if card.fault:
+        return card.fault
+    parts = [
+        count_of(number, noun)
+        for number, noun in (
+            (card.bodies, "shape"),
+            (card.joints, "joint"),
+            (card.thrusters, "thruster"),
+        )
+        if number
+    ]
+    return f"Size {card.size}: {', '.join(parts) or 'empty'}"
+
+
+def _keys(session: "Session", action_id: str) -> str:
+    chords = actions.chords(session, actions.BY_ID[action_id])
+    return chord_label(chords[0]) if chords else ""

@@ -1,0 +1,180 @@
+"""The set being put together in the gallery, and the questions of its export."""
+
+import dataclasses
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.actions import gallery as doing
+from editor.gallery.card import Card
+from editor.gallery.export import SetPlan
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.widgets import px
+from kinetix.level.model import SizeName
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_AUTOMATIC: Final = "auto"
+_SIZES: Final[dict[str, SizeName | None]] = {
+    _AUTOMATIC: None,
+    "s": "s",
+    "m": "m",
+    "l": "l",
+    "locomotion": "locomotion",
+}
+_FLAGS: Final = (
+    imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_move.value
+    | imgui.WindowFlags_.no_title_bar.value
+    | imgui.WindowFlags_.no_docking.value
+    | imgui.WindowFlags_.always_auto_resize.value
+)
+
+
+class SetTray:
+    """A list of levels with weights, and a dialog that writes it."""
+
+    def draw(self, session: "Session") -> None:
+        """Draw the list into the current window."""
+        tray = session.gallery.tray
+        if not tray:
+            widgets.empty_state(
+                Icons.reorder,
+                "A set for training",
+                "Drag levels here, or choose some and press Ctrl+Shift+A. A set splits them into a "
+                "part to train on and a part to evaluate on.",
+            )
+            return
+        footer = imgui.get_frame_height() + px(12)
+        imgui.begin_child("tray", (0, max(imgui.get_content_region_avail().y - footer, px(60))))
+        by_path = {card.path: card for card in session.library.cards}
+        flags = imgui.TableFlags_.sizing_stretch_prop.value
+        if imgui.begin_table("levels", 3, flags):
+            imgui.table_setup_column("Level", imgui.TableColumnFlags_.width_stretch.value)
+            fixed = imgui.TableColumnFlags_.width_fixed.value
+            imgui.table_setup_column("Weight", fixed, px(64))
+            imgui.table_setup_column("", fixed, px(26))
+            imgui.table_headers_row()
+            for path in list(tray):
+                self._row(session, path, by_path.get(path))
+            imgui.end_table()
+        imgui.end_child()
+        if widgets.primary_button(session, "gallery.export", "Export set…"):
+            session.queue("level.export_set")
+        imgui.same_line()
+        if widgets.button(session, "gallery.empty", "Empty"):
+            session.queue(tray.clear)
+
+    def _row(self, session: "Session", path: str, card: Card | None) -> None:
+        tray = session.gallery.tray
+        imgui.table_next_row()
+        imgui.table_next_column()
+        imgui.align_text_to_frame_padding()
+        bad = card is None or bool(card.errors or card.fault)
+        name = card.name if card is not None else path.rpartition("/")[2]
+        widgets.text(name, COLOURS.bad if bad else COLOURS.text)
+        widgets.tooltip(name, path)
+        imgui.table_next_column()
+        imgui.set_next_item_width(-1)
+        changed, weight = imgui.drag_float(
+            f"###weight-{path}", tray[path], 0.05, 0.01, 100.0, "%.4g"
+        )
+        widgets.probe(session, f"gallery.weight.{name}")
+        widgets.tooltip("Weight", "How often training draws it, compared with the others.")
+        if changed and weight > 0:
+            tray[path] = weight
+        imgui.table_next_column()
+        if widgets.icon_button(session, f"gallery.drop.{path}", Icons.close):
+            session.queue(lambda: doing.drop_from_set(session, path))
+
+    def dialog(self, session: "Session") -> None:
+        """The questions of the export, while `session.gallery.plan` is set."""
+        gallery = session.gallery
+        name = "###export-set"
+        if gallery.plan is None or session.prompts:
+            return
+        if not imgui.is_popup_open(name):
+            imgui.open_popup(name)
+        viewport = imgui.get_main_viewport()
+        centre = (viewport.pos.x + viewport.size.x / 2, viewport.pos.y + viewport.size.y / 2)
+        imgui.set_next_window_pos(centre, 0, (0.5, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(20), px(16)))
+        opened = imgui.begin_popup_modal(name, None, _FLAGS)[0]
+        imgui.pop_style_var()
+        if not opened:
+            return
+        done = self._questions(session, gallery.plan)
+        if done or imgui.is_key_pressed(imgui.Key.escape, False):
+            imgui.close_current_popup()
+            if not done:
+                gallery.plan = None
+        imgui.end_popup()
+
+    def _questions(self, session: "Session", plan: SetPlan) -> bool:
+        """Draw the form; whether it was answered."""
+        gallery = session.gallery
+        with widgets.font(FONTS.bold, 18):
+            count = len(gallery.tray)
+            widgets.text(f"Export {count} level{'' if count == 1 else 's'} as a set")
+        imgui.dummy((px(420), px(2)))
+        changes: dict[str, object] = {}
+        with widgets.property_table("export") as opened:
+            if opened:
+                self._rows(session, plan, changes)
+        if changes:
+            gallery.plan = dataclasses.replace(plan, **changes)
+        bad = doing.refused_in_set(session)
+        if bad:
+            names = ", ".join(card.name for card in bad[:4])
+            more = f" and {len(bad) - 4} more" if len(bad) > 4 else ""
+            imgui.push_text_wrap_pos(px(430))
+            widgets.text(
+                f"{Icons.error}  {names}{more}: with an error, no set takes it.", COLOURS.bad
+            )
+            imgui.pop_text_wrap_pos()
+            if widgets.button(session, "export.leave_out", "Leave out what has errors"):
+                session.queue(lambda: doing.leave_out_refused(session))
+        imgui.dummy((0, px(6)))
+        width = px(110)
+        gap = imgui.get_style().item_spacing.x
+        room = imgui.get_content_region_avail().x - 2 * width - gap
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
+        if widgets.button(session, "export.cancel", "Cancel", width=width):
+            gallery.plan = None
+            return True
+        imgui.same_line()
+        with widgets.disabled(bool(bad) or not plan.name.strip()):
+            if widgets.primary_button(session, "export.accept", "Choose where…", width=width):
+                session.queue(lambda: doing.export_now(session))
+                return True
+        return False
+
+    def _rows(self, session: "Session", plan: SetPlan, changes: dict[str, object]) -> None:
+        widgets.row("Name")
+        changed, name = imgui.input_text("###export.name", plan.name)
+        widgets.probe(session, "export.name")
+        if changed:
+            changes["name"] = name[:120]
+        widgets.row("As", "One file carries its levels; in a folder they stay files of their own.")
+        options = [("file", "One file"), ("folder", "A folder")]
+        form = widgets.choice(session, "export.form", plan.form, options)
+        if form is not None:
+            changes["form"] = form
+        widgets.row("For training", "Share of the levels; the others are for evaluation.")
+        changed, share = imgui.slider_float("###export.split", 100 * plan.split, 0, 100, "%.0f %%")
+        widgets.probe(session, "export.split")
+        if changed:
+            changes["split"] = min(max(share / 100, 0.0), 1.0)
+        widgets.row("Seed", "What the split is drawn from: the same seed, the same split.")
+        changed, seed = imgui.input_int("###export.seed", plan.seed)
+        widgets.probe(session, "export.seed")
+        if changed:
+            changes["seed"] = min(max(seed, 0), 2**31 - 1)
+        widgets.row("Size", "The common capacity: by default the largest of each.")
+        current = plan.size or _AUTOMATIC
+        labels = [(key, "As large as needed" if key == _AUTOMATIC else key) for key in _SIZES]
+        picked = widgets.choice(session, "export.size", current, labels)
+        if picked is not None:
+            changes["size"] = _SIZES[picked]

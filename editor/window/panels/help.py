@@ -1,0 +1,151 @@
+"""F1: every key that works, from the action table itself."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.actions import ACTIONS, Context, chords
+from editor.base.controls import key_caps
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
+from editor.toolkit.keys import label as chord_label
+from editor.toolkit.widgets import px
+from editor.window.panels.menu import MENUS
+from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_CONTEXTS: Final = {Context.EDIT: "in Edit", Context.PLAY: "in Play"}
+_MOUSE: Final = (
+    ("Wheel", "Zoom at the pointer"),
+    ("Middle or right drag", "Pan"),
+    ("Right click", "List what lies under the pointer"),
+    ("Drag on empty canvas", "Rubber band; leftwards takes what it touches"),
+    ("Shift+click", "Add to the selection"),
+    ("Alt+click", "Next one underneath"),
+    ("Shift while drawing", "Square, or one axis"),
+    ("Alt while drawing", "From the centre"),
+    ("Ctrl while dragging", "Turn snapping around"),
+    ("Digits while drawing", "Set the size exactly"),
+    ("Drag in Play", "Pull a body"),
+    ("Gamepad", "Sticks turn motors, A and B fire thrusters, Start plays"),
+)
+
+
+class HelpOverlay:
+    """A window over everything; Esc or F1 closes it."""
+
+    def draw(self, session: "Session") -> None:
+        """Draw it while `session.view.help` is on."""
+        if not session.view.help:
+            return
+        viewport = imgui.get_main_viewport()
+        size = viewport.work_size
+        imgui.set_next_window_pos(
+            (viewport.work_pos.x + size.x / 2, viewport.work_pos.y + size.y / 2), 0, (0.5, 0.5)
+        )
+        imgui.set_next_window_size((min(px(1060), size.x * 0.94), min(px(720), size.y * 0.92)))
+        flags = (
+            imgui.WindowFlags_.no_docking.value
+            | imgui.WindowFlags_.no_saved_settings.value
+            | imgui.WindowFlags_.no_collapse.value
+            | imgui.WindowFlags_.no_resize.value
+            | imgui.WindowFlags_.no_title_bar.value
+        )
+        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(22), px(18)))
+        imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+        imgui.begin("###help", None, flags)
+        if imgui.is_window_appearing():
+            imgui.set_window_focus()
+        self._head(session)
+        imgui.begin_child("keys")
+        self._columns(session)
+        imgui.end_child()
+        imgui.end()
+        imgui.pop_style_var(2)
+        imgui.pop_style_color()
+
+    def _head(self, session: "Session") -> None:
+        with widgets.font(FONTS.bold, 22):
+            widgets.text(f"{Icons.controls}  Keys and gestures")
+        imgui.same_line(imgui.get_window_width() - px(200))
+        if widgets.button(session, "help.keys", "Change keys…"):
+            session.queue("app.help")
+            session.queue("app.keys")
+        imgui.same_line(imgui.get_window_width() - px(58))
+        if widgets.icon_button(session, "help.close", Icons.close):
+            session.view.help = False
+        widgets.muted(
+            "Make a level in which green can touch blue without ever touching red. "
+            "Draw in Edit, try it in Play."
+        )
+        imgui.dummy((0, px(6)))
+
+    def _columns(self, session: "Session") -> None:
+        columns = max(1, min(3, int(imgui.get_content_region_avail().x / px(310))))
+        groups = [(menu, rows_of(session, menu)) for menu in MENUS]
+        groups.append(("Mouse", list(_MOUSE)))
+        groups.append(("Driving", _driving(session)))
+        groups = [(title, rows) for title, rows in groups if rows]
+        if not imgui.begin_table("help", columns):
+            return
+        imgui.table_next_row()
+        lengths = [0] * columns
+        shares: list[list[tuple[str, list[tuple[str, str]]]]] = [[] for _ in range(columns)]
+        for title, rows in groups:
+            shortest = lengths.index(min(lengths))
+            shares[shortest].append((title, rows))
+            lengths[shortest] += len(rows) + 2
+        for share in shares:
+            imgui.table_next_column()
+            for title, rows in share:
+                self._group(title, rows)
+        imgui.end_table()
+
+    def _group(self, title: str, rows: list[tuple[str, str]]) -> None:
+        with widgets.font(FONTS.bold, SMALL):
+            widgets.text(title.upper(), COLOURS.accent)
+        if imgui.begin_table(f"group-{title}", 2, imgui.TableFlags_.sizing_stretch_prop.value):
+            fixed = imgui.TableColumnFlags_.width_stretch.value
+            imgui.table_setup_column("keys", fixed, 0.47)
+            imgui.table_setup_column("does", fixed, 0.53)
+            for keys, label in rows:
+                imgui.table_next_row()
+                imgui.table_next_column()
+                if title == "Mouse":
+                    widgets.wrapped(keys)
+                else:
+                    for index, chord in enumerate(keys.split("  ")):
+                        if index:
+                            imgui.same_line(0, px(8))
+                        widgets.key_caps(chord)
+                imgui.table_next_column()
+                widgets.wrapped(label, COLOURS.muted)
+            imgui.end_table()
+        imgui.dummy((0, px(10)))
+
+
+def rows_of(session: "Session", menu: str) -> list[tuple[str, str]]:
+    """Keys and label of every action of a menu that has keys."""
+    rows = []
+    for action in ACTIONS:
+        found = chords(session, action)
+        if action.menu == menu and found:
+            context = _CONTEXTS.get(action.context, "") if menu == "Run" else ""
+            label = f"{action.label} {context}".strip()
+            rows.append(("  ".join(chord_label(chord) for chord in found[:2]), label))
+    return rows
+
+
+def _driving(session: "Session") -> list[tuple[str, str]]:
+    rows = []
+    for channel in range(MOTOR_BINDINGS + THRUSTER_BINDINGS):
+        caps = key_caps(channel, session.control_keys)
+        thruster = channel >= MOTOR_BINDINGS
+        number = channel - MOTOR_BINDINGS + 1 if thruster else channel + 1
+        if caps:
+            noun = "Thrusters" if thruster else "Motors"
+            rows.append(("  ".join(caps), f"{noun} of group {number}"))
+    return rows

@@ -1,0 +1,162 @@
+"""The level as a whole: name, rules, how full it is, the arena."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.documents.commands.fields import SetLevelField
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, SMALL, Icons, u32
+from editor.toolkit.widgets import px
+from editor.window.panels.base import Panel
+from editor.window.panels.fields import Editor
+from editor.window.panels.inspector import role_segments
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of, needed_capacity, size_name
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_SIZE_OPTIONS: Final = (
+    ("auto", "Automatic"),
+    ("s", "Small (s)"),
+    ("m", "Medium (m)"),
+    ("l", "Large (l)"),
+    ("locomotion", "Locomotion"),
+)
+_GRAVITIES: Final = (("Earth", -9.81), ("Moon", -1.62), ("None", 0.0))
+
+
+class LevelPanel(Panel):
+    """Edits what belongs to no single entity."""
+
+    id, title, icon = "level", "Level", Icons.level
+
+    def __init__(self) -> None:
+        self._editor = Editor()
+        self._texts: dict[str, str] = {}
+
+    def draw(self, session: "Session") -> None:
+        """Draw the sections."""
+        self._editor.begin(session)
+        level = session.document.shown
+        with widgets.disabled(not session.editing):
+            with widgets.property_table("level", label=0.37) as opened:
+                if opened:
+                    widgets.row("Name")
+                    self._text(session, "name", level.name)
+                    widgets.row("Tags", "Words of a–z, 0–9, - and _, separated by spaces.")
+                    self._text(session, "tags", " ".join(level.tags))
+                    widgets.row("Time limit", "Environment steps; 30 of them take a second.")
+                    self._editor.level_field(session, "max_timesteps")
+            self._description(session, level)
+            if widgets.section("Gravity"):
+                self._gravity(session)
+            if widgets.section("Size"):
+                self._size(session, level)
+            if widgets.section("Arena"):
+                self._arena(session, level)
+
+    def _text(self, session: "Session", field: str, value: str) -> None:
+        """A text that commits on Enter or when the field is left."""
+        shown = self._texts.get(field, value)
+        if session.view.field == f"level.{field}":
+            session.view.field = ""
+            imgui.set_keyboard_focus_here()
+        changed, new = imgui.input_text(f"###level.{field}", shown)
+        widgets.probe(session, f"level.{field}")
+        if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:
+            widgets.tooltip(value)
+        if changed:
+            self._texts[field] = new
+        if imgui.is_item_deactivated():
+            typed = self._texts.pop(field, value)
+            if typed != value:
+                stored = typed.split() if field == "tags" else typed
+                session.queue(SetLevelField(field=field, value=stored))
+
+    def _description(self, session: "Session", level: Level) -> None:
+        widgets.muted("Description")
+        shown = self._texts.get("description", level.description)
+        height = imgui.get_text_line_height() * 4 + 2 * imgui.get_style().frame_padding.y
+        flags = imgui.InputTextFlags_.word_wrap.value
+        changed, new = imgui.input_text_multiline(
+            "###level.description", shown, (-1, height), flags
+        )
+        widgets.probe(session, "level.description")
+        if changed:
+            self._texts["description"] = new
+        if imgui.is_item_deactivated():
+            typed = self._texts.pop("description", level.description)
+            if typed != level.description:
+                session.queue(SetLevelField(field="description", value=typed))
+
+    def _gravity(self, session: "Session") -> None:
+        space = imgui.get_content_region_avail().x
+        gap = imgui.get_style().item_spacing.x
+        self._editor.level_field(session, "gravity.0", width=(space - gap) / 2)
+        imgui.same_line()
+        self._editor.level_field(session, "gravity.1", width=(space - gap) / 2)
+        for index, (label, value) in enumerate(_GRAVITIES):
+            if index:
+                imgui.same_line()
+            if imgui.small_button(label):
+                session.queue(SetLevelField(field="gravity", value=(0.0, value)))
+            widgets.probe(session, f"level.gravity.{label.lower()}")
+
+    def _size(self, session: "Session", level: Level) -> None:
+        current = level.size if isinstance(level.size, str) else "auto"
+        if level.size is not None and not isinstance(level.size, str):
+            current = "custom"
+        options = _SIZE_OPTIONS + ((("custom", "Custom"),) if current == "custom" else ())
+        imgui.set_next_item_width(-1)
+        picked = widgets.choice(session, "level.size", current, options)
+        if picked is not None and picked != "custom":
+            value = None if picked == "auto" else picked
+            session.queue(SetLevelField(field="size", value=value))
+        used, limit = needed_capacity(level), capacity_of(level)
+        fits = size_name(limit) or "custom"
+        if current == "auto":
+            widgets.small(f"Fits size {fits}.")
+        for label, name in (
+            ("Polygons (with the arena)", "polygons"),
+            ("Circles", "circles"),
+            ("Joints", "joints"),
+            ("Thrusters", "thrusters"),
+        ):
+            _counter(label, getattr(used, name), getattr(limit, name))
+
+    def _arena(self, session: "Session", level: Level) -> None:
+        widgets.muted("Floor")
+        role_segments(session, "level.floor", ("floor",), level.arena.floor.role)
+        changed, on = widgets.checkbox(
+            session,
+            "level.edit_arena",
+            "Select floor and walls on the canvas",
+            session.view.edit_arena,
+        )
+        if changed:
+            session.view.edit_arena = on
+        widgets.tooltip(
+            "Edit arena", "Click floor, walls or ceiling to change their role and surface."
+        )
+
+
+def _counter(label: str, used: int, limit: int) -> None:
+    """How many of so many, as words and a bar."""
+    full = used > limit
+    with widgets.font(None, SMALL):
+        widgets.muted(label)
+        words = f"{used} / {limit}"
+        width = imgui.calc_text_size(words).x
+        imgui.same_line(imgui.get_content_region_avail().x + imgui.get_cursor_pos_x() - width)
+        widgets.text(words, COLOURS.bad if full else COLOURS.text)
+    at, space = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
+    share = min(used / limit, 1.0) if limit else float(used > 0)
+    draw = imgui.get_window_draw_list()
+    high = (at.x + space, at.y + px(3))
+    draw.add_rect_filled((at.x, at.y), high, u32(COLOURS.field), px(2))
+    if share > 0:
+        colour = COLOURS.bad if full else COLOURS.accent
+        draw.add_rect_filled((at.x, at.y), (at.x + space * share, high[1]), u32(colour), px(2))
+    imgui.dummy((0, px(5)))

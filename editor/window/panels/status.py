@@ -1,0 +1,116 @@
+"""The line at the bottom: mode, hint, pointer, selection, zoom, speed, jobs, unsaved changes."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.play.playback import Mode
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, SMALL, Icons
+from editor.toolkit.modes import MODE_LOOK
+from editor.toolkit.widgets import px
+from editor.worker.jobs import PREPARATIONS, lane_of
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+_CONSTANT: Final = ("Simulating", "Drawing")
+"""Jobs that run all the time while something is played."""
+
+
+class StatusBar:
+    """Left: what to do. Right: numbers."""
+
+    def draw(self, session: "Session") -> None:
+        """Draw the line into the current window."""
+        with widgets.font(None, SMALL):
+            word, name = MODE_LOOK[session.mode]
+            if session.gallery.open:
+                word, name = "GALLERY", "info"
+            widgets.badge(word, COLOURS.of(name))
+            imgui.same_line(0, px(10))
+            right = self.numbers(session)
+            gap = px(18)
+            width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
+            room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
+            widgets.text(self._fitted(self._hint(session), room), COLOURS.muted)
+            x = imgui.get_window_width() - width
+            for words, tint in right:
+                imgui.same_line(x)
+                widgets.text(words, tint)
+                self._opens_problems(session, words)
+                x += imgui.calc_text_size(words).x + gap
+
+    def _opens_problems(self, session: "Session", words: str) -> None:
+        """Let a click on the counts of errors and warnings open the list."""
+        if words[:1] not in (Icons.error, Icons.warning):
+            return
+        widgets.probe(session, "status.problems")
+        if imgui.is_item_hovered():
+            imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
+            widgets.tooltip("Problems", "Click to see them.")
+            if imgui.is_mouse_clicked(0):
+                session.view.front = "problems"
+
+    def _hint(self, session: "Session") -> str:
+        if session.gallery.open:
+            return "Arrows move, Enter opens, Ctrl+Shift+A adds to the set, F2 renames. Esc leaves."
+        if session.editing:
+            typed = session.driver.typed
+            return f"{session.hint}   size: {typed}" if typed else session.hint
+        if session.mode is Mode.REPLAY:
+            return "Space plays it   , . step   I O loop   Enter starts here   Esc edits"
+        if session.mode is Mode.ENDED:
+            again = "Space plays again   , steps back"
+            other = "   N next attempt" if session.playback.casting is not None else ""
+            return f"{again}{other}   Esc edits"
+        space = "Space goes on" if session.mode is Mode.PAUSED else "Space pauses"
+        if session.playback.casting is not None:
+            return f"{space}   T takes over   N next attempt   Backspace restarts   Esc edits"
+        return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
+
+    def _fitted(self, words: str, room: float) -> str:
+        if imgui.calc_text_size(words).x <= room:
+            return words
+        while words and imgui.calc_text_size(words + "…").x > room:
+            words = words[:-4]
+        return words + "…" if words else ""
+
+    def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
+        """What stands at the right: words and their colour, from left to right."""
+        c = COLOURS
+        parts = []
+        jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
+        if jobs:
+            job = jobs[0]
+            share = f" {job.fraction:.0%}" if job.fraction is not None else ""
+            ahead = lane_of(job.request) == PREPARATIONS
+            words = job.title if ahead else job.message or job.title
+            parts.append((f"{Icons.gear} {words}{share}", c.accent))
+        if session.cursor is not None:
+            x, y = session.cursor
+            parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
+        if session.selection:
+            parts.append((f"{len(session.selection)} selected", c.text))
+        errors = sum(issue.severity == "error" for issue in session.document.problems)
+        warnings = sum(issue.severity == "warning" for issue in session.document.problems)
+        if errors:
+            parts.append((f"{Icons.error} {errors}", c.bad))
+        if warnings:
+            parts.append((f"{Icons.warning} {warnings}", c.warn))
+        parts.append((f"{session.camera.zoom:.0%}", c.muted))
+        snapshot = session.playback.snapshot
+        if session.playback.active and snapshot is not None:
+            kind = ", compiled for this level" if snapshot.tailored else ""
+            kind = ", compiled quickly" if snapshot.quick else kind
+            parts.append((f"{snapshot.milliseconds:.1f} ms/step{kind}", c.muted))
+            parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
+        parts.append((f"{session.fps:.0f} fps", c.faint))
+        document = session.document
+        copied = document.autosaved_at
+        if document.dirty and copied is not None:
+            parts.append((f"copy kept {copied:%H:%M}", c.faint))
+        state = ("● unsaved", c.warn) if document.dirty else ("saved", c.faint)
+        parts.append(state)
+        return parts

@@ -1,0 +1,119 @@
+"""The open documents as tabs over the canvas, and what there is to say about the one in front."""
+
+import contextlib
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from editor import actions
+from editor.actions import file
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
+from editor.toolkit.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+class DocumentTabs:
+    """A tab bar; a click brings to the front, the cross closes (and asks first)."""
+
+    def __init__(self) -> None:
+        self._front = -1
+
+    def draw(self, session: "Session") -> None:
+        """Draw the bar at the top of the canvas's window."""
+        imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(px(10), px(6)))
+        imgui.dummy((0, 0))
+        flags = (
+            imgui.TabBarFlags_.fitting_policy_scroll.value
+            | imgui.TabBarFlags_.no_close_with_middle_mouse_button.value
+        )
+        if imgui.begin_tab_bar("documents", flags):
+            self._tabs(session)
+            if imgui.tab_item_button(Icons.plus, imgui.TabItemFlags_.trailing.value):
+                session.queue("file.new")
+            widgets.probe(session, "tabs.new")
+            widgets.tooltip("New level", keys="Ctrl+N")
+            imgui.end_tab_bar()
+        imgui.pop_style_var()
+        self._outside(session)
+        self._warnings(session)
+
+    def _tabs(self, session: "Session") -> None:
+        brought = self._front != session.tab_index
+        front = session.tab_index
+        for index, tab in enumerate(list(session.tabs)):
+            document = tab.document
+            flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
+            if brought and index == session.tab_index:
+                flags |= imgui.TabItemFlags_.set_selected.value
+            name = f"{document.title}###tab-{id(tab)}"
+            opened, kept = imgui.begin_tab_item(name, True, flags)
+            widgets.probe(session, f"tabs.{index}")
+            if document.path is not None:
+                widgets.tooltip(document.title, str(document.path))
+            if opened:
+                if not brought:
+                    front = index
+                imgui.end_tab_item()
+            if not kept:
+                session.queue(lambda tab=tab: file.close_tab(session, tab))
+        self._front = session.tab_index
+        if front != session.tab_index:
+            session.queue(lambda: session.show_tab(front))
+
+    def _warnings(self, session: "Session") -> None:
+        """What the file held and the document does not: said once, until it is closed."""
+        document = session.document
+        if not document.warnings:
+            return
+        with _strip("warnings"):
+            _words("  ".join(document.warnings), px(36))
+            imgui.same_line(imgui.get_window_width() - px(36))
+            if widgets.icon_button(session, "banner.close", Icons.close, height=px(20)):
+                session.queue(lambda: setattr(document, "warnings", ()))
+
+    def _outside(self, session: "Session") -> None:
+        """That somebody else has changed the file, and what can be done."""
+        if not (session.editing and session.document.outside):
+            return
+        with _strip("outside"):
+            _words(session.document.outside, px(12))
+            for number, name in enumerate(("file.reload", "file.keep_mine", "file.differences")):
+                if number:
+                    imgui.same_line(0, px(8))
+                action = actions.BY_ID[name]
+                if widgets.button(session, f"outside.{name}", action.label):
+                    session.queue(name)
+                widgets.tooltip(action.label, action.tooltip)
+
+
+@contextlib.contextmanager
+def _strip(name: str) -> Iterator[None]:
+    """A coloured strip over the level, as high as what is in it."""
+    imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(*alpha(COLOURS.warn, 0.14)))
+    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(12), px(6)))
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(px(8), px(6)))
+    flags = (
+        imgui.ChildFlags_.auto_resize_y.value | imgui.ChildFlags_.always_use_window_padding.value
+    )
+    imgui.begin_child(f"banner-{name}", (0, 0), flags)
+    try:
+        yield
+    finally:
+        imgui.end_child()
+        imgui.pop_style_var(2)
+        imgui.pop_style_color()
+
+
+def _words(words: str, room: float) -> None:
+    """A warning in small letters that leaves some room at the right [px]."""
+    with widgets.font(None, SMALL):
+        widgets.text(Icons.warning, COLOURS.warn)
+        imgui.same_line(0, px(8))
+        width = imgui.get_content_region_avail().x - room
+        imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)
+        widgets.text(words)
+        imgui.pop_text_wrap_pos()

@@ -1,0 +1,218 @@
+"""A training run while it trains: its metrics as curves, and its newest agent."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui, implot
+
+from editor.actions import watch
+from editor.agents.curves import STEPS, Curve, band_of, curve_of
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, Icons, Rgba
+from editor.toolkit.widgets import px
+from editor.window.panels.base import Panel
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_LEVEL_RATE: Final = "eval_avg/hand_designed_episode_solve_rate_"
+_MOST_LEVELS: Final = 6
+"""Levels whose own curves are shown at first."""
+_COLOURS: Final = ("info", "warn", "good", "accent", "bad")
+"""Names of the colours of the runs, in their order."""
+_FIRST: Final = (
+    "episode_solved",
+    "episode_return",
+    "episode_length",
+    "loss/entropy",
+    "timing/sps",
+)
+"""Metrics that are shown at first, where the run has them."""
+_COLUMN: Final = 270.0
+
+
+def _colour(index: int) -> Rgba:
+    """Return the colour of a run."""
+    return COLOURS.of(_COLOURS[index % len(_COLOURS)])
+
+
+class TrainingPanel(Panel):
+    """Reads what the watch has read; draws one plot a metric that is switched on."""
+
+    id, title, icon = "training", "Training", Icons.plots
+    height = 290.0
+
+    def __init__(self) -> None:
+        self._on: dict[str, bool] = {}
+        self._smoothing = 0.0
+        self._log = False
+        self._band = False
+        self._levels: frozenset[str] = frozenset()
+
+    def draw(self, session: "Session") -> None:
+        """Draw the head line and the plots."""
+        run = session.viewer.run
+        if not run.path:
+            widgets.empty_state(
+                Icons.plots,
+                "No training run is watched",
+                "Point at the folder of a run (kinetix train --out FOLDER), also while it trains: "
+                "its curves grow here, and its newest agent can play.",
+            )
+            width = px(190)
+            space = imgui.get_content_region_avail().x
+            imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max((space - width) / 2, 0))
+            if widgets.button(session, "training.watch", "Choose a folder…", width=width):
+                session.queue("agent.watch_run")
+            return
+        self._head(session)
+        if run.error:
+            widgets.wrapped(run.error, COLOURS.bad)
+        if not run.rows:
+            widgets.muted("No metrics yet.")
+            return
+        self._plots(session)
+
+    def _head(self, session: "Session") -> None:
+        viewer = session.viewer
+        run = viewer.run
+        imgui.align_text_to_frame_padding()
+        last = run.rows[-1] if run.rows else {}
+        steps = last.get(STEPS)
+        words = f"{len(run.rows)} updates"
+        if steps is not None:
+            words += f", {int(steps):,} environment steps".replace(",", " ")
+        if run.newest is not None:
+            words += f", newest agent at {run.newest:,}".replace(",", " ")
+        widgets.wrapped(words)
+        widgets.tooltip(run.path)
+        widgets.beside(190)
+        changed, on = widgets.checkbox(
+            session, "training.follow", "Take the newest agent", viewer.follow_run
+        )
+        viewer.follow_run = on if changed else viewer.follow_run
+        widgets.tooltip(
+            "Take the newest agent",
+            "Slot A gets every new checkpoint; the next episode is played by it.",
+        )
+        widgets.beside(90)
+        self._choose(session)
+        widgets.beside(90)
+        if widgets.button(session, "training.beside", "Add a run…"):
+            session.queue(lambda: watch.ask_beside(session))
+        widgets.tooltip("Add a run", "Its curves are drawn beside these, also while it trains.")
+        widgets.beside(120)
+        if widgets.button(session, "training.stop", "Stop watching"):
+            viewer.other_runs = ()
+            session.queue(lambda: watch.watch_run(session, ""))
+        self._looks(session)
+
+    def _looks(self, session: "Session") -> None:
+        """Smoothing, a logarithmic axis, and of several runs one band."""
+        imgui.set_next_item_width(px(110))
+        _, self._smoothing = imgui.slider_float("###smoothing", self._smoothing, 0.0, 0.99, "%.2f")
+        widgets.probe(session, "training.smoothing")
+        widgets.tooltip("Smoothing", "How much of each value is that of the update before.")
+        imgui.same_line(0, px(6))
+        widgets.muted("Smoothing")
+        widgets.beside(90)
+        _, self._log = widgets.checkbox(session, "training.log", "Log axis", self._log)
+        others = session.viewer.other_runs
+        if others:
+            widgets.beside(150)
+            _, self._band = widgets.checkbox(session, "training.band", "Mean and range", self._band)
+            widgets.tooltip("Mean and range", "Of all these runs, where all of them have values.")
+        for index, other in enumerate(others, start=1):
+            widgets.beside(140)
+            widgets.text(Path(other.path).name, _colour(index))
+            widgets.tooltip(other.path, other.error)
+            imgui.same_line(0, px(2))
+            if widgets.icon_button(session, f"training.drop.{index}", Icons.close):
+                session.viewer.other_runs = tuple(run for run in others if run is not other)
+
+    def _choose(self, session: "Session") -> None:
+        if widgets.button(session, "training.metrics", "Metrics…"):
+            imgui.open_popup("metrics")
+        if imgui.begin_popup("metrics"):
+            for name in session.viewer.run.metrics:
+                changed, on = widgets.checkbox(
+                    session, f"training.metric.{name}", name, self._shows(name)
+                )
+                if changed:
+                    self._on[name] = on
+            imgui.end_popup()
+
+    def _shows(self, name: str) -> bool:
+        by_default = name in _FIRST or name.endswith("solve_rate") or name in self._levels
+        return self._on.get(name, by_default)
+
+    def _plots(self, session: "Session") -> None:
+        run = session.viewer.run
+        metrics = run.metrics
+        self._levels = level_rates(metrics)
+        names = [name for name in metrics if self._shows(name)]
+        if not names:
+            widgets.muted("Choose metrics to see their curves.")
+            return
+        space = imgui.get_content_region_avail()
+        columns = max(1, min(len(names), int(space.x / px(_COLUMN))))
+        width = (space.x - (columns - 1) * px(6)) / columns
+        rows = -(-len(names) // columns)
+        height = max(px(120), space.y / rows - px(6))
+        for index, name in enumerate(names):
+            if index % columns:
+                imgui.same_line(0, px(6))
+            curves = [
+                curve_of(one, Path(one.path).name, name, self._smoothing)
+                for one in (run, *session.viewer.other_runs)
+            ]
+            _plot(name, curves, (width, height), log=self._log, band=self._band)
+            widgets.probe(session, f"training.plot.{name}")
+
+
+def level_rates(metrics: Sequence[str]) -> frozenset[str]:
+    """Return the solve rates of single levels, where so few are evaluated that all can be shown."""
+    found = [name for name in metrics if name.startswith(_LEVEL_RATE)]
+    return frozenset(found if len(found) <= _MOST_LEVELS else ())
+
+
+def _plot(
+    name: str,
+    curves: Sequence[Curve],
+    size: tuple[float, float],
+    *,
+    log: bool,
+    band: bool,
+) -> None:
+    """One metric of all runs."""
+    flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
+    if len(curves) == 1:
+        flags |= implot.Flags_.no_legend.value
+    if not implot.begin_plot(name, size, flags):
+        return
+    fit = implot.AxisFlags_.auto_fit.value
+    implot.setup_axes("", "", fit, fit)
+    if log:
+        implot.setup_axis_scale(implot.ImAxis_.y1.value, implot.Scale_.log10.value)
+    spread = band_of(curves) if band else None
+    if spread is not None:
+        spec = implot.Spec()
+        spec.fill_color = imgui.ImVec4(*COLOURS.info[:3], 1.0)
+        spec.fill_alpha = 0.25
+        implot.plot_shaded("range", spread.x, spread.low, spread.high, spec)
+        _line(Curve(label="mean", x=spread.x, y=spread.mean), COLOURS.info)
+    else:
+        for index, curve in enumerate(curves):
+            # Two runs may be called the same.
+            _line(curve, _colour(index), f"###{index}")
+    implot.end_plot()
+
+
+def _line(curve: Curve, colour: Rgba, mark: str = "") -> None:
+    spec = implot.Spec()
+    spec.line_color = imgui.ImVec4(*colour)
+    spec.line_weight = px(1.75)
+    if len(curve.x) == 1:
+        spec.marker, spec.marker_size = implot.Marker_.circle.value, px(3)
+    implot.plot_line(f"{curve.label}{mark}", curve.x, curve.y, spec)

@@ -1,0 +1,250 @@
+"""What stands beside the arena in Play: mode, step, result at the left; the keys under them.
+
+Where there is no room beside the arena the same lines stand over its upper left corner, on plates.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor.base.camera import ARENA
+from editor.play.playback import Mode
+from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Icons, Rgba, alpha, u32
+from editor.toolkit.modes import MODE_LOOK
+from editor.toolkit.widgets import broken, draw_key_plate, font, px
+from kinetix.level.controls import channels_in_use, driven_by
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+Point = tuple[float, float]
+
+OUTCOMES: Final[dict[str, tuple[str, str, str]]] = {
+    "won": (Icons.trophy, "Won", "good"),
+    "lost": (Icons.skull, "Lost", "bad"),
+    "timeout": (Icons.hourglass, "Time is up", "warn"),
+}
+"""Sign, word and name of the colour of each end of an episode."""
+_WIDTH: Final = 250.0
+"""Width of the column [px at 100 %]; less where there is less room."""
+_LEAST: Final = 132.0
+"""In less room it stands over the arena."""
+_EDGE: Final = 14.0
+_GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+
+
+@dataclasses.dataclass(kw_only=True)
+class _Column:
+    """Writes one line under the other."""
+
+    draw: imgui.ImDrawList
+    x: float
+    y: float
+    width: float
+    plates: bool
+    """Whether each line gets a plate, as it stands over the level."""
+
+    def gap(self, height: float) -> None:
+        self.y += px(height)
+
+    def lines(
+        self, words: str, colour: Rgba, size: float = SMALL, face: imgui.ImFont | None = None
+    ) -> None:
+        """Write words, broken to the column's width."""
+        with font(face or FONTS.regular, size):
+            for line in broken(words, self.width):
+                extent = imgui.calc_text_size(line)
+                if self.plates:
+                    low = (self.x - px(6), self.y - px(2))
+                    high = (self.x + extent.x + px(6), self.y + extent.y + px(2))
+                    self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.92)), px(4))
+                self.draw.add_text((self.x, self.y), u32(colour), line)
+                self.y += extent.y + px(4)
+
+
+def paint_side(
+    session: "Session", draw: imgui.ImDrawList, area: tuple[Point, Point], *, split: bool
+) -> None:
+    """Draw the column.
+
+    Args:
+        session: What is played.
+        draw: Where to draw.
+        area: Upper left corner and size of the canvas [px].
+        split: Whether two players share the canvas, so that nothing is free beside the arena.
+    """
+    (x, y), (width, _) = area
+    left = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))[0] - x
+    free = left - 2 * px(_EDGE)
+    beside = not split and free >= px(_LEAST)
+    wide = min(free, px(_WIDTH)) if beside else min(px(_WIDTH), width - 2 * px(_EDGE))
+    at = x + left - px(_EDGE) - wide if beside else x + px(_EDGE)
+    column = _Column(draw=draw, x=at, y=y + px(_EDGE), width=wide, plates=not beside)
+    _badge(session, column)
+    _results(session, column, area, split=split)
+    _progress(session, column, beside)
+    if beside:
+        _keys(session, column)
+        _goal(session, column, y + area[1][1])
+
+
+def _badge(session: "Session", column: _Column) -> None:
+    word, name = MODE_LOOK[session.mode]
+    colour = COLOURS.of(name)
+    with font(FONTS.bold, SMALL):
+        size = imgui.calc_text_size(word)
+        high = (column.x + size.x + px(16), column.y + size.y + px(8))
+        column.draw.add_rect_filled((column.x, column.y), high, u32(colour), px(5))
+        at = (column.x + px(8), column.y + px(4))
+        column.draw.add_text(at, u32(COLOURS.backdrop), word)
+    column.y = high[1]
+    column.gap(10)
+
+
+def _results(
+    session: "Session", column: _Column, area: tuple[Point, Point], *, split: bool
+) -> None:
+    """Write how the episode ended; of two players side by side, each in its own half."""
+    playback, rival = session.playback, session.viewer.rival
+    if session.mode is not Mode.ENDED or playback.outcome not in OUTCOMES:
+        return
+    mine = [f"after {playback.step_count} steps"]
+    other = rival.shown(playback.engine_step) if rival.active else None
+    if other is not None and split:
+        if other.outcome in OUTCOMES:
+            (x, _), (width, _) = area
+            half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
+            write_verdict(half, other.outcome, [f"after {other.step} steps"])
+    elif other is not None:
+        verdict = OUTCOMES[other.outcome][1].lower() if other.outcome else "still plays"
+        mine.insert(0, f"{rival.player}: {verdict}")
+    write_verdict(column, playback.outcome, mine)
+    column.lines("Press Backspace to restart", COLOURS.muted)
+    column.lines("Press Esc to edit", COLOURS.muted)
+    column.gap(8)
+
+
+def write_verdict(column: _Column, outcome: str, details: Sequence[str]) -> None:
+    """Write the end of an episode in large letters, and what there is to say of it.
+
+    Args:
+        column: Where to write.
+        outcome: Key of `OUTCOMES`.
+        details: Lines under it.
+    """
+    icon, word, name = OUTCOMES[outcome]
+    colour = COLOURS.of(name)
+    title = f"{icon}  {word}"
+    with font(FONTS.bold, HUGE):
+        wanted = imgui.calc_text_size(title).x
+    size = HUGE * min(1.0, column.width / max(wanted, 1.0))
+    with font(FONTS.bold, size):
+        extent = imgui.calc_text_size(title)
+        if column.plates:
+            low = (column.x - px(10), column.y - px(6))
+            high = (column.x + extent.x + px(10), column.y + extent.y + px(6))
+            column.draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 0.93)), px(8))
+            column.draw.add_rect(low, high, u32(colour), px(8), px(2))
+        column.draw.add_text((column.x, column.y), u32(colour), title)
+    column.y += extent.y
+    column.gap(8)
+    for words in details:
+        column.lines(words, COLOURS.text, TEXT)
+
+
+def _progress(session: "Session", column: _Column, beside: bool) -> None:
+    """Write who plays, the step, the speed and what goes on."""
+    playback = session.playback
+    total = playback.level.max_timesteps if playback.level is not None else 0
+    if playback.waiting:
+        job = getattr(playback.simulator, "job", None)
+        column.lines(
+            (job.message or job.title) + " …" if job is not None else "Preparing …", COLOURS.text
+        )
+        return
+    if playback.player:
+        column.lines(playback.player, COLOURS.text, SMALL, FONTS.bold)
+    column.lines(f"step {playback.step_count} / {total}", COLOURS.text)
+    if beside and total:
+        share = min(playback.step_count / total, 1.0)
+        low = (column.x, column.y)
+        high = (column.x + column.width, column.y + px(4))
+        column.draw.add_rect_filled(low, high, u32(COLOURS.field), px(2))
+        end = (column.x + column.width * share, high[1])
+        column.draw.add_rect_filled(low, end, u32(COLOURS.of(MODE_LOOK[session.mode][1])), px(2))
+        column.gap(10)
+    for words in _states(session):
+        column.lines(words, COLOURS.warn)
+    column.gap(10)
+
+
+def _states(session: "Session") -> list[str]:
+    playback = session.playback
+    words = []
+    if playback.speed != 1.0:
+        words.append(f"{speed_words(playback.speed)} speed")
+    actual = playback.real_time_factor
+    if session.mode is Mode.PLAYING and 0 < actual < 0.85 * playback.speed:
+        words.append(f"running at {actual:.2g}×")
+    if playback.perturbed:
+        words.append("perturbed")
+    return words
+
+
+def speed_words(speed: float) -> str:
+    """Return a speed as people say it: `2×`, `1/4×`."""
+    return f"{speed:g}×" if speed >= 1 else f"1/{round(1 / speed)}×"
+
+
+def _keys(session: "Session", column: _Column) -> None:
+    """Draw the keys of the level and what they drive; held ones are lit."""
+    level = session.playback.level
+    if level is None or not session.settings.key_caps:
+        return
+    keys = session.control_keys
+    side = px(19)
+    for channel in channels_in_use(level):
+        driving = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
+        x = column.x
+        with font(FONTS.bold, SMALL - 1):
+            for _, key in driving:
+                words, lit = _GLYPHS.get(key, key.upper()), key in session.held
+                extent = imgui.calc_text_size(words)
+                wide = max(extent.x + px(9), side)
+                plate = (x, column.y), (x + wide, column.y + side)
+                draw_key_plate(column.draw, *plate, lit=lit)
+                ink = COLOURS.backdrop if lit else COLOURS.text
+                at = (x + (wide - extent.x) / 2, column.y + (side - extent.y) / 2)
+                column.draw.add_text(at, u32(ink), words)
+                x += wide + px(3)
+        names = [session.document.name_of(entity) for entity in driven_by(level, channel)]
+        offset = x + px(6) - column.x
+        with font(FONTS.regular, SMALL):
+            words = _cut(", ".join(names), column.width - offset)
+            at = (column.x + offset, column.y + (side - imgui.get_text_line_height()) / 2)
+            column.draw.add_text(at, u32(COLOURS.muted), words)
+        column.y += side + px(5)
+    column.gap(10)
+
+
+def _cut(words: str, room: float) -> str:
+    """Cut words to a room [px]."""
+    if imgui.calc_text_size(words).x <= room:
+        return words
+    while words and imgui.calc_text_size(words + "…").x > room:
+        words = words[:-1]
+    return words + "…" if words else ""
+
+
+def _goal(session: "Session", column: _Column, bottom: float) -> None:
+    """Write what the level says of itself, where there is room under the keys."""
+    level = session.playback.level
+    words = level.description if level is not None else ""
+    if not words:
+        return
+    with font(FONTS.regular, SMALL):
+        height = len(broken(words, column.width)) * (imgui.get_text_line_height() + px(4))
+    if column.y + height < bottom - px(_EDGE):
+        column.lines(words, COLOURS.muted)

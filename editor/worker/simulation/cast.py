@@ -1,0 +1,295 @@
+"""Agents on the worker: load them once, tell what they are, let them drive an episode."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from editor.worker.recording import Action, Mind
+from editor.worker.requests import SCRIPTED, AgentRef, AgentSummary, Casting, Progress, Rehearse
+from editor.worker.simulation.compiling import FULL, QUICK, Recipe
+from editor.worker.simulation.stepping import PROGRAMS, first_state
+from kinetix.agents.agent import load_agent
+from kinetix.agents.card import AgentCard
+from kinetix.agents.checkpoint import newest_checkpoint
+from kinetix.agents.environments import capacity_for, environment_for
+from kinetix.agents.episodes import episode_keys
+from kinetix.agents.evaluate import capacity_and_key
+from kinetix.agents.identity import digest_of
+from kinetix.agents.kinetix_env import is_peer_checkpoint
+from kinetix.agents.live import play_step
+from kinetix.agents.player import Player
+from kinetix.agents.scripted import ScriptedPlayer
+from kinetix.environment.actions import MultiDiscreteActions
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.state import EnvState
+from kinetix.errors import CheckpointError, KinetixError
+from kinetix.level.model import Level
+from kinetix.level.sizes import capacity_of
+from kinetix.pytree import pytree
+
+_MEMORY: dict[AgentRef, Player] = {}
+"""Agents that were loaded, the last ones only."""
+_KEPT = 16
+
+
+def player_of(ref: AgentRef) -> Player:
+    """The agent that is meant, loaded on first use.
+
+    Raises:
+        CheckpointError: It cannot be loaded; one sentence.
+    """
+    player = _MEMORY.get(ref)
+    if player is None:
+        player = ScriptedPlayer(ref.path) if ref.path in SCRIPTED else load_agent(ref.path)
+        _MEMORY[ref] = player
+        while len(_MEMORY) > _KEPT:
+            del _MEMORY[next(iter(_MEMORY))]
+    return player
+
+
+def load(path: str) -> AgentSummary:
+    """Read an agent and tell what it is.
+
+    Raises:
+        CheckpointError: It cannot be loaded; one sentence.
+    """
+    folder = _folder(path)
+    ref = AgentRef(path=path, stamp=_stamp(folder))
+    player = player_of(ref)
+    card = player.card
+    capacity = card.capacity
+    steps = card.training.get("env_steps", card.training.get("environment_steps"))
+    arrays = jax.tree.leaves(player.params.get("params", {}))
+    return AgentSummary(
+        ref=ref,
+        name=card.name,
+        description=card.description,
+        observation=card.observation.type,
+        action=card.action.type,
+        network=_network(card) if arrays else "no network",
+        parameters=sum(int(np.prod(leaf.shape)) for leaf in arrays),
+        recurrent=bool(arrays) and card.network.recurrent_model,
+        capacity=None
+        if capacity is None
+        else (capacity.polygons, capacity.circles, capacity.joints, capacity.thrusters),
+        any_size=card.plays_any_capacity,
+        physics=card.environment.physics,
+        frame_skip=card.environment.frame_skip,
+        steps=int(steps) if isinstance(steps, int | float) else None,
+        training=_training(card),
+        folder=str(folder) if folder is not None else "",
+        digest=digest_of(player),
+    )
+
+
+def _folder(path: str) -> Path | None:
+    """Where an agent's arrays lie: of a training run its newest checkpoint."""
+    if path in SCRIPTED:
+        return None
+    folder = Path(path)
+    if not folder.is_dir():
+        raise CheckpointError(f"{folder}: expected the directory of an agent, found none")
+    return folder if is_peer_checkpoint(folder) else newest_checkpoint(folder)
+
+
+def _stamp(folder: Path | None) -> str:
+    if folder is None:
+        return ""
+    times = [path.stat().st_mtime_ns for path in folder.iterdir()]
+    return f"{folder}:{max(times, default=0)}"
+
+
+def _network(card: AgentCard) -> str:
+    net = card.network
+    words = [net.kind.replace("_", " ")]
+    if net.kind == "entity_transformer":
+        words.append(f"{net.transformer_depth} layers of {net.transformer_encoder_size}")
+    words.append(f"actor {net.actor_depth} × {net.actor_width}")
+    if net.recurrent_model:
+        words.append("with memory")
+    return ", ".join(words)
+
+
+def _training(card: AgentCard) -> str:
+    algorithm = card.training.get("algorithm")
+    return str(algorithm).upper() if isinstance(algorithm, str) else ""
+
+
+@pytree
+class Step:
+    """What one environment step gave."""
+
+    state: EnvState
+    info: dict[str, Array]
+    """Of the environment, with `reward` and `done`."""
+    unified: Any
+    """The unified action that was played."""
+    thought: Any = None
+    """The agent's, or None."""
+
+
+class AgentDriver:
+    """An agent that plays one episode, with its memory and its draws.
+
+    It always plays in a step that every level of the size shares: an attempt that is watched is to
+    be the attempt that an evaluation counts, to the bit, and its network outweighs the physics.
+    The quick tier alone rounds differently; it says so, and the next attempt has the other one.
+    """
+
+    tailored = False
+
+    def __init__(
+        self, level: Level, physics: str, casting: Casting, progress: Progress, *, quick: bool
+    ) -> None:
+        """Get ready to play a level.
+
+        Args:
+            level: The level.
+            physics: Preset or solver.
+            casting: Who plays, with which draws.
+            progress: Told how far loading and compiling are.
+            quick: Whether a step that is compiled quickly will do.
+
+        Raises:
+            CheckpointError: The agent cannot be loaded, or cannot play the level.
+            Cancelled: It is not wanted any more.
+        """
+        progress.report(None, "Loading the agent")
+        self._player = player_of(casting.agent)
+        self._casting = casting
+        card = self._player.card
+        self.capacity = capacity_for(card, capacity_of(level), level=repr(level.name))
+        self.env: KinetixEnv = environment_for(self._player, self.capacity, physics=physics)
+        self.frame_skip = card.environment.frame_skip
+        _, number = capacity_and_key(level)
+        self._key = episode_keys([number], [casting.attempt], casting.seed)[0]
+        self._carry = self._player.policy.init_carry(1)
+        hand = MultiDiscreteActions(
+            motor_bindings=self.env.actions.motor_bindings,
+            thruster_bindings=self.env.actions.thruster_bindings,
+        )
+        self._hand = hand
+        self.quick = quick and PROGRAMS.get(self._recipe(level, quick=False).key) is None
+        recipe = self._recipe(level, quick=self.quick)
+        self._play: Callable[..., Any] = PROGRAMS.obtain(recipe, progress)
+
+    def _recipe(self, level: Level, *, quick: bool) -> Recipe:
+        """What is compiled for a step."""
+        player, tier = self._player, QUICK if quick else FULL
+        deterministic = self._casting.deterministic
+
+        def trace() -> Any:
+            state = first_state(level, self.env.static_env_params)
+            arguments = self._arguments(state, 0, None)
+            return play_step.trace(self.env, player.policy, *arguments, deterministic=deterministic)
+
+        # The parameters are an argument: agents of one form share the program.
+        shapes = jax.tree.map(lambda x: (jnp.shape(x), str(jnp.result_type(x))), player.params)
+        form = jax.tree.structure(shapes), tuple(jax.tree.leaves(shapes))
+        key = (self.env, player.policy, form, deterministic, tier)
+        return Recipe(key=key, tier=tier, trace=trace, stored=not quick)
+
+    def _arguments(self, state: EnvState, step: int, hand: Action | None) -> tuple[Any, ...]:
+        """What the compiled step takes."""
+        width = self.env.actions.motor_bindings + self.env.actions.thruster_bindings
+        driven = np.zeros(width, np.float32)
+        if hand is not None:
+            driven = np.asarray(self._hand.unified(jnp.asarray(hand, jnp.int32)))
+        return (
+            self._player.params,
+            state,
+            self._carry,
+            jnp.asarray(step == 0),
+            jax.random.fold_in(self._key, step),
+            jnp.asarray(driven),
+            jnp.asarray(hand is not None),
+        )
+
+    @property
+    def memory(self) -> Any:
+        """What the agent remembers, as numpy arrays."""
+        return jax.device_get(self._carry)
+
+    def remember(self, memory: Any) -> None:
+        """Go on from an earlier memory; None forgets everything."""
+        if memory is None:
+            self._carry = self._player.policy.init_carry(1)
+        else:
+            self._carry = jax.tree.map(jnp.asarray, memory)
+
+    def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
+        """One environment step.
+
+        Args:
+            state: Where the episode is.
+            step: How many steps there were before.
+            hand: What a person drives, or None to let the agent.
+        """
+        taken = self._play(*self._arguments(state, step, hand))
+        state, self._carry, thought, info = taken
+        return Step(state=state, info=info, unified=thought.action, thought=thought)
+
+    def mind(self, thought: Any, *, by_hand: bool, step: int) -> Mind:
+        """A thought for the window.
+
+        Raises:
+            KinetixError: The network said something that is no number.
+        """
+        if not bool(thought.sane):
+            raise KinetixError(
+                f"The agent {self._player.card.name!r} gave something that is no number at step "
+                f"{step}: its parameters, or what it was shown, are broken."
+            )
+        return mind_of(
+            thought.intention,
+            thought.own_action,
+            value=float(thought.value),
+            entropy=float(thought.entropy),
+            chances=thought.chances,
+            by_hand=by_hand,
+            scripted=not self._player.params,
+        )
+
+
+def rehearse(request: Rehearse, progress: Progress) -> None:
+    """Compile what an agent needs to play a level; see `Rehearse`.
+
+    Raises:
+        CheckpointError: The agent cannot be loaded, or cannot play the level.
+        Cancelled: It is not wanted any more.
+    """
+    level, physics, casting = request.level, request.physics, request.casting
+    AgentDriver(level, physics, casting, progress, quick=request.quick)
+
+
+def mind_of(
+    intention: Any,
+    own_action: Any,
+    *,
+    value: float = 0.0,
+    entropy: float = 0.0,
+    chances: Any = None,
+    by_hand: bool = False,
+    scripted: bool = False,
+) -> Mind:
+    """A thought as plain values."""
+    return Mind(
+        intention=tuple(np.asarray(intention).tolist()),
+        own_action=tuple(np.asarray(own_action).tolist()),
+        value=value if math.isfinite(value) else 0.0,
+        entropy=entropy if math.isfinite(entropy) else 0.0,
+        chances=() if scripted or chances is None else _triples(chances),
+        by_hand=by_hand,
+        scripted=scripted,
+    )
+
+
+def _triples(chances: Any) -> tuple[tuple[float, float, float], ...]:
+    rows: Any = np.asarray(chances).tolist()
+    return tuple((a, b, c) for a, b, c in rows)

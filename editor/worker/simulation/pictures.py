@@ -1,0 +1,202 @@
+"""Pictures of states: for the canvas while playing, for PNG, GIF and MP4 files."""
+
+import dataclasses
+import functools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, UInt8
+from PIL import Image as Picture
+
+from editor.documents.commands.bodies import posed
+from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
+from editor.worker.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
+from editor.worker.simulation.stepping import start_state, without_memory
+from editor.worker.trace_pages import film_of_trace
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.level.atomic import replacing
+from kinetix.level.controls import channels_in_use
+from kinetix.level.model import Level
+from kinetix.render.camera import Camera, fit_arena
+from kinetix.render.captions import caption, write_caption
+from kinetix.render.film import write_film
+from kinetix.render.palette import PALETTES, Palette
+from kinetix.render.scene import draw
+from kinetix.render.style import STYLE, Style
+
+_GAP: Final = 4
+"""Between two players side by side [px]."""
+PIXELS: Final = 500
+"""Side of an exported picture at 1× [px]."""
+
+
+def steps_per_second(request: ExportFilm) -> float:
+    """Environment steps in a second of real time."""
+    return ENGINE_STEPS_PER_SECOND / request.trace.snapshots[0].frame_skip
+
+
+@functools.partial(jax.jit, static_argnums=(2, 3, 4, 5))
+def _draw(
+    state: EnvState, camera: Camera, width: int, height: int, palette: Palette, style: Style
+) -> UInt8[Array, "h w 3"]:
+    labels = state.labels
+    return draw(
+        state.world,
+        state.physics,
+        labels.role,
+        labels.motor_binding,
+        labels.thruster_binding,
+        camera,
+        width=width,
+        height=height,
+        palette=palette,
+        style=style,
+    )
+
+
+def palette_named(name: str) -> Palette:
+    """A display palette.
+
+    Raises:
+        KinetixError: There is none of this name.
+    """
+    if name not in PALETTES:
+        raise KinetixError(f"palette {name!r}: expected one of {', '.join(PALETTES)}")
+    return PALETTES[name]
+
+
+def _state(level: Level, state: Any, physics: str = "balanced") -> EnvState:
+    seen = without_memory(start_state(level, physics) if state is None else state)
+    return jax.tree.map(jnp.asarray, seen)
+
+
+def render_state(request: RenderState) -> Image:
+    """The picture of a state for the canvas.
+
+    Raises:
+        KinetixError: There is no such palette, or the level does not fit.
+    """
+    camera = Camera(
+        centre=jnp.asarray(request.centre, jnp.float32),
+        pixels_per_metre=jnp.asarray(request.scale, jnp.float32),
+    )
+    style = dataclasses.replace(STYLE, glyphs=request.glyphs, patterns=request.patterns)
+    state = _state(request.level, request.state, request.physics)
+    pixels = _draw(state, camera, *request.size, palette_named(request.palette), style)
+    return Image(pixels=np.asarray(pixels), centre=request.centre, scale=request.scale)
+
+
+def export_picture(request: ExportPicture) -> Path:
+    """Write a PNG of the arena.
+
+    Raises:
+        KinetixError: The file cannot be written.
+    """
+    side = PIXELS * request.factor
+    camera, palette = fit_arena(side, side), palette_named(request.palette)
+    state = _state(request.level, request.state)
+
+    def on(background: tuple[int, int, int]) -> np.ndarray:
+        backed = dataclasses.replace(palette, background=background)
+        return np.asarray(_draw(state, camera, side, side, backed, STYLE))
+
+    if request.transparent:
+        pixels = without_background(on((0, 0, 0)), on((255, 255, 255)))
+    else:
+        pixels = on(palette.background)
+    with replacing(request.path) as temporary:
+        Picture.fromarray(pixels).save(temporary, format="PNG")
+    return request.path
+
+
+def without_background(
+    on_black: UInt8[np.ndarray, "h w 3"], on_white: UInt8[np.ndarray, "h w 3"]
+) -> UInt8[np.ndarray, "h w 4"]:
+    """Colour and coverage from the same picture on black and on white.
+
+    A pixel with coverage α and colour c shows α·c on black and α·c + (1 − α) on white.
+    """
+    black, white = on_black.astype(np.float32), on_white.astype(np.float32)
+    alpha = 1.0 - np.clip(white - black, 0.0, 255.0).mean(axis=-1, keepdims=True) / 255.0
+    colour = black / np.maximum(alpha, 1e-6)
+    stacked = np.concatenate([colour, alpha * 255.0], axis=-1)
+    return np.clip(np.rint(stacked), 0, 255).astype(np.uint8)
+
+
+def export_film(request: ExportFilm, progress: Progress) -> Path:
+    """Write a GIF or an MP4 of an episode in real time; n steps give n/stride + 1 pictures.
+
+    Raises:
+        KinetixError: The file cannot be written, or MP4 is asked for without the extra `video`.
+    """
+    rate = steps_per_second(request) / request.stride
+    kind = request.path.suffix.lower()
+    with replacing(request.path) as temporary:
+        write_film(
+            temporary,
+            _frames(request, progress),
+            kind=kind,
+            per_second=rate,
+            comment=_about(request),
+        )
+    return request.path
+
+
+def _about(request: ExportFilm) -> str:
+    """What was played, by whom, under what."""
+    films = [film_of_trace(t, request.level) for t in (request.trace, request.rival) if t]
+    return "; ".join(f"{what}: {told}" for film in films for what, told in film.facts)
+
+
+def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
+    """The pictures: of one player, or of two side by side with their names."""
+    chosen = request.trace.snapshots[:: request.stride]
+    for k, snapshot in enumerate(chosen):
+        progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
+        frame = _frame(request, request.trace, snapshot)
+        if request.rival is None:
+            yield frame
+            continue
+        others = request.rival.snapshots
+        index = snapshot.step * snapshot.frame_skip // others[0].frame_skip
+        other = _frame(request, request.rival, others[min(index, len(others) - 1)])
+        line = np.zeros((len(frame), _GAP, 3), np.uint8)
+        yield np.concatenate([frame, line, other], axis=1)
+
+
+def _frame(request: ExportFilm, trace: Trace, snapshot: Snapshot) -> np.ndarray:
+    camera, palette = fit_arena(request.pixels, request.pixels), palette_named(request.palette)
+    # An episode from a file has poses alone.
+    level = request.level if snapshot.state is not None else posed(request.level, snapshot)
+    state = _state(level, snapshot.state)
+    frame = np.asarray(_draw(state, camera, request.pixels, request.pixels, palette, STYLE))
+    words = _words(request.level, snapshot) if request.overlay else ""
+    if request.rival is not None:
+        who = trace.player or "You"
+        if request.rival.physics != request.trace.physics:
+            who = f"{who}, {trace.physics}"
+        words = f"{who}  {words or snapshot.outcome or ''}"
+    return _captioned(frame, words) if words else frame
+
+
+def _words(level: Level, snapshot: Snapshot) -> str:
+    mind = snapshot.mind if snapshot.mind is not None and not snapshot.mind.scripted else None
+    return caption(
+        snapshot.step,
+        snapshot.action,
+        snapshot.outcome or "",
+        value=None if mind is None else mind.value,
+        entropy=None if mind is None else mind.entropy,
+        controls=channels_in_use(level),
+    )
+
+
+def _captioned(frame: np.ndarray, words: str) -> np.ndarray:
+    picture = Picture.fromarray(frame)
+    write_caption(picture, words)
+    return np.asarray(picture)
