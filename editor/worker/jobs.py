@@ -111,6 +111,8 @@ def perform_in_simulation(request: Request, progress: Progress) -> Any:
         progress.report(None, "Starting the simulation")
         with without_pauses():
             from editor.worker import simulation
+
+            simulation.start()
     from editor.worker import simulation
 
     return simulation.perform(request, progress)

@@ -1,5 +1,7 @@
 """The worker: order, progress, cancelling, failures; and the simulator that talks to it."""
 
+import subprocess
+import sys
 import threading
 import time
 
@@ -220,3 +222,21 @@ def test_a_failing_simulation_pauses(played):
         for _ in range(20):
             frame(playback, worker)
     assert playback.mode is Mode.PAUSED
+
+
+def test_the_simulation_starts_on_all_cores(monkeypatch):
+    """A process of its own: here JAX has started."""
+    monkeypatch.setenv("KINETIX_CORES", "3")
+    monkeypatch.delenv("JAX_NUM_CPU_DEVICES", raising=False)
+    code = (
+        "from editor.worker.jobs import Job, perform_in_simulation\n"
+        "from editor.worker.requests import RandomLevel\n"
+        "request = RandomLevel(seed=0, size='s')\n"
+        "try:\n"
+        "    perform_in_simulation(request, Job(request, ''))\n"
+        "finally:\n"
+        "    import jax\n"
+        "    print(jax.device_count())\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.stdout.split() == ["3"], run.stderr
