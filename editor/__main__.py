@@ -13,7 +13,7 @@ import tyro
 from editor.actions.agents import load_agent
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
-from editor.documents.names import Names
+from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
 from editor.play.trace_files import SUFFIX
 from editor.session import Session
@@ -94,7 +94,7 @@ def _run(options: Options) -> int:
         keeper=SettingsKeeper(settings, stored=not alone),
         autosaves=Autosaves(stored=not alone),
         results=Results(stored=not alone),
-        names=Names(stored=not alone),
+        old_names=OldNames(stored=not alone),
     )
     host = _host(options, session)
     status = 0

@@ -26,7 +26,7 @@ from editor.documents.autosaves import Autosaves
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document, Outcome
-from editor.documents.names import Names
+from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
@@ -143,7 +143,7 @@ class Session:
         level: Level | None = None,
         library: Library | None = None,
         results: Results | None = None,
-        names: Names | None = None,
+        old_names: OldNames | None = None,
         evaluator: Worker | None = None,
         autosaves: Autosaves | None = None,
         keeper: SettingsKeeper | None = None,
@@ -183,8 +183,8 @@ class Session:
         """Copies of unsaved levels."""
         self.keeper = keeper or SettingsKeeper(self.settings, stored=False)
         """Writes the settings."""
-        self.names = names or Names()
-        """What the user calls entities, by file."""
+        self.old_names = old_names or OldNames()
+        """Names from earlier versions that no level file holds yet."""
         self.prompts: list[Prompt] = []
         """Questions to the user, the uppermost last; answer with `answer`."""
         self.toasts: list[Toast] = []

@@ -5,21 +5,20 @@ from collections.abc import Callable
 from typing import Literal
 
 from editor.base.prompts import TextQuestion
-from editor.base.wording import describe
+from editor.base.wording import plain_name
 from editor.documents.commands import clip
 from editor.documents.commands.base import Command, Selection
-from editor.documents.commands.fields import PasteProperties
+from editor.documents.commands.fields import PasteProperties, SetField
 from editor.documents.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
 from editor.documents.commands.parts import PARTS
 from editor.documents.commands.rigid import component
-from editor.documents.names import MAX_LENGTH
 from editor.editing.tools import TOOLS
 from editor.session import Session
 from editor.worker.jobs import Job
 from editor.worker.requests import LoadAgent
 from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
-from kinetix.level.model import Body
+from kinetix.level.model import MAX_NAME, Body, Level
 
 MIDDLE = (2.5, 2.5)
 """Where parts go when the pointer is elsewhere [m]."""
@@ -86,23 +85,24 @@ def duplicate(session: Session) -> None:
 
 
 def rename(session: Session) -> None:
-    """Ask for a name of the one thing that is selected; its own old one takes the name away."""
+    """Ask for a name of the one thing that is selected; what it is takes the name away."""
     document, entity = session.document, session.selection[0]
     assert isinstance(entity, int)
-    plain = describe(document.level, entity)
+    plain = plain_name(document.level.entity(entity))
 
     def answer(name: str | None) -> None:
-        if name is None:
-            return
-        if name == plain:
-            document.names.pop(entity, None)
-        else:
-            document.names[entity] = name[:MAX_LENGTH]
-        if document.path is not None:
-            session.names.keep(document.path, document.names)
+        if name is not None:
+            session.execute(named(document.level, entity, name))
 
     old = document.name_of(entity)
     session.ask(TextQuestion(title=f"Name of {plain}", text=old, accept="Rename", answer=answer))
+
+
+def named(level: Level, entity: int, name: str) -> SetField:
+    """Return the edit that gives an entity a name; nothing, or what it is, takes its name away."""
+    name = name.strip()[:MAX_NAME].rstrip()
+    plain = not name or name == plain_name(level.entity(entity))
+    return SetField(ids=(entity,), field="name", value=None if plain else name, shown=name)
 
 
 def can_rename(session: Session) -> bool:

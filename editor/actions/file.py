@@ -43,13 +43,12 @@ def open_path(
         Whether it is open now, or asked about; otherwise a window says why.
     """
     try:
-        document = files.open_document(path)
+        document = files.open_document(path, session.old_names)
     except LevelError as error:
         tell(session, "This cannot be opened", str(error))
         return False
     with session.guard():
         assert document.path is not None
-        document.names = session.names.of(document.path)
         index = session.locate(document.path)
         if index is not None:
             session.show_tab(index)
@@ -250,8 +249,9 @@ def save_now(session: Session, document: Document, path: Path, format: Format) -
         session.toast(str(error), "error")
         return False
     session.settings.remember(path)
-    with session.guard():
-        session.names.keep(path, document.names)
+    if format == "kinetix-level":
+        with session.guard():
+            session.old_names.drop(path)
     session.toast(f"Saved {path.name}", "success")
     return True
 

@@ -148,7 +148,7 @@ def rename(session: Session) -> None:
             return
         index = session.locate(card.file)
         target = filing.rename(card.file, name)
-        session.names.keep(target, session.names.of(card.file))
+        session.old_names.move(card.file, target)
         if index is not None:
             document = session.tabs[index].document
             document.path = target

@@ -46,7 +46,7 @@ def take(session: Session, document: Document) -> None:
         LevelError: The file cannot be read.
     """
     assert document.path is not None
-    fresh = files.open_document(document.path)
+    fresh = files.open_document(document.path, session.old_names)
     document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
     document.source, document.stamp, document.outside = fresh.source, fresh.stamp, ""
     document.mark_saved()

@@ -4,6 +4,7 @@ from editor.base.prompts import Choice, Question
 from editor.documents import files, recovery
 from editor.documents.commands.level import ReplaceLevel
 from editor.documents.document import Document, Stamp
+from editor.documents.old_names import named
 from editor.documents.recovery import Recovery
 from editor.session import Session
 from kinetix.errors import LevelError
@@ -60,14 +61,13 @@ def restore(session: Session, found: Recovery) -> None:
         document.mark_unsaved()
         session.open_tab(document)
     else:
-        command = ReplaceLevel(level=found.level, label="Restore unsaved work")
+        names = session.old_names.of(found.path) if found.path else {}
+        command = ReplaceLevel(level=named(found.level, names), label="Restore unsaved work")
         document.commit(command, time=session.time)
         stamp = document.stamp
         if stamp is not None and found.base not in (None, stamp.digest):
             # Saving will ask: the file has changed since the work on it began.
             document.stamp = Stamp(modified_ns=0, content=b"")
-    if document.path is not None:
-        document.names = session.names.of(document.path)
     document.origin = (*document.origin, found.file, *found.origin)
 
 
@@ -84,7 +84,7 @@ def _document_of(session: Session, found: Recovery) -> Document | None:
         session.leave_play()
         return document
     try:
-        document = files.open_document(found.path)
+        document = files.open_document(found.path, session.old_names)
     except LevelError:
         return None
     session.open_tab(document)

@@ -61,6 +61,14 @@ def switch(name: str) -> Callable[[Session], None]:
     return run
 
 
+def switch_names(session: Session) -> None:
+    """Show or hide the names on the canvas; says how to give one where there is none."""
+    session.settings.names = not session.settings.names
+    level = session.scene
+    if session.settings.names and level.unnamed() is level:
+        session.toast("Nothing here has a name yet: select something and press F2.")
+
+
 def toggle_panels(session: Session) -> None:
     """Show or hide the panels; in Play the bars stay, and only the panels come and go."""
     view = session.view

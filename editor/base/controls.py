@@ -4,7 +4,8 @@ import dataclasses
 from collections.abc import Collection, Mapping
 from typing import Final
 
-from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
+from kinetix.level.controls import names_driven_by
+from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 
 CHANNELS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
 CHANNEL_NAMES: Final = (
@@ -78,6 +79,12 @@ def action_of(held: Collection[str], keys: Mapping[str, Drive] = DEFAULT_KEYS) -
             wanted.setdefault(drive.channel, set()).add(drive.value)
     values = [wanted.get(channel, set()) for channel in range(CHANNELS)]
     return tuple(next(iter(value)) if len(value) == 1 else 0 for value in values)
+
+
+def channel_name(level: Level, channel: int) -> str:
+    """Return what a channel is called: by the names of what it drives, or by its number."""
+    names = names_driven_by(level, channel)
+    return ", ".join(names) if names else CHANNEL_NAMES[channel]
 
 
 def key_caps(channel: int, keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[str, ...]:

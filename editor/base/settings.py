@@ -36,6 +36,8 @@ class Settings:
     grid_visible: bool = True
     key_caps: bool = True
     """Whether the canvas shows the keys of joints and thrusters."""
+    names: bool = False
+    """Whether the canvas shows the names of shapes, joints and thrusters."""
     renderer_picture: bool = False
     """Whether Play shows the renderer's pictures, pixel by pixel as `kinetix render` makes them."""
     minimap: bool = False

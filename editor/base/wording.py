@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from kinetix.level.model import ArenaBody, Body, Circle, Joint, Level, Record, Thruster
+from kinetix.level.model import ArenaBody, Body, Circle, Entity, Joint, Level, Record, Thruster
 
 _NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
 
@@ -42,12 +42,17 @@ def counts(records: Sequence[Record]) -> str:
 
 
 def describe(level: Level, entity_id: int | str) -> str:
-    """What to call an entity: "Green circle 3", "Floor", "Weld 7"."""
+    """Return what to call an entity: its own name, or "Green circle 3", "Floor", "Weld 7"."""
     if isinstance(entity_id, str):
         return ARENA_LABELS.get(entity_id, entity_id)
     try:
         entity = level.entity(entity_id)
     except KeyError:
         return f"Missing {entity_id}"
+    return entity.name or plain_name(entity)
+
+
+def plain_name(entity: Entity) -> str:
+    """Return what an entity without a name is called: "Green circle 3", "Weld 7"."""
     role = f"{entity.role} " if isinstance(entity, Body) and entity.role != "none" else ""
-    return f"{role}{kind_name(entity)} {entity_id}".capitalize()
+    return f"{role}{kind_name(entity)} {entity.id}".capitalize()

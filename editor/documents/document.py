@@ -29,7 +29,10 @@ def same_content(a: Level, b: Level) -> bool:
 
 def same_simulation(a: Level, b: Level) -> bool:
     """Whether two levels play alike: equal but for names, texts and the recorded solution."""
-    return a is b or a.replace(**{name: getattr(b, name) for name in _TEXT_FIELDS}) == b
+    if a is b:
+        return True
+    texts = {name: getattr(b, name) for name in _TEXT_FIELDS}
+    return a.unnamed().replace(**texts) == b.unnamed()
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -85,8 +88,6 @@ class Document:
         """Entities that picking passes over; editor state, not saved."""
         self.hidden: frozenset[EntityId] = frozenset()
         """Entities that are not drawn in Edit; editor state, not saved."""
-        self.names: dict[int, str] = {}
-        """What the user calls entities, by id; editor state, not saved in the level."""
         self.autosaved: Level = level
         """What the autosave last wrote, or the level as opened."""
         self.autosaved_at: datetime.datetime | None = None
@@ -154,9 +155,8 @@ class Document:
         return level_hash(self.level)
 
     def name_of(self, entity: EntityId) -> str:
-        """What an entity is called: by the user, or by kind and id."""
-        own = self.names.get(entity) if isinstance(entity, int) else None
-        return own or describe(self.shown, entity)
+        """Return what an entity is called: by its own name, or by kind and id."""
+        return describe(self.shown, entity)
 
     @property
     def problems(self) -> tuple[Issue, ...]:

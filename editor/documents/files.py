@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from editor.documents.document import Document, Format, Stamp
+from editor.documents.old_names import OldNames, named
 from kinetix.errors import LevelError
 from kinetix.files.regular import FileError, read_bytes
 from kinetix.level.atomic import write_with_backup
@@ -12,11 +13,12 @@ from kinetix.level.kinetix_env import lost_fields
 from kinetix.level.model import Level
 
 
-def open_document(path: str | Path) -> Document:
-    """A document from a level file of either format.
+def open_document(path: str | Path, waiting: OldNames | None = None) -> Document:
+    """Return a document from a level file of either format.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
+        waiting: Names from earlier versions, which the level takes in.
 
     Raises:
         LevelError: The file is missing or bad; one sentence with file and JSON path.
@@ -25,7 +27,7 @@ def open_document(path: str | Path) -> Document:
     stamp = read_stamp(file)
     loaded = load_document(file)
     document = Document(
-        loaded.level,
+        named(loaded.level, waiting.of(file)) if waiting else loaded.level,
         path=file,
         format=loaded.format,
         warnings=loaded.warnings,

@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -77,8 +76,7 @@ def paint_debug(session: "Session", painter: Painter, where: Placement) -> None:
         where: The level and its poses.
     """
     snapshot = session.playback.snapshot if session.playback.active else None
-    names = session.document.names
-    pen = _Pen(painter=painter, where=where, snapshot=snapshot, names=names)
+    pen = _Pen(painter=painter, where=where, snapshot=snapshot)
     ring = session.playback.ring.snapshots if snapshot is not None else ()
     for name in session.settings.debug_draw:
         if name == "trails":
@@ -96,7 +94,6 @@ class _Pen:
     painter: Painter
     where: Placement
     snapshot: Snapshot | None
-    names: Mapping[int, str]
     room: Room = dataclasses.field(default_factory=Room)
     """Labels that would cover another one are left out: zooming in shows them."""
 
@@ -111,7 +108,7 @@ class _Pen:
         with font(FONTS.mono, SMALL):
             for body, pose in zip(self.where.level.bodies, self.where.poses, strict=True):
                 x, y = self._at((pose[0], pose[1]))
-                words = self.names.get(body.id) or f"#{body.id}"
+                words = body.name or f"#{body.id}"
                 size = imgui.calc_text_size(words)
                 low = (x - size.x / 2 - px(3), y + px(6))
                 high = (x + size.x / 2 + px(3), y + size.y + px(8))

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from editor.base.wording import describe
 from editor.worker.recording import Mind, OutcomeName, Snapshot, Trace
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
@@ -51,7 +52,15 @@ def write_trace(trace: Trace, level: Level, path: Path) -> None:
     Raises:
         KinetixError: The file cannot be written.
     """
-    arrays = trace.arrays() | {"level": np.array(dumps(level))}
+    names = {
+        f"{kind}_names": np.array([describe(level, entity.id) for entity in entities], np.str_)
+        for kind, entities in (
+            ("body", level.bodies),
+            ("joint", level.joints),
+            ("thruster", level.thrusters),
+        )
+    }
+    arrays = trace.arrays() | {"level": np.array(dumps(level))} | names
     packed = io.BytesIO()
     np.savez_compressed(packed, **arrays)  # pyright: ignore[reportArgumentType]
     target = path if path.suffix == SUFFIX else path.with_name(path.name + SUFFIX)

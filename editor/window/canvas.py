@@ -20,6 +20,7 @@ from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers,
 from editor.drawing.debug_draw import paint_debug
 from editor.drawing.marks import CapPlace, Marker
 from editor.drawing.minimap import Minimap
+from editor.drawing.name_tags import paint_names
 from editor.drawing.path_overlay import paint_paths
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
 from editor.editing import gauges, picking
@@ -272,6 +273,10 @@ class Canvas:
             paint_debug(session, painter, where)
         if settings.key_caps:
             self._key_caps(session, marker)
+        if settings.names:
+            hidden = session.document.hidden if session.editing else ()
+            caps = self.caps if settings.key_caps else ()
+            paint_names(painter, where, hidden=hidden, caps=caps)
         if session.editing:
             paint_paths(session, painter)
             self._edit_marks(session, marker)

@@ -11,8 +11,8 @@ import numpy as np
 from kinetix.level.model import Level, Record, round_real
 
 FORMAT: Final = "kinetix-level"
-VERSION: Final = 1
-"""The newest version of the format, which is the one that is written."""
+VERSION: Final = 2
+"""The newest version of the format. Each level is written in the oldest one that can say it."""
 
 _INDENT: Final = "  "
 _ON_ONE_LINE: Final = frozenset(
@@ -43,9 +43,14 @@ def record_tree(record: Record) -> dict[str, Any]:
     return tree
 
 
+def version_of(level: Level) -> int:
+    """Return the oldest version of the format that can say a level: names came with version 2."""
+    return 2 if any(entity.name is not None for entity in level.entities()) else 1
+
+
 def level_tree(level: Level) -> dict[str, Any]:
     """A level as it stands in a file, format and version included."""
-    return {"format": FORMAT, "version": VERSION} | record_tree(level)
+    return {"format": FORMAT, "version": version_of(level)} | record_tree(level)
 
 
 def unsayable_paths(tree: Any, path: str = "$") -> Iterator[str]:

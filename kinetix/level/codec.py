@@ -13,7 +13,14 @@ import msgspec
 from kinetix.bundled import level_hint, named_levels
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_atomically
-from kinetix.level.canonical import FORMAT, VERSION, level_tree, tree_text, unsayable_paths
+from kinetix.level.canonical import (
+    FORMAT,
+    VERSION,
+    level_tree,
+    tree_text,
+    unsayable_paths,
+    version_of,
+)
 from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
 from kinetix.level.integrity import level_faults
 from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
@@ -172,6 +179,12 @@ def _checked_level(tree: dict[str, Any], path: str, faults: FaultCollector) -> L
     if faults.faults:
         return None
     level = msgspec.convert(body, Level)
+    if version < version_of(level):
+        faults.add(
+            "E005",
+            f"{path}.version",
+            f"names of bodies, joints and thrusters came with version 2, this file says {version}",
+        )
     for fault in level_faults(level):
         faults.add(fault.code, path + fault.path[1:], fault.message)
     return level
@@ -209,7 +222,7 @@ def dumps(
 
 def _unchanged(level: Level, source: KinetixEnvDocument) -> bool:
     imported, _ = to_level(source, name=level.name)
-    return imported.replace(next_id=level.next_id) == level
+    return imported.replace(next_id=level.next_id) == level.unnamed()
 
 
 def save_level(
@@ -241,11 +254,11 @@ def save_level(
 def level_hash(level: Level) -> str:
     """SHA-256 of what a level is, whatever its name, history and solution (hexadecimal).
 
-    The canonical text without name, description, tags, next_id and solution, ids renumbered in
+    The canonical text without names, description, tags, next_id and solution, ids renumbered in
     list order.
     """
     numbers = {entity.id: k for k, entity in enumerate(level.entities(), start=1)}
-    tree = level_tree(level)
+    tree = level_tree(level.unnamed())
     for key in ("name", "description", "tags", "next_id", "solution"):
         tree.pop(key, None)
     for kind in ("bodies", "joints", "thrusters"):

@@ -24,6 +24,12 @@ def driven_by(level: Level, channel: int) -> tuple[int, ...]:
     )
 
 
+def names_driven_by(level: Level, channel: int) -> tuple[str, ...]:
+    """Return the names of what an entry of an action drives, of those that have one."""
+    driven = (level.entity(number) for number in driven_by(level, channel))
+    return tuple(entity.name for entity in driven if entity.name)
+
+
 def channels_in_use(level: Level) -> tuple[int, ...]:
     """Return the entries of a multi-discrete action that drive anything in a level."""
     return tuple(k for k in range(MOTOR_BINDINGS + THRUSTER_BINDINGS) if driven_by(level, k))

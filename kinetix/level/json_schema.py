@@ -12,6 +12,7 @@ from kinetix.level.canonical import FORMAT, VERSION
 from kinetix.level.codec import LEVELSET_FORMAT
 from kinetix.level.model import Level, Limits, Motor, Record
 from kinetix.level.schema import REQUIRED
+from kinetix.level.sets import VERSION as SET_VERSION
 from kinetix.level.sets import LevelSet
 
 _DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
@@ -24,7 +25,7 @@ def level_schema() -> dict[str, Any]:
 
 def level_set_schema() -> dict[str, Any]:
     """Schema of a level set; each of its levels stands in it or is named by its path."""
-    schema = _schema(LevelSet, LEVELSET_FORMAT, VERSION)
+    schema = _schema(LevelSet, LEVELSET_FORMAT, SET_VERSION)
     level = _schema(Level, FORMAT, VERSION)
     entry = schema["$defs"]["SetEntry"]
     entry["properties"]["level"] = {"$ref": "#/$defs/Level"}

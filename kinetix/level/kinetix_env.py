@@ -249,5 +249,6 @@ def lost_fields(level: Level, *, stem: str | None = None) -> tuple[str, ...]:
         (bool(level.description), "description"),
         (bool(level.tags), "tags"),
         (level.solution is not None, "solution"),
+        (level.unnamed() is not level, "names of shapes, joints and thrusters"),
     )
     return tuple(what for applies, what in told if applies)

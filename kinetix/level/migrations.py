@@ -1,7 +1,7 @@
 """Steps from one version of the format to the next, on parsed JSON.
 
 `MIGRATIONS[n]` is a pure function from a tree of version n to one of version n + 1. There are no
-gaps; a test asserts it. Version 1 is the first, so that there is no step yet.
+gaps; a test asserts it. Version 2 added the key `name` to bodies, joints and thrusters.
 """
 
 from collections.abc import Callable
@@ -9,7 +9,13 @@ from typing import Any, Final
 
 Tree = dict[str, Any]
 
-MIGRATIONS: Final[dict[int, Callable[[Tree], Tree]]] = {}
+
+def _keep(tree: Tree) -> Tree:
+    """Return the tree as it is: the newer version only has more to say."""
+    return tree
+
+
+MIGRATIONS: Final[dict[int, Callable[[Tree], Tree]]] = {1: _keep}
 
 
 def migrate(tree: Tree, version: int, newest: int) -> Tree:

@@ -40,6 +40,8 @@ THRUSTER_BINDINGS: Final = 2
 """How many action channels there are for thrusters."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
+MAX_NAME: Final = 60
+"""Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
 """Environment steps of an episode, and so of a recorded solution."""
 MAX_ENTITIES: Final = 1024
@@ -123,6 +125,10 @@ _Role = Annotated[Role, _note("Part in the game: green must reach blue and shun 
 _Collision = Annotated[
     Collision, _note("What it touches: two bodies collide when one is always or both are normal")
 ]
+_Name = Annotated[
+    Annotated[str, Meta(min_length=1, max_length=MAX_NAME)] | None,
+    _note("What people call it", optional=True),
+]
 Tag = Annotated[str, Meta(min_length=1, max_length=40, pattern="^[a-z0-9_-]*$")]
 BodyReference = int | ArenaName
 """A body's id, or the name of an arena body."""
@@ -196,6 +202,7 @@ class Body(Record, frozen=True, kw_only=True):
     """A circle or polygon."""
 
     id: _Id
+    name: _Name = None
     shape: Shape
     position: tuple[_Coordinate, _Coordinate]
     angle: _Angle = 0.0
@@ -287,6 +294,7 @@ class Joint(Record, frozen=True, kw_only=True):
     """Holds two bodies together at a point; a motor at +1 turns b counter-clockwise against a."""
 
     id: _Id
+    name: _Name = None
     kind: Annotated[JointKind, _note("A hinge, or a weld that also holds the angle")]
     a: Annotated[BodyReference, _note("First body")]
     b: Annotated[BodyReference, _note("Second body")]
@@ -304,6 +312,7 @@ class Thruster(Record, frozen=True, kw_only=True):
     """Pushes its body along the body's angle plus its own."""
 
     id: _Id
+    name: _Name = None
     body: Annotated[int, Meta(ge=1, le=2**53, description="Body that it pushes")]
     position: tuple[_Anchor, _Anchor]
     angle: _Angle = 0.0
@@ -402,6 +411,16 @@ class Level(Record, frozen=True, kw_only=True):
         yield from self.bodies
         yield from self.joints
         yield from self.thrusters
+
+    def unnamed(self) -> "Level":
+        """Return the level without the names of its entities; itself when there are none."""
+        if all(entity.name is None for entity in self.entities()):
+            return self
+        return self.replace(
+            bodies=tuple(body.replace(name=None) for body in self.bodies),
+            joints=tuple(joint.replace(name=None) for joint in self.joints),
+            thrusters=tuple(thruster.replace(name=None) for thruster in self.thrusters),
+        )
 
     def entity(self, entity_id: int) -> Entity:
         """The body, joint or thruster with this id.

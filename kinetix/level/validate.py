@@ -111,9 +111,11 @@ def _issue(
 
 
 def describe(reference: BodyReference, entity: Entity | None = None) -> str:
-    """An entity in the words of the editor: `green circle 4`, `weld 8`, `the left wall`."""
+    """Return its own name, or what it is: `green circle 4`, `weld 8`, `the left wall`."""
     if isinstance(reference, str):
         return f"the {reference.replace('_', ' ')}"
+    if entity is not None and entity.name:
+        return entity.name
     kind = "entity"
     if isinstance(entity, Body):
         kind = _shape_word(entity)
@@ -306,13 +308,13 @@ def _control_issues(level: Level) -> Iterator[Issue]:
             continue
         idle = [name for name in ("speed", "power") if getattr(motor, name) == 0]
         if idle:
-            message = f"Joint {joint.id}: motor {' and '.join(idle)} 0."
+            message = f"{_capital(describe(joint.id, joint))}: motor {' and '.join(idle)} 0."
             yield _issue("W208", message, path=f"$.joints[{k}].motor", ids=(joint.id,))
         else:
             controlled = controlled or not motor.auto
     for k, thruster in enumerate(level.thrusters):
         if thruster.power == 0:
-            message = f"Thruster {thruster.id}: power 0."
+            message = f"{_capital(describe(thruster.id, thruster))}: power 0."
             path = f"$.thrusters[{k}].power"
             yield _issue("W208", message, path=path, ids=(thruster.id,))
         controlled = controlled or thruster.power > 0

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from jaxtyping import Float
 
-from kinetix.level.controls import channels_in_use
+from kinetix.level.controls import channels_in_use, names_driven_by
 from kinetix.level.geometry import arena_bodies
 from kinetix.level.model import (
     MOTOR_BINDINGS,
@@ -81,6 +81,11 @@ def scene_of(level: Level) -> dict[str, Any]:
             if thruster.body in index
         ],
         "controls": list(channels_in_use(level)),
+        "names": {
+            channel: ", ".join(names)
+            for channel in channels_in_use(level)
+            if (names := names_driven_by(level, channel))
+        },
     }
 
 

@@ -168,7 +168,10 @@ function numbersOf(film, at, dots) {
   if (known(film.entropy)) words.push(`entropy ${(film.entropy[at.row] / 1000).toFixed(2)}`);
   for (const channel of scene.controls) {
     const now = driven(film, at, channel);
-    if (Math.abs(now) > 0.05) words.push(KEYS[channel][now < 0 ? 1 : 0]);
+    if (Math.abs(now) > 0.05) {
+      const name = scene.names[channel];
+      words.push(KEYS[channel][now < 0 ? 1 : 0] + (name ? ` ${name}` : ""));
+    }
   }
   if (!words.length) return;
   g.setTransform(1, 0, 0, 1, 0, 0);

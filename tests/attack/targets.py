@@ -162,7 +162,7 @@ def _settings() -> tuple[bytes, ...]:
 
 def _read_settings(data: bytes, folder: Path) -> None:
     from editor.base.settings import Settings
-    from editor.documents.names import Names
+    from editor.documents.old_names import OldNames
     from editor.gallery.results import Results
 
     path = folder / "kept.json"
@@ -172,7 +172,7 @@ def _read_settings(data: bytes, folder: Path) -> None:
     assert 0.5 <= settings.text_scale <= 2.0
     assert all(isinstance(name, str) for name in settings.recents)
     assert isinstance(Results(path).players, tuple)
-    assert all(isinstance(name, str) for name in Names(path).of(Path("/a/b.json")).values())
+    assert all(isinstance(name, str) for name in OldNames(path).of(Path("/a/b.json")).values())
     settings.save(folder / "again.json")
 
 

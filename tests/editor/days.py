@@ -8,8 +8,9 @@ from pathlib import Path
 from editor.actions import file, recover
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
+from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
-from editor.documents.names import Names
+from editor.documents.old_names import OldNames
 from editor.gallery.results import HUMAN, Results
 from editor.hosts.headless import HeadlessHost
 from editor.session import Session
@@ -39,7 +40,7 @@ def a_session(worker: Worker, level: Level | None = None) -> Session:
         settings=settings,
         keeper=SettingsKeeper(settings),
         results=Results(),
-        names=Names(),
+        old_names=OldNames(),
         worker=worker,
         level=level,
     )
@@ -64,7 +65,7 @@ def live_through(home: Path, worker: Worker) -> None:
         file.open_path(session, path)
         host.frames(10)
         first = session.document.level.bodies[0].id
-        session.names.keep(path, {first: "Lander"})
+        session.execute(SetField(ids=(first,), field="name", value="Lander"))
         session.results.add_episode(HUMAN, level_hash(session.document.level), won=True)
         session.execute(Move(ids=(first,), shift=(0.1, 0.0)))
         session.save_aside()

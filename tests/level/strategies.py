@@ -45,6 +45,7 @@ def polygons(draw):
     return Polygon(vertices=tuple((a * math.cos(t), b * math.sin(t)) for t in turns))
 
 
+entity_names = st.none() | st.text(st.characters(codec="utf-8"), min_size=1, max_size=60)
 circles = st.builds(Circle, radius=reals(0.03125, 5.0))
 roles, collisions = st.sampled_from(ROLES), st.sampled_from(COLLISIONS)
 masses = st.builds(MassProperties, mass=reals(0.0625, 1e3), inertia=reals(0.0625, 1e3))
@@ -54,6 +55,7 @@ masses = st.builds(MassProperties, mass=reals(0.0625, 1e3), inertia=reals(0.0625
 def bodies(draw, body_id, inertia_model):
     body = Body(
         id=body_id,
+        name=draw(entity_names),
         shape=draw(circles | polygons()),
         position=draw(points(-10.0, 10.0)),
         angle=draw(reals(-100.0, 100.0)),
@@ -105,6 +107,7 @@ def joints(draw, joint_id, references):
     a, b = draw(st.lists(st.sampled_from(references), min_size=2, max_size=2, unique=True))
     return Joint(
         id=joint_id,
+        name=draw(entity_names),
         kind=draw(st.sampled_from(["revolute", "fixed"])),
         a=a,
         b=b,
@@ -120,6 +123,7 @@ def thrusters(thruster_id, body_ids):
     return st.builds(
         Thruster,
         id=st.just(thruster_id),
+        name=entity_names,
         body=st.sampled_from(body_ids),
         position=points(),
         angle=reals(),

@@ -32,8 +32,10 @@ def test_every_level_of_ours_is_accepted(level_validator):
     [
         (("colour",), "green"),
         (("next_id",), 0),
-        (("version",), 2),
+        (("version",), 3),
         (("bodies", 0, "friction"), -1.0),
+        (("bodies", 0, "name"), ""),
+        (("bodies", 0, "name"), None),
         (("bodies", 0, "role"), "yellow"),
         (("bodies", 0, "shape", "kind"), "star"),
         (("bodies", 0, "mass_properties"), None),

@@ -134,7 +134,7 @@ THIN = "[0.5, 0.1], [0.5, 0.1001], [-0.4, -0.2], [0.5, -0.1]"
 MILLION = "[" + "0," * 10**6 + "0]"
 # Single changes of the fixture: (old, new, code, what the sentence says).
 CHANGES = {
-    "newer": ('"version": 1', '"version": 2', "E003", "newer than 1"),
+    "newer": ('"version": 1', '"version": 3', "E003", "newer than 2"),
     "key": ('  "next_id": 40,\n', "", "E004", 'the key "next_id" is missing'),
     "motor": ('"on": true, ', "", "E004", r'joints\[0\]\.motor: the key "on"'),
     "unknown": ('"friction"', '"fricton"', "E005", 'did you mean "friction"'),
@@ -250,6 +250,52 @@ def test_the_hash_leaves_out_names_history_and_solution():
     same = level.replace(name="x", description="y", tags=("z",), solution=None, next_id=99)
     assert level_hash(same) == level_hash(level)
     assert level_hash(level.replace(max_timesteps=9)) != level_hash(level)
+    named = level.replace(bodies=tuple(b.replace(name=f"B{b.id}") for b in level.bodies))
+    assert level_hash(named) == level_hash(level)
+
+
+def test_names_are_saved_and_without_them_the_file_is_of_version_1(tmp_path):
+    text = (FIXTURES / "v1" / "cart_and_bell.json").read_text()
+    level = loads(text)
+    first, joint = level.bodies[0], level.joints[0]
+    named = level.replace(
+        bodies=(first.replace(name="Wagen 車"), *level.bodies[1:]),
+        joints=(joint.replace(name="Rear axle"), *level.joints[1:]),
+    )
+    save_level(named, tmp_path / "named.json")
+    saved = (tmp_path / "named.json").read_text()
+    assert '"version": 2' in saved
+    assert f'"id": {first.id},\n      "name": "Wagen 車",\n' in saved
+    assert load_level(tmp_path / "named.json") == named
+    assert dumps(named.unnamed()) == text
+    assert level.unnamed() is level
+
+
+@pytest.mark.parametrize(
+    ("name", "code"), [('""', "E007"), ("null", "E006"), ("3", "E006"), (f'"{"x" * 61}"', "E007")]
+)
+def test_bad_names_are_refused(name, code):
+    text = change(EVERYTHING, '"version": 1', '"version": 2')
+    text = change(text, '"id": 3,', f'"id": 3, "name": {name},')
+    if code == "E006" and name == "null":
+        assert loads(text).bodies[0].name is None
+        return
+    with pytest.raises(LevelError, match=r"\$\.bodies\[0\]\.name"):
+        loads(text)
+
+
+def test_a_file_of_version_1_has_no_names():
+    text = change(EVERYTHING, '"id": 3,', '"id": 3, "name": "Wedge",')
+    with pytest.raises(LevelError, match=r"\$\.version: names .* version 2, this file says 1"):
+        loads(text)
+
+
+def test_kinetix_env_has_no_place_for_names(tmp_path):
+    level = loads((FIXTURES / "v1" / "cart_and_bell.json").read_text())
+    level = level.replace(thrusters=(), solution=None, tags=(), description="", name="b")
+    named = level.replace(bodies=tuple(b.replace(name="Box") for b in level.bodies))
+    lost = save_level(named, tmp_path / "b.json", format="kinetix-env")
+    assert lost == ("names of shapes, joints and thrusters",)
 
 
 def test_the_hash_does_not_see_ids():

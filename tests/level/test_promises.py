@@ -38,6 +38,13 @@ LEVELS = {
     ),
 }
 """SHA-256 of each file, and the `level_hash` by which sets, results and agents know it."""
+NAMED = {
+    "lunch_run": (
+        "4fa402d112a8049f568b2ed22acf62237f02307c95f5f4128961889b87073bbb",
+        "4dd3d6d7990b2ead5bb0661f161ab9369b0a4990070599f3e5b1f46f9c05b29b",
+    ),
+}
+"""The same for version 2, which has names of bodies, joints and thrusters."""
 SET = "60160458ff05a5495d6f6fd617b8bd6d263972234e1ae64dd33388d653a8e689"
 CARD = "d09443421f7a8669d2057f4c6a19d606b292353147321ebad2f15d6d04deed1a"
 
@@ -48,6 +55,7 @@ def _sha256(path):
 
 def test_no_golden_file_was_added_or_removed_in_silence():
     assert {path.stem for path in (FIXTURES / "v1").glob("*.json")} == set(LEVELS)
+    assert {path.stem for path in (FIXTURES / "v2").glob("*.json")} == set(NAMED)
 
 
 @pytest.mark.parametrize("name", LEVELS)
@@ -59,6 +67,18 @@ def test_a_level_of_version_1_opens_byte_for_byte_the_same(name):
     assert (loaded.format, loaded.warnings) == ("kinetix-level", ())
     assert dumps(loaded.level) == path.read_text()
     assert level_hash(loaded.level) == content
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_a_level_of_version_2_opens_byte_for_byte_the_same(name):
+    path = FIXTURES / "v2" / f"{name}.json"
+    file, content = NAMED[name]
+    assert _sha256(path) == file
+    loaded = load_document(path)
+    assert (loaded.format, loaded.warnings) == ("kinetix-level", ())
+    assert dumps(loaded.level) == path.read_text()
+    assert level_hash(loaded.level) == content
+    assert level_hash(loaded.level.unnamed()) == content
 
 
 def test_a_level_set_of_version_1_opens_byte_for_byte_the_same():

@@ -47,6 +47,16 @@ VIEW: Final = (
         run=view.switch_setting("key_caps"),
     ),
     Action(
+        id="view.names",
+        label="Show Names",
+        menu="View",
+        context=Context.LEVEL,
+        keys=("shift+n",),
+        tooltip="The names that shapes, joints and thrusters have been given, beside them.",
+        checked=view.is_set("names"),
+        run=view.switch_names,
+    ),
+    Action(
         id="view.renderer_picture",
         label="Show the Renderer's Picture",
         menu="View",

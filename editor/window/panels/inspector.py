@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
+from editor.actions.edit import named
 from editor.base.controls import key_caps
 from editor.base.wording import counts
 from editor.documents.commands.base import EntityId
@@ -14,6 +15,7 @@ from editor.toolkit.widgets import px
 from editor.window.panels import shape_fields
 from editor.window.panels.base import Panel
 from editor.window.panels.fields import Editor, segments
+from editor.window.panels.texts import TextFields
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
@@ -45,10 +47,12 @@ class Inspector(Panel):
 
     def __init__(self) -> None:
         self._editor = Editor()
+        self._texts = TextFields()
 
     def draw(self, session: "Session") -> None:
         """Draw the sections that fit the selection."""
         self._editor.begin(session)
+        self._texts.begin()
         records = selected_records(session.document.shown, session.selection)
         if not records:
             widgets.empty_state(
@@ -75,11 +79,21 @@ class Inspector(Panel):
     def _heading(self, session: "Session", records: list[Record]) -> None:
         ids = session.selection
         with widgets.font(FONTS.bold, 17):
-            if len(ids) == 1:
-                widgets.wrapped(session.document.name_of(ids[0]))
-            else:
-                widgets.wrapped(counts(records))
+            widgets.wrapped(counts(records) if len(ids) > 1 else session.document.name_of(ids[0]))
+        if isinstance(ids[0], int) and len(ids) == 1:
+            self._name(session, ids[0])
         imgui.dummy((0, px(2)))
+
+    def _name(self, session: "Session", entity: int) -> None:
+        level = session.document.level
+        only = level.entity(entity)
+
+        def commit(name: str) -> None:
+            session.queue(named(session.document.level, entity, name))
+
+        self._texts.line(
+            session, "inspector.name", only.name or "", commit, hint="Name, seen in lists and plots"
+        )
 
     def _bodies(self, session: "Session", records: list[Record]) -> None:
         edit = self._editor

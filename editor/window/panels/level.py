@@ -11,6 +11,7 @@ from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.window.panels.fields import Editor
 from editor.window.panels.inspector import role_segments
+from editor.window.panels.texts import TextFields
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, needed_capacity, size_name
 
@@ -34,11 +35,12 @@ class LevelPanel(Panel):
 
     def __init__(self) -> None:
         self._editor = Editor()
-        self._texts: dict[str, str] = {}
+        self._texts = TextFields()
 
     def draw(self, session: "Session") -> None:
         """Draw the sections."""
         self._editor.begin(session)
+        self._texts.begin()
         level = session.document.shown
         with widgets.disabled(not session.editing):
             with widgets.property_table("level", label=0.37) as opened:
@@ -59,37 +61,20 @@ class LevelPanel(Panel):
 
     def _text(self, session: "Session", field: str, value: str) -> None:
         """A text that commits on Enter or when the field is left."""
-        shown = self._texts.get(field, value)
-        if session.view.field == f"level.{field}":
-            session.view.field = ""
-            imgui.set_keyboard_focus_here()
-        changed, new = imgui.input_text(f"###level.{field}", shown)
-        widgets.probe(session, f"level.{field}")
-        if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:
-            widgets.tooltip(value)
-        if changed:
-            self._texts[field] = new
-        if imgui.is_item_deactivated():
-            typed = self._texts.pop(field, value)
-            if typed != value:
-                stored = typed.split() if field == "tags" else typed
-                session.queue(SetLevelField(field=field, value=stored))
+
+        def commit(typed: str) -> None:
+            stored = typed.split() if field == "tags" else typed
+            session.queue(SetLevelField(field=field, value=stored))
+
+        self._texts.line(session, f"level.{field}", value, commit)
 
     def _description(self, session: "Session", level: Level) -> None:
         widgets.muted("Description")
-        shown = self._texts.get("description", level.description)
-        height = imgui.get_text_line_height() * 4 + 2 * imgui.get_style().frame_padding.y
-        flags = imgui.InputTextFlags_.word_wrap.value
-        changed, new = imgui.input_text_multiline(
-            "###level.description", shown, (-1, height), flags
-        )
-        widgets.probe(session, "level.description")
-        if changed:
-            self._texts["description"] = new
-        if imgui.is_item_deactivated():
-            typed = self._texts.pop("description", level.description)
-            if typed != level.description:
-                session.queue(SetLevelField(field="description", value=typed))
+
+        def commit(typed: str) -> None:
+            session.queue(SetLevelField(field="description", value=typed))
+
+        self._texts.area(session, "level.description", level.description, commit)
 
     def _gravity(self, session: "Session") -> None:
         space = imgui.get_content_region_avail().x

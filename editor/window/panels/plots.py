@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from editor.base.controls import CHANNEL_NAMES
+from editor.base.controls import CHANNEL_NAMES, channel_name
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.toolkit.widgets import px
@@ -192,7 +192,10 @@ class PlotsPanel(Panel):
         level = session.playback.level
         shown = plot.series
         if plot.steps and level is not None:
-            shown = tuple(shown[k] for k in channels_in_use(level))
+            shown = tuple(
+                dataclasses.replace(shown[k], label=channel_name(level, k))
+                for k in channels_in_use(level)
+            )
         if len(shown) < 2:
             flags |= implot.Flags_.no_legend.value
         if not implot.begin_plot(plot.title, size, flags):
@@ -205,7 +208,7 @@ class PlotsPanel(Panel):
                 continue
             time = _times(moments)
             for series in shown:
-                key = (owner, plot.title, series.label)
+                key = (owner, plot.title, series.colour)
                 values = self._curves.setdefault(key, _Curve()).values(series.value, moments)
                 spec = implot.Spec()
                 spec.line_color = imgui.ImVec4(*COLOURS.of(series.colour)[:3], opacity)
@@ -213,7 +216,7 @@ class PlotsPanel(Panel):
                 if owner == "b":
                     spec.flags = implot.ItemFlags_.no_legend.value
                 drawing = implot.plot_stairs if plot.steps else implot.plot_line
-                drawing(f"{series.label}###{owner}{series.label}", time, values, spec)
+                drawing(f"{series.label}###{owner}{series.colour}", time, values, spec)
         self._cursor(session, states)
         implot.end_plot()
         widgets.probe(session, f"plots.{plot.title}")

@@ -58,6 +58,7 @@ PAGES: Final[dict[str, tuple[Row, ...]]] = {
         Row(name="glyphs", label="Role marks on shapes"),
         Row(name="patterns", label="Role patterns on shapes"),
         Row(name="key_caps", label="Keys on joints and thrusters"),
+        Row(name="names", label="Names of shapes, joints and thrusters"),
         Row(name="minimap", label="Map of the arena"),
         Row(name="reduced_motion", label="Reduced motion"),
     ),

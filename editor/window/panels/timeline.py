@@ -1,13 +1,13 @@
 """The timeline of the episode: scrub, loop, see what happened when, start again from anywhere."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.base.controls import CHANNEL_NAMES
+from editor.base.controls import channel_name
 from editor.play.playback import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
@@ -44,12 +44,13 @@ _ENDS: Final = {"won": "good", "lost": "bad", "timeout": "warn"}
 """Names of the colours of episodes' ends."""
 
 
-def marks_of(moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]:
+def marks_of(moments: Sequence[Snapshot], controls: Mapping[int, str]) -> list[Mark]:
     """Return what happened in an episode: new contacts, changes of the action, the end.
 
     Args:
         moments: The episode.
-        controls: Entries of the action that drive anything; changes of others are none.
+        controls: Names of the entries of the action that drive anything; changes of others are
+            none.
     """
     found: list[Mark] = []
     for index in range(1, len(moments)):
@@ -62,7 +63,7 @@ def marks_of(moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]
         was, played = before.action, now.action
         changed = [k for k in controls if was and played[k : k + 1] != was[k : k + 1]]
         if changed:
-            names = ", ".join(CHANNEL_NAMES[k] for k in changed)
+            names = ", ".join(controls[k] for k in changed)
             found.append(Mark(index=index, kind="flip", words=f"the action changes: {names}"))
         if now.outcome is not None:
             found.append(Mark(index=index, kind="end", words=now.outcome))
@@ -126,7 +127,8 @@ class Timeline(Panel):
 
     def _track(self, session: "Session", moments: Sequence[Snapshot]) -> None:
         level = session.playback.level
-        marks = self._marks_of(moments, channels_in_use(level) if level is not None else ())
+        used = () if level is None else channels_in_use(level)
+        marks = self._marks_of(moments, {k: channel_name(level, k) for k in used if level})
         at, space = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail()
         width, height = max(space.x - px(8), px(60)), min(max(space.y, px(_TRACK)), px(96))
         imgui.invisible_button("track", (width, height))
@@ -193,7 +195,7 @@ class Timeline(Panel):
                     widgets.muted(f"step {moments[mark.index].step}: {mark.words}")
         imgui.end_tooltip()
 
-    def _marks_of(self, moments: Sequence[Snapshot], controls: Sequence[int]) -> list[Mark]:
+    def _marks_of(self, moments: Sequence[Snapshot], controls: Mapping[int, str]) -> list[Mark]:
         """The marks, worked out again only when there is a new moment."""
         known = (moments[0], moments[-1], len(moments))
         if len(known) != len(self._known) or any(

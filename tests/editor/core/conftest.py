@@ -10,7 +10,7 @@ def own_folders(tmp_path, monkeypatch):
     monkeypatch.setattr("editor.documents.autosaves.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("kinetix.failures.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.base.settings.config_dir", lambda: tmp_path / "config")
-    monkeypatch.setattr("editor.documents.names.state_dir", lambda: tmp_path / "state")
+    monkeypatch.setattr("editor.documents.old_names.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.gallery.results.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.gallery.library.cache_dir", lambda: tmp_path / "cache")
     monkeypatch.setattr("editor.gallery.filing.user_levels_dir", lambda: tmp_path / "mine")

@@ -76,6 +76,42 @@ def edit_text(gui, name, words):
     gui.frames(2)
 
 
+def test_a_name_is_typed_into_the_inspector_and_undone(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.name", "Chassis")
+    assert gui.level.body(1).name == "Chassis"
+    gui.session.queue("edit.undo")
+    gui.frames(2)
+    assert gui.level == a_level()
+
+
+def test_a_name_that_was_typed_is_kept_when_the_selection_goes(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    gui.click("inspector.name")
+    gui.text("Chassis")
+    gui.click_world(3.0, 1.2)  # nothing lies there
+    gui.frames(3)
+    assert gui.session.selection == ()
+    assert gui.level.body(1).name == "Chassis"
+    assert gui.level.body(2).name is None
+
+
+def test_names_are_written_on_the_canvas_when_asked_for(make_gui):
+    gui = make_gui(level=a_level())
+    gui.key("shift+n")
+    assert gui.session.settings.names
+    assert "has a name yet" in gui.session.toasts[-1].text
+    gui.click("outliner.1")
+    edit_text(gui, "inspector.name", "Chassis")
+    gui.frames(3)
+    assert gui.level.body(1).name == "Chassis"
+    gui.key("escape")
+    gui.key("shift+n")
+    assert not gui.session.settings.names
+
+
 @pytest.mark.parametrize(("typed", "value"), [("2*3", 6.0), ("1,5", 1.5), ("+=0.5", 1.5)])
 def test_fields_take_sums(make_gui, typed, value):
     gui = make_gui(level=a_level())

@@ -160,7 +160,7 @@ def test_marks_tell_contacts_changes_and_the_end():
     snapshots[2] = dataclasses.replace(snapshots[2], touching=((1, "floor"),))
     snapshots[3] = dataclasses.replace(snapshots[3], action=(1.0, 0, 0, 0, 0, 0))
     snapshots[5] = dataclasses.replace(snapshots[5], outcome="won")
-    marks = {(mark.index, mark.kind) for mark in marks_of(snapshots, (0,))}
+    marks = {(mark.index, mark.kind) for mark in marks_of(snapshots, {0: "motor 0"})}
     assert {(2, "contact"), (3, "flip"), (4, "flip"), (5, "end")} <= marks
     assert (5, "contact") not in marks
 
@@ -169,7 +169,7 @@ def test_changes_of_controls_that_the_level_lacks_are_no_marks():
     snapshots = list(a_trace(3).snapshots)
     snapshots[2] = dataclasses.replace(snapshots[2], action=(1.0, 0, 0, 0, 0, 0))
     snapshots[3] = dataclasses.replace(snapshots[3], action=(0.0, 0, 0, 0, 0, 1))
-    (mark,) = [m for m in marks_of(snapshots, (5,)) if m.kind == "flip"]
+    (mark,) = [m for m in marks_of(snapshots, {5: "thruster 1"}) if m.kind == "flip"]
     assert (mark.index, mark.words) == (3, "the action changes: thruster 1")
 
 
