@@ -33,6 +33,7 @@ from editor.editing.tools.base import NOTHING, Driver, Tool
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
+from editor.play.moment import Moment
 from editor.play.motion import Motion
 from editor.play.playback import Mode, Playback, Simulator
 from editor.worker.jobs import Job, Worker, WorkerSimulator
@@ -128,6 +129,13 @@ class Tab:
     camera: Camera = dataclasses.field(default_factory=Camera)
     fitted: bool = False
     """Whether the window has fitted the camera to the viewport once."""
+    moment: Moment | None = None
+    """A paused episode of the level that is being changed."""
+
+    @property
+    def untouched(self) -> bool:
+        """Whether nothing is lost when another level takes the tab."""
+        return self.moment is None and self.document.untouched
 
 
 class Session:
@@ -237,8 +245,9 @@ class Session:
 
     @property
     def document(self) -> Document:
-        """The document in front."""
-        return self.tab.document
+        """The document in front: the level, or a moment of an episode that is being changed."""
+        moment = self.tab.moment
+        return self.tab.document if moment is None else moment.document
 
     @property
     def camera(self) -> Camera:
@@ -413,7 +422,7 @@ class Session:
         self.leave_play()
         self.gallery.open = False
         tab = Tab(document=document, camera=dataclasses.replace(self.camera, centre=(2.5, 2.5)))
-        if self.document.untouched and not self.document.level.bodies:
+        if self.tab.untouched and not self.document.level.bodies:
             self.tabs[self.tab_index] = tab
         else:
             self.tabs.append(tab)
@@ -450,9 +459,15 @@ class Session:
         """Drop gestures and stop playing."""
         self.driver.cancel()
         self.pull = self.expected = None
-        if self.playback.active:
+        if self.playback.active or self.playback.suspended:
             self.playback.stop()
         self.viewer.rival.stop()
+
+    def leave_moment(self) -> None:
+        """Go back to the level from a paused episode that was being changed."""
+        self.tab.moment = None
+        if self.playback.suspended:
+            self.playback.stop()
 
     def release_all(self) -> None:
         """The window lost the keyboard: nothing is held any more, nothing is under way."""

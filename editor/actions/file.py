@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import conflict
+from editor.actions import conflict, moment
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.documents import files
 from editor.documents.document import Document, Format
 from editor.gallery import filing
 from editor.session import Session, Tab
-from kinetix.errors import LevelError
+from kinetix.errors import CommandError, LevelError
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
@@ -56,9 +56,9 @@ def open_path(
         if not anyway and _open_elsewhere(session, document.path):
             _ask_elsewhere(session, document, replace=replace)
             return True
-        if replace and not session.document.dirty:
+        if replace and not session.document.dirty and not session.tab.document.dirty:
             session.leave_play()
-            session.tab.document = document
+            session.tab.document, session.tab.moment = document, None
         else:
             session.open_tab(document)
         session.settings.remember(document.path)
@@ -153,6 +153,7 @@ def _folder(session: Session) -> Path:
 
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
     """Save in the tab's format; asks for a name where there is none, and about losses."""
+    _no_moment(session)
     document = session.document
     if document.path is None:
         save_as(session, then)
@@ -160,8 +161,21 @@ def save(session: Session, then: Callable[[], None] | None = None) -> None:
         save_with_care(session, document, document.path, document.format, then)
 
 
+def _no_moment(session: Session) -> None:
+    """Refuse to save a paused episode over the level.
+
+    Raises:
+        CommandError: One is being changed.
+    """
+    if session.tab.moment is not None:
+        raise CommandError(
+            "This is a moment of an episode: keep it as the level's start or drop it, then save."
+        )
+
+
 def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
     """Save under a name that the user chooses."""
+    _no_moment(session)
     document = session.document
 
     def answer(path: Path | None) -> None:
@@ -259,11 +273,15 @@ def save_now(session: Session, document: Document, path: Path, format: Format) -
 def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     """Go on with `then` once a tab's changes are saved or given up (IO4)."""
     document = tab.document
+    if tab.moment is not None and tab.moment.changed:
+        _ask_moment(session, tab, lambda: if_settled(session, tab, then))
+        return
     if not document.dirty:
         then()
         return
 
     def answer(choice: str) -> None:
+        tab.moment = None
         if choice == "save":
             session.show_tab(session.tabs.index(tab))
             save(session, then)
@@ -287,6 +305,34 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     )
 
 
+def _ask_moment(session: Session, tab: Tab, then: Callable[[], None]) -> None:
+    """Ask what shall become of a paused episode that was changed, and go on unless cancelled."""
+
+    def answer(choice: str) -> None:
+        if choice == "cancel":
+            return
+        if choice == "keep":
+            session.show_tab(session.tabs.index(tab))
+            moment.keep(session)
+        tab.moment = None
+        then()
+
+    session.ask(
+        Question(
+            title="A paused episode was changed",
+            message=f"Shall {tab.document.title} start from what was changed in its episode?",
+            choices=(
+                Choice(id="keep", label="Keep as Start"),
+                Choice(id="drop", label="Drop the Changes"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="keep",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
 def close_tab(session: Session, tab: Tab | None = None) -> None:
     """Close a tab, the one in front by default; asks when it has unsaved changes."""
     closing = tab or session.tab
@@ -296,6 +342,10 @@ def close_tab(session: Session, tab: Tab | None = None) -> None:
 def quit_app(session: Session) -> None:
     """End the app, after asking once about everything that has unsaved changes."""
     session.driver.cancel()
+    changed = next((tab for tab in session.tabs if tab.moment and tab.moment.changed), None)
+    if changed is not None:
+        _ask_moment(session, changed, lambda: quit_app(session))
+        return
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
     if any(isinstance(prompt, Question) and prompt.title == _QUIT for prompt in session.prompts):
         return

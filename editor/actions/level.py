@@ -32,7 +32,7 @@ def random_level(session: Session) -> None:
         elif job.state is JobState.DONE:
             level: Level = job.result
             document = Document(level.replace(name=f"Random {seed}"))
-            if session.document.untouched:
+            if session.tab.untouched:
                 session.leave_play()
                 session.tab.document = document
             else:

@@ -1,6 +1,6 @@
 """What the Run menu does: play, pause, step, reset, stop, edit from here."""
 
-from editor.actions import agents
+from editor.actions import agents, moment
 from editor.documents.commands.level import TakePoses
 from editor.documents.document import Document
 from editor.gallery.results import HUMAN
@@ -11,7 +11,10 @@ from kinetix.level.codec import level_hash
 
 
 def play(session: Session) -> None:
-    """Play the level by hand."""
+    """Play the level by hand, or go on with a paused episode that was changed."""
+    if session.tab.moment is not None:
+        moment.play_on(session, session.tab.moment)
+        return
     session.leave_play()
     session.autosaves.keep(session.document)
     session.playback.play(session.document.level)

@@ -48,8 +48,17 @@ class Simulator(Protocol):
         """Steps that were asked for and have not arrived."""
         ...
 
-    def start(self, level: Level, physics: str, casting: Casting | None = None) -> None:
-        """Go to a level's first state; its snapshot arrives first."""
+    def start(
+        self,
+        level: Level,
+        physics: str,
+        casting: Casting | None = None,
+        since: Snapshot | None = None,
+    ) -> None:
+        """Go to a level's first state; its snapshot arrives first.
+
+        With `since` the episode has come so far already: steps and return go on from there.
+        """
         ...
 
     def advance(self, actions: tuple[Action | None, ...], pull: Pull | None = None) -> None:
@@ -122,6 +131,9 @@ class Playback:
         self._replay_index = 0
         self._live = False
         self._branch: Snapshot | None = None
+        self._since: Snapshot | None = None
+        self.suspended = False
+        """Whether a paused episode waits while its level is changed."""
 
     @property
     def active(self) -> bool:
@@ -232,6 +244,45 @@ class Playback:
         self._begin()
         self.mode = Mode.PLAYING
 
+    def play_from(
+        self,
+        level: Level,
+        since: Snapshot,
+        casting: Casting | None = None,
+        *,
+        player: str = "",
+    ) -> None:
+        """Go on with an episode whose level was changed; moments before it are forgotten.
+
+        Args:
+            level: The level as it stands now.
+            since: The moment that was changed: steps and return go on from it.
+            casting: The agent that plays; None: a person.
+            player: What the agent is called.
+        """
+        self.level, self.casting, self.player = level, casting, player
+        self._begin(since)
+        self.perturbed = True
+        self.mode = Mode.PLAYING
+
+    def suspend(self) -> None:
+        """Set a paused episode aside while its level is changed; `resume` brings it back."""
+        if self.mode is Mode.PAUSED:
+            self.simulator.drop()
+            self._sent = []
+            self.mode, self.suspended = Mode.EDIT, True
+
+    def resume(self) -> None:
+        """Show the episode that was set aside; it is paused, as it was."""
+        if self.suspended and self.snapshot is not None:
+            self.mode, self.suspended = Mode.PAUSED, False
+            self.simulator.restore(self.snapshot)
+
+    def go_on(self) -> None:
+        """Play on with the episode that was set aside."""
+        self.resume()
+        self.pause()
+
     def pause(self) -> None:
         """Pause, or go on; a replay that has come to its end begins again."""
         if self.mode is Mode.REPLAY:
@@ -272,10 +323,12 @@ class Playback:
             self.snapshot = earlier
 
     def reset(self) -> None:
-        """Start the episode anew; a paused one stays paused."""
+        """Start the episode anew, or where it was changed; a paused one stays paused."""
         if self.mode is Mode.EDIT:
             return
-        self._begin()
+        since = self._since
+        self._begin(since)
+        self.perturbed = since is not None
         self.mode = Mode.PAUSED if self.mode is Mode.PAUSED else Mode.PLAYING
 
     def stop(self) -> None:
@@ -284,7 +337,7 @@ class Playback:
         self.mode = Mode.EDIT
         self.level = self.snapshot = self.casting = None
         self.player = ""
-        self._starting = False
+        self._starting = self.suspended = False
         self._forget()
 
     def replay(
@@ -405,13 +458,17 @@ class Playback:
                 self.running = False
                 return
 
-    def _begin(self) -> None:
+    def _begin(self, since: Snapshot | None = None) -> None:
         assert self.level is not None
         self._forget()
         self.episode += 1
-        self._starting = True
+        self._starting, self.suspended = True, False
+        self._since = since
         self.failure = ""
-        self.simulator.start(self.level, self.physics, self.casting)
+        if since is None:
+            self.simulator.start(self.level, self.physics, self.casting)
+        else:
+            self.simulator.start(self.level, self.physics, self.casting, since)
 
     def _forget(self) -> None:
         self._replay, self._replay_index, self._live, self._branch = None, 0, False, None

@@ -312,8 +312,14 @@ class WorkerSimulator:
         """Steps that were asked for and have not arrived."""
         return self._outstanding
 
-    def start(self, level: Level, physics: str, casting: Casting | None = None) -> None:
-        """Go to a level's first state; its snapshot arrives first."""
+    def start(
+        self,
+        level: Level,
+        physics: str,
+        casting: Casting | None = None,
+        since: Snapshot | None = None,
+    ) -> None:
+        """Go to a level's first state, or on from where it was changed; its snapshot arrives."""
         self.stop()
         request = StartEpisode(
             run=self._run,
@@ -323,6 +329,7 @@ class WorkerSimulator:
             casting=casting,
             slot=self._slot,
             quick=self.quick,
+            since=since,
         )
         self.job = self._submit(request, "Preparing Play")
 

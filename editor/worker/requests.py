@@ -326,6 +326,8 @@ class StartEpisode:
     """Episodes of different slots run beside each other."""
     quick: bool = False
     """Whether a step that was compiled quickly will do where no better one is ready."""
+    since: Snapshot | None = None
+    """How far the episode had come when its level was changed; None: it begins."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

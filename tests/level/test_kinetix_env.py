@@ -201,7 +201,8 @@ def test_the_written_form_has_exactly_the_keys_of_a_published_file():
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
 @given(levels(max_bodies=5))
 def test_ours_to_the_peer_and_back_keeps_what_both_can_say(level):
-    level = level.unnamed().replace(
+    level = level.unnamed()
+    level = level.replace(
         name="x", description="", tags=(), solution=None, inertia_model="kinetix",
         bodies=tuple(b.replace(fixed=True, mass_properties=None) for b in level.bodies),
     )  # fmt: skip

@@ -271,15 +271,10 @@ def test_names_are_saved_and_without_them_the_file_is_of_version_1(tmp_path):
     assert level.unnamed() is level
 
 
-@pytest.mark.parametrize(
-    ("name", "code"), [('""', "E007"), ("null", "E006"), ("3", "E006"), (f'"{"x" * 61}"', "E007")]
-)
-def test_bad_names_are_refused(name, code):
+@pytest.mark.parametrize("name", ['""', "null", "3", f'"{"x" * 61}"'])
+def test_bad_names_are_refused(name):
     text = change(EVERYTHING, '"version": 1', '"version": 2')
     text = change(text, '"id": 3,', f'"id": 3, "name": {name},')
-    if code == "E006" and name == "null":
-        assert loads(text).bodies[0].name is None
-        return
     with pytest.raises(LevelError, match=r"\$\.bodies\[0\]\.name"):
         loads(text)
 

@@ -133,6 +133,16 @@ def test_resolutions_agree():
     assert np.abs(small - averaged).mean() < 4
 
 
+def test_every_edge_is_the_average_of_a_finer_picture():
+    """What anti-aliasing means: a pixel has the colour of its area, sampled 64-fold."""
+    env_state = random_env_state(4)
+    small = picture(env_state, fit_arena(200, 200), 200, 200).astype(float)
+    large = picture(env_state, fit_arena(1600, 1600), 1600, 1600)
+    error = np.abs(small - large.reshape(200, 8, 200, 8, 3).mean((1, 3)))
+    assert error.mean() < 0.5
+    assert (error.max(axis=-1) > 64).mean() < 3e-3
+
+
 def test_panning_by_whole_pixels_moves_the_picture_and_compiles_nothing():
     env_state = random_env_state(5)
     still = Camera(centre=jnp.array([2.5, 2.5]), pixels_per_metre=jnp.array(50.0))

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import physics, play
+from editor.actions import moment, physics, play
 from editor.actions.base import Action, Context, editing, playing
 from editor.play.playback import SPEEDS, Mode
 
@@ -95,6 +95,37 @@ RUN: Final = (
         tooltip="The same level and the same keys under two presets or solvers, side by side.",
         checked=physics.comparing,
         run=physics.ask_other,
+    ),
+    Action(
+        id="run.change",
+        label="Change This Moment",
+        menu="Run",
+        keys=("e",),
+        context=PLAY,
+        tooltip="Move, resize, add, delete in the paused episode, then play on from there.",
+        enabled=moment.can_change,
+        refusal="Pause the episode first (Space).",
+        run=moment.change,
+    ),
+    Action(
+        id="run.keep_moment",
+        label="Keep as the Level's Start",
+        menu="Run",
+        context=EDIT,
+        tooltip="The level starts with everything where and as it is now; undo takes it back.",
+        enabled=moment.has_moment,
+        refusal="Pause an episode and change it first.",
+        run=moment.keep,
+    ),
+    Action(
+        id="run.drop_moment",
+        label="Drop the Changes",
+        menu="Run",
+        context=EDIT,
+        tooltip="Back to the episode as it was paused; the level is as it was.",
+        enabled=moment.has_moment,
+        refusal="Pause an episode and change it first.",
+        run=moment.drop,
     ),
     Action(
         id="run.edit_from_here",

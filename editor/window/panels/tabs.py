@@ -38,6 +38,7 @@ class DocumentTabs:
             widgets.tooltip("New level", keys="Ctrl+N")
             imgui.end_tab_bar()
         imgui.pop_style_var()
+        self._moment(session)
         self._outside(session)
         self._warnings(session)
 
@@ -74,6 +75,26 @@ class DocumentTabs:
             imgui.same_line(imgui.get_window_width() - px(36))
             if widgets.icon_button(session, "banner.close", Icons.close, height=px(20)):
                 session.queue(lambda: setattr(document, "warnings", ()))
+
+    def _moment(self, session: "Session") -> None:
+        """That a paused episode is being changed, and what can become of it."""
+        moment = session.tab.moment
+        if moment is None or not session.editing:
+            return
+        with _strip("moment"):
+            count = len(moment.document.history.entries) - 1
+            changes = "nothing changed yet" if not moment.changed else f"{count} changes"
+            changes = "1 change" if moment.changed and count == 1 else changes
+            _words(f"The episode at {moment.begin}: {changes}. Space plays on.", px(12))
+            for number, name in enumerate(("run.play_human", "run.keep_moment", "run.drop_moment")):
+                if number:
+                    imgui.same_line(0, px(8))
+                action = actions.BY_ID[name]
+                label = "Play On" if name == "run.play_human" else action.label
+                if widgets.button(session, f"moment.{name}", label):
+                    session.queue(name)
+                if number:
+                    widgets.tooltip(action.label, action.tooltip)
 
     def _outside(self, session: "Session") -> None:
         """That somebody else has changed the file, and what can be done."""

@@ -94,6 +94,7 @@ _TRANSPORT: Final = (
     ("run.pause", Icons.pause),
     ("run.step_back", Icons.step_back),
     ("run.step", Icons.step),
+    ("run.change", Icons.rename),
     ("run.reset", Icons.reset),
     ("run.slower", Icons.slower),
     ("run.faster", Icons.faster),

@@ -99,13 +99,23 @@ class Episode:
         self._driver = self._cast(request, progress, judges=judges)
         self._view = LevelView(request.level, self._driver.capacity)
         self._state = first_state(request.level, self._driver.env.static_env_params)
+        since = request.since
+        if since is not None:
+            step = jnp.asarray(since.step, self._state.timestep.dtype)
+            self._state = dataclasses.replace(self._state, timestep=step)
         self._ended = False
         first = self._view.first(jax.device_get(self._state), self._driver.frame_skip)
         driver = self._driver
-        self.snapshot = dataclasses.replace(first, tailored=driver.tailored, quick=driver.quick)
+        self.snapshot = dataclasses.replace(
+            first,
+            tailored=driver.tailored,
+            quick=driver.quick,
+            total_reward=since.total_reward if since is not None else 0.0,
+            memory=since.memory if since is not None else None,
+        )
         # What is still to be compiled for a first step is compiled here, not in the game.
-        jax.block_until_ready(self._driver.step(self._state, 0, NOOP).state)
-        self._driver.remember(None)
+        jax.block_until_ready(self._driver.step(self._state, self.snapshot.step, NOOP).state)
+        self._driver.remember(self.snapshot.memory)
 
     def _cast(
         self, request: StartEpisode, progress: Progress, *, judges: bool

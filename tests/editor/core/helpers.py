@@ -63,12 +63,13 @@ class FakeSimulator:
         self.outstanding = 0
         self.keep_contacts = False
 
-    def start(self, level, physics, casting=None):
+    def start(self, level, physics, casting=None, since=None):
         self.level, self.physics, self.casting = level, physics, casting
         count = len(level.bodies)
         position = np.array([body.position for body in level.bodies], np.float32).reshape(count, 2)
         self.state = Snapshot(
-            step=0,
+            step=0 if since is None else since.step,
+            total_reward=0.0 if since is None else since.total_reward,
             position=position,
             angle=np.zeros(count, np.float32),
             velocity=np.zeros((count, 2), np.float32),

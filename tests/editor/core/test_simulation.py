@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image as Picture
 
+from editor.documents.commands.bodies import posed
 from editor.worker.recording import Trace
 from editor.worker.requests import (
     MUTATIONS,
@@ -128,6 +129,23 @@ def test_going_back_gives_the_same_states_to_the_bit(perform):
     for old, new in zip(snapshots[6:], again, strict=True):
         assert np.array_equal(old.position, new.position)
         assert np.array_equal(old.angular_velocity, new.angular_velocity)
+
+
+def test_an_episode_goes_on_with_a_changed_level(perform, episode):
+    since = episode[10]
+    level = posed(LEVEL, since)
+    smaller = level.bodies[1].replace(shape=Circle(radius=0.1))
+    changed = level.replace(bodies=(level.bodies[0], smaller, level.bodies[2]), joints=())
+    start = StartEpisode(run=71, level=changed, physics="balanced", since=since)
+    first = perform(start)
+    assert first.step == since.step
+    assert first.total_reward == since.total_reward
+    np.testing.assert_allclose(first.position, since.position)
+    np.testing.assert_allclose(first.velocity, since.velocity)
+    after = perform(Advance(run=71, actions=(LEFT,) * 300))
+    assert after[0].step == since.step + 1
+    assert after[-1].outcome in ("won", "timeout")
+    assert after[-1].step <= LEVEL.max_timesteps
 
 
 def test_an_episode_ends_and_stays_ended(perform):

@@ -54,7 +54,7 @@ def test_a_thing_is_renamed_by_a_double_click_in_the_outliner(make_gui):
     gui.key("return")
     gui.frames(3)
     assert gui.session.document.name_of(1) == "Chassis"
-    assert not gui.session.document.dirty
+    assert gui.session.document.history.undo_label == "Name → Chassis"
 
 
 def test_larger_text_makes_rows_higher_and_is_kept(make_gui, tmp_path):
