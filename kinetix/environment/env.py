@@ -14,6 +14,7 @@ from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
 from kinetix.environment.checks import check_action, check_params, check_state
+from kinetix.environment.eager import quick_alone
 from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
@@ -140,7 +141,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         """What `get_obs` returns; the argument is there for gymnax's sake."""
         return self.observations.space
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @quick_alone
     def reset(
         self,
         key: Array,
@@ -164,7 +165,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         state = self._start(key, override_reset_state)
         return self._observe(state), state
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @quick_alone
     def step(
         self,
         key: Array,
@@ -208,7 +209,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
             state, observation = renew((state, observation), done, (key, override))
         return observation, state, reward, done, info
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @quick_alone
     def get_obs(self, state: EnvState) -> Any:
         """The observation of a state."""
         return self._observe(state)

@@ -1,0 +1,41 @@
+"""Methods that compile quickly when they are called by themselves, and thoroughly inside of others.
+
+A person who calls `env.step` from Python waits for the compiler first and mostly for Python from
+then on: code that compiles in a third of the time and runs up to four times slower serves better.
+Inside of `jit`, `vmap` and their like the caller's program is compiled, as thoroughly as any.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import Any, Final
+
+import jax
+from jax.extend.core import get_opaque_trace_state
+
+_QUICK: Final = {"xla_backend_optimization_level": 0}
+"""Options of a program for a processor: machine code as it comes, without LLVM's improvements."""
+_OUTSIDE: Final = get_opaque_trace_state("flax")
+"""JAX's state while nothing is traced."""
+
+
+def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a method quickly for calls from Python, and thoroughly as part of a larger program.
+
+    The two may round differently. On a GPU or a TPU both are compiled thoroughly.
+
+    Args:
+        method: Takes a hashable `self` and pytrees of arrays.
+
+    Returns:
+        The compiled method.
+    """
+    inside = jax.jit(method, static_argnums=0)
+    alone = jax.jit(method, static_argnums=0, compiler_options=_QUICK)
+
+    @functools.wraps(method)
+    def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        outside = get_opaque_trace_state("flax") == _OUTSIDE
+        program = alone if outside and jax.default_backend() == "cpu" else inside
+        return program(self, *arguments, **named)
+
+    return call
