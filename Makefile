@@ -26,7 +26,7 @@ setup-run:
 setup-test:
 	@scripts/setup.sh test
 
-run: setup-run ## set everything up and open the editor (without a display: a filmed tour under out/)
+run: setup-run ## set everything up and open the editor (without a display: a filmed tour under out/, or ARGS=--serve)
 	@$(VENV)/python scripts/run.py $(ARGS)
 
 editor: run ## the same as run

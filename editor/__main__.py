@@ -49,6 +49,12 @@ class Options:
     """Size of the window."""
     scale: float | None = None
     """Scale of the interface, 0.75 to 3; by default as the display says."""
+    serve: bool = False
+    """Show the app on a page in a browser instead of a window: no display is needed."""
+    port: int | None = None
+    """With --serve: the port; by default 8570, or a free one where that is taken."""
+    address: str = "127.0.0.1"
+    """With --serve: what to listen on; by default only this machine can open the page."""
     bench: bool = False
     """Measure how fast the app is, print the table, then quit."""
 
@@ -71,6 +77,12 @@ def _welcome() -> Path | None:
 
 def _host(options: Options, session: Session) -> "PygameHost":
     size = _size(options.size)
+    if options.serve:
+        from editor.hosts.web.host import WebHost
+
+        return WebHost(
+            session, size=size, scale=options.scale, address=options.address, port=options.port
+        )
     if options.offscreen:
         from editor.hosts.offscreen import OffscreenHost
 
@@ -80,14 +92,29 @@ def _host(options: Options, session: Session) -> "PygameHost":
     return PygameHost(session, size=size, scale=options.scale)
 
 
+def _check(options: Options) -> None:
+    """Refuse options that contradict each other, before anything is opened.
+
+    Raises:
+        KinetixError: They do.
+    """
+    if options.serve and (options.replay is not None or options.bench):
+        raise KinetixError("--serve shows the app to a person: leave out --replay and --bench")
+    if not options.serve and (options.port is not None or options.address != "127.0.0.1"):
+        raise KinetixError("--port and --address belong to --serve")
+    if options.port is not None and not 0 <= options.port < 65536:
+        raise KinetixError(f"--port {options.port}: expected 0 to 65535")
+
+
 def _run(options: Options) -> int:
+    _check(options)
     if options.bench:
         from editor.hosts.bench import print_table
 
         print_table(_size(options.size))
         return 0
     scripted = options.replay is not None
-    alone = scripted or options.offscreen
+    alone = scripted or (options.offscreen and not options.serve)
     settings = Settings() if alone else Settings.load()
     session = Session(
         settings=settings,
@@ -140,8 +167,10 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
         from editor.hosts.replay import Replayer
 
         Replayer(host, options.replay).run()
-    elif options.offscreen:
-        raise KinetixError("--offscreen shows nothing by itself: give it --replay or --bench")
+    elif options.offscreen and not options.serve:
+        raise KinetixError(
+            "--offscreen shows nothing by itself: give it --replay or --bench, or use --serve"
+        )
     else:
         host.ui.warm_up = True
         if options.record is None:
@@ -152,6 +181,10 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
             from editor.hosts.recorder import Recorder
 
             host.recorder = Recorder(session, options.record)
+        if options.serve:
+            from editor.hosts.web import host as web
+
+            web.announce(host)
         host.run()
         host.ui.save_layout()
         session.keeper.save()

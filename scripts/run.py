@@ -1,4 +1,4 @@
-"""Open the editor, or film a short tour of it where there is no display: what `make run` does."""
+"""Open the editor; without a display film a tour of it, or serve it: what `make run` does."""
 
 import subprocess
 import sys
@@ -15,7 +15,10 @@ EDITOR = [sys.executable, "-m", "editor"]
 def film() -> int:
     """Run the tour offscreen and tell which pictures it made."""
     print(
-        "There is no display: filming a tour of the editor instead (about a minute) …", flush=True
+        "There is no display: filming a tour of the editor instead (about a minute) …\n"
+        "To use the editor itself, in a browser here or on the other end of ssh:\n"
+        "    make run ARGS=--serve",
+        flush=True,
     )
     OUT.mkdir(exist_ok=True)
     for old in (*OUT.glob("tour*.png"), *OUT.glob("tour*.gif")):
@@ -27,8 +30,8 @@ def film() -> int:
 
 
 def main() -> int:
-    """Open the files of the command line, or film the tour."""
-    if has_display():
+    """Open or serve what the command line names, or film the tour."""
+    if has_display() or "--serve" in sys.argv[1:]:
         return subprocess.call([*EDITOR, *sys.argv[1:]], cwd=ROOT)
     return film()
 

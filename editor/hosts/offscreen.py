@@ -3,7 +3,7 @@
 import os
 
 from editor.hosts.pygame_host import PygameHost
-from editor.hosts.renderer import GlRenderer
+from editor.hosts.renderer import GlRenderer, Window
 from editor.session import Session
 
 ENVIRONMENT = {
@@ -28,5 +28,5 @@ class OffscreenHost(PygameHost):
         super().__init__(session, size=size, scale=scale, vsync=False)
 
     def _make_renderer(self) -> GlRenderer:
-        self._pictures = GlRenderer(window_lasts=True)
+        self._pictures = GlRenderer(Window.LASTS)
         return self._pictures

@@ -5,6 +5,7 @@ tenth of a millisecond a frame, half of what the one in Python takes.
 """
 
 import dataclasses
+import enum
 
 import numpy as np
 from imgui_bundle import imgui
@@ -12,6 +13,17 @@ from imgui_bundle import imgui
 from editor.hosts import gl
 from editor.hosts.damage import DrawnList, Rect, area, damage, drawn_lists, intersection
 from kinetix.errors import KinetixError
+
+
+class Window(enum.Enum):
+    """What becomes of a window's content from one frame to the next."""
+
+    FADES = enum.auto()
+    """It is undefined after every frame: the picture is kept elsewhere and copied."""
+    LASTS = enum.auto()
+    """It stays, as in an EGL pbuffer: the frame is drawn right into it."""
+    UNSEEN = enum.auto()
+    """Nobody looks at the window: the picture is kept elsewhere and read from there."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -28,18 +40,17 @@ class GlRenderer:
     whose own content is undefined after every frame.
     """
 
-    def __init__(self, *, window_lasts: bool = False) -> None:
+    def __init__(self, window: Window = Window.FADES) -> None:
         """Start it.
 
         Args:
-            window_lasts: Whether the window keeps what was drawn (an EGL pbuffer does): then the
-                picture and its copying are left out.
+            window: What becomes of the window's content.
         """
         imgui.backends.opengl3_init("#version 330")
         self._slots: dict[str, _Slot] = {}
         self._canvas: gl.Canvas | None = None
         self._keeps = True
-        self._window_lasts = window_lasts
+        self._window = window
         self._size = (0, 0)
         self._before: list[DrawnList] | None = None
         self._touched: set[int] = set()
@@ -60,8 +71,9 @@ class GlRenderer:
             Whether anything differs.
         """
         data = imgui.get_draw_data()
-        canvas = None if self._window_lasts else self._canvas_of(width, height)
-        if canvas is None and not self._window_lasts:
+        lasts = self._window is Window.LASTS
+        canvas = None if lasts else self._canvas_of(width, height)
+        if canvas is None and not lasts:
             gl.clear(width, height, colour)
             imgui.backends.opengl3_render_draw_data(data)
             return True
@@ -79,7 +91,9 @@ class GlRenderer:
                 gl.clear_part((left, top, right, bottom), height, colour)
                 _draw_part(data, rect)
         if canvas is not None:
-            canvas.show()
+            canvas.unbind()
+            if self._window is not Window.UNSEEN:
+                canvas.show()
         return True
 
     def _differences(self, data: imgui.ImDrawData, size: tuple[int, int]) -> list[Rect] | None:
@@ -117,6 +131,10 @@ class GlRenderer:
     def pixels(self, width: int, height: int, colour: tuple[float, float, float]) -> np.ndarray:
         """The last frame: uint8[height, width, 3], top row first; arguments as of `present`."""
         self.present(width, height, colour)
+        return self.read(width, height)
+
+    def read(self, width: int, height: int) -> np.ndarray:
+        """Return what was presented last: uint8[height, width, 3], top row first."""
         if self._canvas is not None:
             return self._canvas.pixels()
         return gl.read_pixels(width, height)

@@ -88,7 +88,8 @@ class Ui:
         self.scale = 0.0
         self._look: tuple[float, float, str] | None = None
         """Scale, size of the text and theme of the last frame."""
-        self._host_scale = scale
+        self.host_scale = scale
+        """Scale of the interface where the settings name none."""
         self.canvas = Canvas(textures)
         self._menu = MenuBar()
         self._toolbar = Toolbar()
@@ -310,7 +311,7 @@ class Ui:
 
     def _rescale(self) -> None:
         settings = self.session.settings
-        wanted, text = settings.ui_scale or self._host_scale, settings.text_scale
+        wanted, text = settings.ui_scale or self.host_scale, settings.text_scale
         look = (wanted, text, settings.theme)
         if look == self._look:
             return

@@ -29,6 +29,7 @@ def test_it_says_so_and_what_works_instead(blind):
     )
     assert done.returncode == 1
     assert "There is no display" in done.stderr
+    assert "kinetix-editor --serve" in done.stderr
     assert "--offscreen --replay" in done.stderr and "kinetix render" in done.stderr
     assert "Traceback" not in done.stderr
 

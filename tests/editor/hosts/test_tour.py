@@ -26,6 +26,7 @@ def test_the_tour_leaves_pictures_and_a_film(home):
     )
     assert done.returncode == 0, done.stderr
     made = [Path(line) for line in done.stdout.splitlines() if line.startswith("/")]
+    assert "make run ARGS=--serve" in done.stdout
     pictures = [path for path in made if path.suffix == ".png"]
     films = [path for path in made if path.suffix == ".gif"]
     assert len(pictures) >= 2

@@ -1,0 +1,1 @@
+"""The app in a browser: drawn offscreen here, shown and used on a page elsewhere."""

@@ -1,0 +1,251 @@
+"""The served app in a real browser: headless Chromium, driven by Selenium."""
+
+import contextlib
+import json
+import shutil
+
+import pytest
+
+from editor.documents.commands import clip
+from kinetix.level.codec import save_level
+from kinetix.level.model import Body, Circle, Level
+from tests.editor.hosts.serving import Served, bodies, eventually
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is missing: make setup-test")
+from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin  # noqa: E402
+
+pytestmark = [pytest.mark.gl, pytest.mark.slow, pytest.mark.usefixtures("software_gl")]
+_OPTIONS = (
+    *("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"),
+    *("--no-first-run", "--window-size=1200,900"),
+)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    driver = shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        pytest.skip("chromium, chromedriver missing: install chromium chromium-driver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for option in (*_OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}"):
+        options.add_argument(option)
+    service = webdriver.ChromeService(executable_path=driver)
+    with contextlib.closing(webdriver.Chrome(options=options, service=service)) as driven:
+        yield driven
+        driven.quit()
+
+
+class Page:
+    """One page, used as a person does."""
+
+    def __init__(self, browser, served: Served) -> None:
+        self.browser, self.served = browser, served
+        browser.execute_cdp_cmd(
+            "Browser.grantPermissions",
+            {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"]},
+        )
+        self.open()
+
+    def open(self) -> None:
+        self.browser.get(self.served.url)
+        eventually(lambda: self.frame > 0 and "Kinetix" in self.browser.title)
+        self.rest()
+
+    def run(self, code: str):
+        return self.browser.execute_script(code)
+
+    @property
+    def frame(self) -> int:
+        return int(self.run("return screen_.dataset.frame || 0"))
+
+    @property
+    def size(self) -> list[int]:
+        return self.run("return [screen_.width, screen_.height]")
+
+    @property
+    def notice(self) -> str:
+        return self.run(
+            "return notice.classList.contains('shown') ? notice.innerText.split('\\n')[0] : ''"
+        )
+
+    def rest(self, seconds: float = 0.6) -> None:
+        """Wait until no picture comes for a while."""
+        self.run("window.since = [performance.now(), screen_.dataset.frame]")
+        eventually(
+            lambda: self.run(
+                "if (since[1] !== screen_.dataset.frame)"
+                "  since = [performance.now(), screen_.dataset.frame];"
+                f"return performance.now() - since[0] > {seconds * 1000}"
+            ),
+            60,
+        )
+
+    def keys(self, *keys: str, ctrl: bool = False) -> None:
+        chain = ActionChains(self.browser)
+        if ctrl:
+            chain.key_down(Keys.CONTROL)
+        for key in keys:
+            chain.send_keys(key)
+        if ctrl:
+            chain.key_up(Keys.CONTROL)
+        chain.perform()
+        self.rest()
+
+    def drag(self, x: int, y: int, dx: int, dy: int) -> None:
+        """Drag from a place on the page [CSS px]."""
+        chain = ActionChains(self.browser, duration=150)
+        chain.w3c_actions.pointer_action.move_to_location(x, y)
+        chain.w3c_actions.pointer_action.pointer_down()
+        chain.w3c_actions.pointer_action.move_to_location(x + dx, y + dy)
+        chain.w3c_actions.pointer_action.pointer_up()
+        chain.perform()
+        self.rest()
+
+    def picture(self) -> list[int]:
+        """Return the sums of the screen's pixels in a grid of 8 by 8."""
+        return self.run(
+            "const d = context.getImageData(0, 0, screen_.width, screen_.height).data;"
+            "const s = Array(64).fill(0), w = screen_.width, h = screen_.height;"
+            "for (let y = 0; y < h; y++) for (let x = 0; x < w; x++) {"
+            "  const k = (y * 8 / h | 0) * 8 + (x * 8 / w | 0), i = (y * w + x) * 4;"
+            "  s[k] += d[i] + d[i + 1] + d[i + 2]; } return s;"
+        )
+
+
+@pytest.fixture
+def level(tmp_path):
+    path = tmp_path / "drawn.json"
+    save_level(Level(name="Drawn"), path)
+    return path
+
+
+@pytest.fixture
+def ends():
+    with contextlib.ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def page(browser, home, ends, level):
+    return Page(browser, Served(home, ends, str(level)))
+
+
+def circle_at(page: Page) -> None:
+    """Draw a circle in the middle of the arena."""
+    width, height = page.run("return [innerWidth, innerHeight]")
+    page.keys("c")
+    page.drag(width // 2, height // 2, 40, 0)
+
+
+def test_a_circle_is_drawn_and_saved(page, level):
+    assert page.browser.title.startswith("drawn.json")
+    before = page.picture()
+    circle_at(page)
+    assert page.picture() != before
+    assert page.browser.title.startswith("● ")
+    page.keys("s", ctrl=True)
+    eventually(lambda: bodies(level) == 1)
+    assert not page.browser.title.startswith("● ")
+    assert page.browser.get_log("browser") == []
+
+
+def test_text_is_typed_with_accents(page, level):
+    ActionChains(page.browser).key_down(Keys.CONTROL).key_down(Keys.SHIFT).send_keys("p").key_up(
+        Keys.SHIFT
+    ).key_up(Keys.CONTROL).perform()
+    page.rest()
+    page.keys("rename level")
+    page.keys(Keys.RETURN)
+    page.keys("a", ctrl=True)
+    page.keys("Brücke 1", Keys.RETURN)
+    page.keys("s", ctrl=True)
+    eventually(lambda: json.loads(level.read_text())["name"] == "Brücke 1")
+
+
+def test_the_clipboard_goes_both_ways(page, level):
+    circle_at(page)
+    page.keys("a", ctrl=True)
+    page.keys("c", ctrl=True)
+    copied = page.browser.execute_async_script(
+        "const done = arguments[0]; navigator.clipboard.readText().then(done, e => done(String(e)))"
+    )
+    taken = clip.loads(copied)
+    assert taken is not None and len(taken.bodies) == 1
+    two = [Body(id=k + 1, shape=Circle(radius=0.2), position=(1.0 + k, 3.0)) for k in range(2)]
+    other = clip.dumps(clip.take(Level(name="Two", bodies=tuple(two)), (1, 2)))
+    page.browser.execute_async_script(
+        "const [text, done] = arguments; navigator.clipboard.writeText(text).then(done)", other
+    )
+    page.keys("v", ctrl=True)
+    page.keys("s", ctrl=True)
+    eventually(lambda: bodies(level) == 3)
+
+
+def test_the_page_may_be_resized(page):
+    page.browser.set_window_size(900, 700)
+    eventually(lambda: page.size == page.run("return [innerWidth, innerHeight]"))
+    page.browser.set_window_size(1200, 900)
+    eventually(lambda: page.size == page.run("return [innerWidth, innerHeight]"))
+
+
+def test_a_dense_screen_gets_more_pixels(page):
+    page.browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": 800, "height": 600, "deviceScaleFactor": 2, "mobile": False},
+    )
+    try:
+        page.run("dispatchEvent(new Event('resize'))")
+        eventually(lambda: page.size == [1600, 1200])
+    finally:
+        page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_the_wheel_zooms(page):
+    before = page.picture()
+    width, height = page.run("return [innerWidth, innerHeight]")
+    middle = ScrollOrigin.from_viewport(width // 2, height // 2)
+    ActionChains(page.browser).scroll_from_origin(middle, 0, -300).perform()
+    page.rest()
+    assert page.picture() != before
+
+
+def test_it_goes_on_where_the_page_was_closed(page, level):
+    circle_at(page)
+    shown = page.picture()
+    page.browser.get("about:blank")
+    page.open()
+    assert page.browser.title.startswith("● ")
+    differing = sum(a != b for a, b in zip(page.picture(), shown, strict=True))
+    assert differing <= 8  # the pointer has left what it hovered
+    page.keys("s", ctrl=True)
+    eventually(lambda: bodies(level) == 1)
+
+
+def test_a_second_page_is_refused_in_one_sentence(page):
+    first = page.browser.current_window_handle
+    page.browser.switch_to.new_window("tab")
+    try:
+        page.browser.get(page.served.url)
+        eventually(lambda: "another page" in page.notice)
+        assert page.notice.count(".") == 1
+    finally:
+        page.browser.close()
+        page.browser.switch_to.window(first)
+    assert page.notice == ""
+
+
+def test_it_plays(page, level):
+    circle_at(page)
+    before = page.picture()
+    page.keys(Keys.SPACE)
+    eventually(lambda: page.picture() != before, 60)
+    ActionChains(page.browser).send_keys(Keys.ESCAPE).perform()
+
+
+def test_the_end_of_the_app_is_told(page):
+    assert page.served.stop() == 0
+    eventually(lambda: "has been closed" in page.notice)

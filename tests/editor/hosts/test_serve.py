@@ -1,0 +1,166 @@
+"""The served app by HTTP: its secret, its one user, its end."""
+
+import contextlib
+import http.client
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+from kinetix.level.codec import save_level
+from kinetix.level.model import Level
+from tests.editor.hosts.serving import Served, bodies, eventually
+
+pytestmark = [pytest.mark.gl, pytest.mark.usefixtures("software_gl")]
+
+
+@pytest.fixture
+def ends():
+    with contextlib.ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def level(tmp_path):
+    path = tmp_path / "drawn.json"
+    save_level(Level(name="Drawn"), path)
+    return path
+
+
+@pytest.fixture
+def served(home, ends, level):
+    return Served(home, ends, "--scale", "1", str(level))
+
+
+class Stream:
+    """The pictures' connection of one page, unread but for what is asked for."""
+
+    def __init__(self, served: Served, viewer: str) -> None:
+        served.ends.callback(self.close)
+        self.connection = http.client.HTTPConnection(served.host, served.port, timeout=30)
+        self.connection.request("GET", f"{served.path}stream?viewer={viewer}")
+        self.answer = self.connection.getresponse()
+
+    def close(self) -> None:
+        # The answer's file keeps the socket open.
+        self.answer.close()
+        self.connection.close()
+
+
+def test_who_lacks_the_secret_gets_nothing(served):
+    for path in ("/", "/page.html", f"/wrong{served.path}", served.path[:-3] + "/", "/%00/", "/é/"):
+        status, text = served.request("GET", path.replace("é", "%C3%A9"))
+        assert status == 404 and "whole address" in text and "canvas" not in text
+    status, _ = served.request("POST", "/wrong/input?viewer=a", [])
+    assert status == 404
+    status, text = served.request("GET", served.path)
+    assert status == 200 and "<canvas" in text
+    assert "http" not in text.replace("http://www.w3.org/2000/svg", "").replace("https ", "")
+
+
+def test_it_listens_on_this_machine_only(served):
+    assert served.host == "127.0.0.1"
+    own = socket.gethostbyname(socket.gethostname())
+    if not own.startswith("127."):
+        with pytest.raises(OSError):
+            socket.create_connection((own, served.port), timeout=2).close()
+
+
+def test_one_user_at_a_time(served):
+    first = Stream(served, "one")
+    assert first.answer.status == 200
+    second = Stream(served, "two")
+    assert second.answer.status == 409
+    sentence = second.answer.read().decode().strip()
+    assert "open in another page" in sentence and "\n" not in sentence
+    status, _ = served.say("two", ["key", "KeyC", "c", True])
+    assert status == 409
+    first.close()
+    third = Stream(served, "two")
+    assert third.answer.status == 200
+
+
+def test_input_draws_and_a_later_page_goes_on(served, level):
+    first = Stream(served, "one")
+    served.say("one", ["size", 1200, 800, 1.0], ["focus", True])
+    press = [["key", "KeyC", "c", True], ["key", "KeyC", "c", False]]
+    drag = [["move", 600, 300], ["down", 600, 300, 0], ["move", 640, 300], ["up", 640, 300, 0]]
+    # The window needs some frames before its canvas takes the pointer.
+    time.sleep(3)
+    for message in (*press, *drag):
+        assert served.say("one", message)[0] == 204
+        time.sleep(0.1)
+    first.close()
+    second = Stream(served, "two")
+    assert second.answer.status == 200
+    for code, key, down in (
+        ("ControlLeft", "Control", True),
+        ("KeyS", "s", True),
+        ("KeyS", "s", False),
+        ("ControlLeft", "Control", False),
+    ):
+        assert served.say("two", ["key", code, key, down])[0] == 204
+    eventually(lambda: bodies(level) == 1)
+
+
+@pytest.mark.parametrize("body", [None, {"a": 1}, [["eval", "1"]], [["move", 1]], 5])
+def test_junk_is_refused_and_the_app_goes_on(served, body):
+    stream = Stream(served, "one")
+    status, text = served.request("POST", f"{served.path}input?viewer=one", body)
+    assert status in (400, 413) and text.count("\n") == 1
+    assert served.say("one", ["move", 5, 5])[0] == 204
+
+
+def test_raw_junk_does_not_end_it(served):
+    for data in (b"\0" * 100, b"GET\r\n\r\n", b"POST " + served.path.encode() + b"input\r\n\r\n"):
+        with socket.create_connection((served.host, served.port), timeout=10) as raw:
+            raw.sendall(data)
+            raw.shutdown(socket.SHUT_WR)
+            while raw.recv(4096):
+                pass
+    assert served.request("GET", served.path)[0] == 200
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_ends_when_it_is_told_to(served, number):
+    stream = Stream(served, "one")
+    served.app.send_signal(number)
+    assert served.app.wait(30) == 0
+    assert b"ended" in stream.answer.read()
+    assert served.app.stderr.read() == ""
+
+
+def run(home, *words):
+    return subprocess.run(
+        [sys.executable, "-m", "editor", *words],
+        env=home,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_a_port_that_is_taken_is_one_sentence(home, served):
+    done = run(home, "--serve", "--port", str(served.port))
+    assert done.returncode == 1
+    assert f"127.0.0.1:{served.port}" in done.stderr and "--port" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--port", "8000"], "belong to --serve"),
+        (["--serve", "--bench"], "leave out"),
+        (["--serve", "--port", "70000"], "0 to 65535"),
+        (["--serve", "--address", "no.such.host.invalid"], "cannot listen"),
+    ],
+)
+def test_contradictions_are_one_sentence(home, words, sentence):
+    done = run(home, *words)
+    assert done.returncode == 1
+    assert sentence in done.stderr and done.stderr.count("\n") == 1
