@@ -181,10 +181,6 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
             from editor.hosts.recorder import Recorder
 
             host.recorder = Recorder(session, options.record)
-        if options.serve:
-            from editor.hosts.web import host as web
-
-            web.announce(host)
         host.run()
         host.ui.save_layout()
         session.keeper.save()

@@ -7,10 +7,10 @@ import pygame
 _UNSEEN: Final = frozenset({"offscreen", "dummy"})
 """SDL's drivers that show nothing."""
 NO_DISPLAY: Final = (
-    "There is no display to open a window on. On a desktop, set DISPLAY or WAYLAND_DISPLAY. Without "
-    "a display, `kinetix-editor --serve` shows the editor in a browser, `kinetix render LEVEL OUT.gif` films a level, "
-    "`make run` films a tour of the editor, and `kinetix-editor --offscreen --replay EVENTS.jsonl` "
-    "runs a script in it (docs/replay.md)."
+    "There is no display to open a window on. On a desktop, set DISPLAY or WAYLAND_DISPLAY. "
+    "Without a display, `kinetix-editor --serve` shows the editor in a browser, `kinetix render "
+    "LEVEL OUT.gif` films a level, `make run` films a tour of the editor, and `kinetix-editor "
+    "--offscreen --replay EVENTS.jsonl` runs a script in it (docs/replay.md)."
 )
 
 

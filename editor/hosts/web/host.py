@@ -101,16 +101,6 @@ class WebHost(OffscreenHost):
         self._page_clipboard.install()
         session.clipboard = self._page_clipboard
 
-    @property
-    def url(self) -> str:
-        """The address to open."""
-        return self._server.url
-
-    @property
-    def port(self) -> int:
-        """The port that is listened on."""
-        return self._server.port
-
     def _make_renderer(self) -> GlRenderer:
         self._pictures = GlRenderer(Window.UNSEEN)
         return self._pictures
@@ -180,6 +170,7 @@ class WebHost(OffscreenHost):
         # SDL would make a question of SIGTERM that nobody sees.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         self._server.start()
+        self._announce()
         try:
             super().run()
         except KeyboardInterrupt:
@@ -188,6 +179,17 @@ class WebHost(OffscreenHost):
         finally:
             self._outlet.tell("ended", True)
             self._outlet.finish()
+
+    def _announce(self) -> None:
+        """Print the address to open."""
+        port = self._server.port
+        sys.stdout.write(
+            f"Kinetix runs at {self._server.url}\n"
+            "The address is a key: who has it can use the editor and this machine's files. From "
+            f"another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open it there. "
+            "Ctrl+C ends it.\n"
+        )
+        sys.stdout.flush()
 
     def _follow(self) -> None:
         """Let the page's title, pointer and full screen follow the app."""
@@ -206,14 +208,3 @@ class WebHost(OffscreenHost):
         """See `Host.close`; the page learns that the app has ended."""
         self._server.stop()
         super().close()
-
-
-def announce(host: WebHost) -> None:
-    """Print the address to open."""
-    sys.stdout.write(
-        f"Kinetix runs at {host.url}\n"
-        "The address is a key: who has it can use the editor and this machine's files. From another "
-        f"machine: ssh -L {host.port}:127.0.0.1:{host.port} HOST, then open it there. "
-        "Ctrl+C ends it.\n"
-    )
-    sys.stdout.flush()

@@ -84,7 +84,9 @@ _NAMES: Final = {
 }
 _SIDES: Final = {"Left": "left", "Right": "right"}
 _MODIFIERS: Final = {"Shift": "shift", "Control": "ctrl", "Alt": "alt", "Meta": "meta"}
-_PLAIN: Final = frozenset({"Tab", "Home", "End", "Insert", "Delete", "Backspace", "Space", "Escape"})
+_PLAIN: Final = frozenset(
+    {"Tab", "Home", "End", "Insert", "Delete", "Backspace", "Space", "Escape"}
+)
 
 
 def key_name(code: str, key: str) -> str | None:

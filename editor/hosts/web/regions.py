@@ -50,8 +50,8 @@ def _differing_tiles(a: np.ndarray, b: np.ndarray) -> Bool[np.ndarray, " tiles"]
     count = -(-width // _TILE)
     if np.array_equal(a, b):
         return np.zeros(count, np.bool_)
-    columns = (a != b).reshape(rows, width * 3).any(axis=0).reshape(width, 3).any(axis=1)
-    return np.pad(columns, (0, count * _TILE - width)).reshape(count, _TILE).any(axis=1)
+    differs = (a != b).reshape(rows, width * 3).any(axis=0).reshape(width, 3).any(axis=1)
+    return np.logical_or.reduceat(differs, np.arange(0, width, _TILE))
 
 
 def _runs(tiles: np.ndarray) -> list[tuple[int, int]]:

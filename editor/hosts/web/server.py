@@ -28,8 +28,9 @@ _SILENT_FOR: Final = 15_000
 TAKEN: Final = "Kinetix is open in another page: close that page, then try again here."
 _ASTRAY: Final = "Nothing is here: open the whole address that kinetix-editor has printed."
 _POLICY: Final = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
-    "connect-src 'self'; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; connect-src 'self'; frame-ancestors 'self'; "
+    "base-uri 'none'; form-action 'none'"
 )
 
 
@@ -121,9 +122,7 @@ class PageServer:
 
     def start(self) -> None:
         """Answer from now on."""
-        self._thread = threading.Thread(
-            target=self._server.serve_forever, name="page", daemon=True
-        )
+        self._thread = threading.Thread(target=self._server.serve_forever, name="page", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
@@ -210,7 +209,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
 
     def _place(self) -> tuple[str | None, str]:
-        """Return what is asked for below the secret (None: the secret is wrong), and the page's name."""
+        """Return what is asked for below the secret, and the page's name; None: no right secret."""
         parts = urlsplit(self.path)
         _, _, rest = parts.path.partition("/")
         secret, slash, place = rest.partition("/")

@@ -108,7 +108,7 @@ def test_input_draws_and_a_later_page_goes_on(served, level):
 
 @pytest.mark.parametrize("body", [None, {"a": 1}, [["eval", "1"]], [["move", 1]], 5])
 def test_junk_is_refused_and_the_app_goes_on(served, body):
-    stream = Stream(served, "one")
+    Stream(served, "one")
     status, text = served.request("POST", f"{served.path}input?viewer=one", body)
     assert status in (400, 413) and text.count("\n") == 1
     assert served.say("one", ["move", 5, 5])[0] == 204
