@@ -1,15 +1,9 @@
 """The errors that users meet: one sentence each, saying what is wrong and what was expected."""
 
-import re
 from typing import Any, Final
 
 LONGEST: Final = 1000
 """Characters of a sentence; what is longer loses its middle."""
-# Control characters move a terminal's cursor, change its title or its colours; marks of direction
-# make a name read as another.
-_UNSAFE: Final = re.compile(
-    r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
-)
 
 
 def plain(text: str, longest: int = LONGEST) -> str:
@@ -22,11 +16,17 @@ def plain(text: str, longest: int = LONGEST) -> str:
     if len(text) > longest:
         tail = longest // 4
         text = f"{text[: longest - tail - 3]} … {text[-tail:]}"
-    return _UNSAFE.sub(_escaped, text)
+    if text.isprintable():
+        return text
+    # Control characters move a terminal's cursor, change its title or its colours; marks of
+    # direction make a name read as another; what Unicode does not know may become anything.
+    return "".join(one if one.isprintable() else _escaped(one) for one in text)
 
 
-def _escaped(match: re.Match[str]) -> str:
-    return "\\n" if match[0] == "\n" else f"\\u{ord(match[0]):04x}"
+def _escaped(one: str) -> str:
+    if one == "\n":
+        return "\\n"
+    return f"\\u{ord(one):04x}" if ord(one) < 0x10000 else f"\\U{ord(one):08x}"
 
 
 class KinetixError(Exception):

@@ -21,7 +21,7 @@ from PIL import Image
 from editor.gallery.card import Card, fault_card, read_card
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from kinetix.errors import LevelError
-from kinetix.failures import crash_sentence
+from kinetix.failures import crash_sentence, write_report
 from kinetix.files.regular import FileError, open_regular, read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import load_level
@@ -162,8 +162,18 @@ class Library:
                 wanted = self._wanted[:1]
             if wanted:
                 self._make(wanted[0])
-            elif look is not None and next(look, _OVER) is _OVER:
+            elif look is not None and self._looked(look):
                 look = None
+
+    def _looked(self, look: Iterator[None]) -> bool:
+        """Read one more file; return whether that was the last."""
+        try:
+            return next(look, _OVER) is _OVER
+        except Exception as error:  # a fault of ours must not end the thread
+            write_report(error, ["gallery"])
+            with self._condition:
+                self._ended = self._asked if self._folders is None else self._ended
+            return True
 
     def _make(self, card: Card) -> None:
         """Fetch or draw one thumbnail."""
@@ -190,7 +200,7 @@ class Library:
         try:
             with Image.open(self._file(sha256)) as image:
                 picture = np.asarray(image.convert("RGB"))
-        except (OSError, ValueError, SyntaxError):
+        except Exception:  # whatever Pillow makes of a damaged file, it is drawn anew
             return None
         return picture if picture.shape == (SIDE, SIDE, 3) else None
 
@@ -274,7 +284,7 @@ class Library:
     def _index(self) -> dict[str, _Known]:
         if self._known is None:
             self._known = {}
-            with contextlib.suppress(FileError, msgspec.DecodeError, RecursionError):
+            with contextlib.suppress(FileError, msgspec.DecodeError, ValueError, RecursionError):
                 text = read_bytes(self.folder / "index.json", "kept")
                 index = msgspec.json.decode(text, type=_Index)
                 if index.version == INDEX_VERSION:

@@ -5,7 +5,7 @@ import typing
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-from kinetix.errors import LevelError
+from kinetix.errors import LevelError, plain
 from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
@@ -279,6 +279,8 @@ class LevelBuilder:
         reference_angle: float | None = None,
     ) -> int:
         first, second = (self._find(end) for end in ends)
+        if ends[0] == ends[1] or (isinstance(ends[0], str) and isinstance(ends[1], str)):
+            raise LevelError(f"joint between {ends[0]} and {ends[1]}: expected two bodies")
         place = _pair("at", at)
         if reference_angle is None:
             reference_angle = second.angle - first.angle
@@ -313,7 +315,8 @@ class LevelBuilder:
                     f"there is no {reference}, as arena=False: add a body with fixed=True instead"
                 )
             return arena_body(self._arena, reference)
-        if reference not in self._bodies:
+        known = isinstance(reference, int) and not isinstance(reference, bool)
+        if not known or reference not in self._bodies:
             raise LevelError(
                 f"there is no body {reference!r}: expected an id that rectangle, circle or polygon "
                 f"returned"
@@ -327,6 +330,8 @@ def rectangle(width: float, height: float) -> tuple[Point, ...]:
     return ((x, y), (-x, y), (-x, -y), (x, -y))
 
 
+_LARGEST: Final = 1e18
+"""Of any number; squares of it and their sums are finite in 32 bits."""
 _CHOICES: Final[dict[str, tuple[str, ...]]] = {"role": ROLES, "collision": COLLISIONS}
 _RANGES: Final[dict[str, tuple[float, float]]] = {
     "angle": (-math.inf, math.inf),
@@ -362,8 +367,12 @@ def _real(name: str, value: Any, low: float = -math.inf, high: float = math.inf)
         real = float(value)
     except (TypeError, ValueError):
         raise LevelError(f"{name} {value!r}: expected a number") from None
+    except OverflowError:  # an integer of hundreds of digits
+        real = math.inf
     if not math.isfinite(real):
-        raise LevelError(f"{name} {value!r}: expected a finite number")
+        raise LevelError(f"{name} {plain(repr(value), 80)}: expected a finite number")
+    if abs(real) > _LARGEST:
+        raise LevelError(f"{name} {value!r}: expected at most {_LARGEST:g} in size")
     if not low <= real <= high:
         bound = f"at least {low:g}" if math.isinf(high) else f"{low:g} … {high:g}"
         raise LevelError(f"{name} {value!r}: expected {bound}")

@@ -1,75 +1,118 @@
-"""`make attack`: damage every kind of input for an hour, kill every writer, print the table."""
+"""`make attack`: damage every kind of input, kill every writer, step at random, print the table.
+
+make attack                                             an hour of everything, by turns
+make attack ARGS="--seconds 600 --seed 3"
+make attack ARGS="--inputs 1000000 --kills 2000 --steps 100000000"    until so much was tried
+make attack ARGS="--inputs 100000 --only 'schema beside reader'"
+"""
 
 import argparse
+import functools
+import json
 import logging
+import math
 import os
 import random
 import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from tests.attack.mutate import Mutator
 from tests.attack.tally import Tally
 from tests.attack.targets import TARGETS
 
-_READING_ROUNDS = 20
-"""Killing takes a minute, so it is done once in so many rounds of reading."""
+_PRINT_SECONDS = 60.0
+Round = Callable[[Tally, random.Random, Path], None]
 
 
 def main() -> int:
-    """Attack until the time is over; 1 if anything went wrong."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=3600.0)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--only", nargs="*", choices=[*TARGETS, "kills", "environment"])
-    parser.add_argument("--keep", type=Path, default=Path("out/attack"))
-    options = parser.parse_args()
+    """Attack until enough was tried, or the time is over; 1 if anything went wrong."""
+    options = _options()
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     logging.getLogger("absl").setLevel(logging.CRITICAL)  # orbax complains of what is damaged
-    tally = Tally(options.keep)
-    chosen = options.only or [*TARGETS, "kills", "environment"]
-    readers = [name for name in chosen if name in TARGETS]
-    random_ = random.Random(options.seed)
-    until = time.monotonic() + options.seconds
-    rounds = printed = 0
+    tally, random_ = Tally(options.keep), random.Random(options.seed)
+    rounds: dict[str, Round] = {
+        "inputs": lambda *to: damage_inputs(*to, options.only or list(TARGETS)),
+        "kills": _kill,
+        "steps": _step,
+    }
+    goals = {name: getattr(options, name) for name in rounds}
+    given = options.seconds is not None or any(goal is not None for goal in goals.values())
+    seconds = options.seconds or (math.inf if given else 3600.0)
+    if all(goal is None for goal in goals.values()):
+        goals = dict.fromkeys(rounds, math.inf) if not options.only else {"inputs": math.inf}
+    began = printed = time.monotonic()
+    tried = dict.fromkeys(goals, 0)
+    spent = dict.fromkeys(goals, 0.0)
     with tempfile.TemporaryDirectory() as place:
-        while time.monotonic() < until:
-            folder = Path(place) / str(rounds)
-            folder.mkdir()
-            for name in readers:
-                _attack(tally, name, random_, folder, until)
-            if "kills" in chosen and rounds % _READING_ROUNDS == 0:
-                from tests.attack.kills import kill_writers
-
-                kill_writers(tally, random_, folder)
-            if "environment" in chosen:
-                from tests.attack.environment import step_at_random
-
-                step_at_random(tally, random_.getrandbits(31))
+        while time.monotonic() < began + seconds:
+            left = [name for name, goal in goals.items() if goal and tried[name] < goal]
+            if not left:
+                break
+            name = min(left, key=spent.__getitem__)  # each gets the same share of the time
+            before, start = tally.tried, time.monotonic()
+            folder = Path(place) / str(before)
+            folder.mkdir(exist_ok=True)
+            rounds[name](tally, random_, folder)
             shutil.rmtree(folder)
-            rounds += 1
-            if time.monotonic() > printed + 60:
+            tried[name] += tally.tried - before
+            spent[name] += time.monotonic() - start
+            if time.monotonic() > printed + _PRINT_SECONDS:
                 printed = time.monotonic()
-                _print(f"\n{rounds} rounds\n{tally.table()}")
+                _print(f"\n{printed - began:.0f} s\n{tally.table()}")
+                _store(options.report, tally, options.seed)
     _print(f"\n{tally.table()}")
+    _store(options.report, tally, options.seed)
     return 1 if tally.wrong else 0
 
 
-def _attack(tally: Tally, name: str, random_: random.Random, folder: Path, until: float) -> None:
-    target = TARGETS[name]
-    samples = target.samples()
-    for k in range(target.weight):
-        if time.monotonic() > until:
-            return
-        own = folder / f"{name.replace(' ', '_')}_{k}"
-        own.mkdir()
-        data = target.damage(Mutator(random_.getrandbits(64)), random_.choice(samples))
-        if name == "command line":
-            data = random_.randbytes(8)
-        tally.attempt(name, data, lambda data=data, own=own: target.read(data, own))
-        shutil.rmtree(own)
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="tests.attack", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--seconds", type=float, help="by default 3600 where nothing is counted")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--inputs", type=int, help="damaged inputs to be read")
+    parser.add_argument("--kills", type=int, help="of processes that write")
+    parser.add_argument("--steps", type=int, help="of environments, over the sizes s, m and l")
+    parser.add_argument("--only", nargs="*", choices=TARGETS, help="readers")
+    parser.add_argument("--keep", type=Path, default=Path("out/attack"), help="what did harm")
+    parser.add_argument("--report", type=Path, help="the table as JSON")
+    return parser.parse_args()
+
+
+def damage_inputs(tally: Tally, random_: random.Random, folder: Path, names: list[str]) -> None:
+    """Attack each reader as often as its weight says."""
+    for name in names:
+        target = TARGETS[name]
+        samples = target.samples()
+        for k in range(target.weight):
+            own = folder / f"{name.replace(' ', '_')}_{k}"
+            own.mkdir()
+            data = target.damage(Mutator(random_.getrandbits(64)), random_.choice(samples))
+            tally.attempt(name, data, functools.partial(target.read, data, own))
+            shutil.rmtree(own)
+
+
+def _kill(tally: Tally, random_: random.Random, folder: Path) -> None:
+    from tests.attack.kills import kill_writers
+
+    kill_writers(tally, random_, folder)
+
+
+def _step(tally: Tally, random_: random.Random, folder: Path) -> None:
+    from tests.attack.environment import step_at_random
+
+    step_at_random(tally, random_.getrandbits(31))
+
+
+def _store(path: Path | None, tally: Tally, seed: int) -> None:
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"seed": seed, "rows": tally.as_dict()}, indent=1) + "\n")
 
 
 def _print(text: str) -> None:

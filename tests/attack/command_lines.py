@@ -7,7 +7,7 @@ import random
 from pathlib import Path
 
 from kinetix import cli
-from tests.attack import targets
+from tests.attack import levels
 from tests.attack.mutate import Mutator
 
 _WORDS = (
@@ -56,7 +56,7 @@ _PARSED = ("render", "play", "eval", "solve", "sample", "bench", "train")
 
 def _files(random_: random.Random, folder: Path) -> list[str]:
     mutator = Mutator(random_.getrandbits(64))
-    samples = (targets.native_levels, targets.kinetix_env_levels, targets.level_sets)
+    samples = (levels.native_levels, levels.kinetix_env_levels, levels.level_sets)
     names = []
     for k, make in enumerate(samples):
         sample = random_.choice(make())

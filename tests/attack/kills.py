@@ -1,168 +1,32 @@
 """Every writer is killed at random moments: what it writes is the old or the new, and whole.
 
 `python -m tests.attack.kills --writer level --kills 100` forks a child that writes without end,
-kills it (SIGKILL), looks at what is there, and goes on. Writers without JAX die fifty times a
-second.
+kills it (SIGKILL), looks at what is there from another child, and goes on. The process itself never
+starts JAX, whose threads no fork would survive.
 """
 
 import argparse
-import dataclasses
+import contextlib
+import importlib
 import json
+import logging
 import os
 import random
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tests.attack.tally import Tally
+from tests.attack.writers import WRITERS, Writer
 
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Writer:
-    """Something that is written again and again."""
-
-    write: Callable[[Path, int], None]
-    """Writes content number `k` below a folder."""
-    read: Callable[[Path], int]
-    """Reads it and returns its number; raises when it is not whole."""
-    longest: float = 0.03
-    """Longest life of a child [s]."""
-    kills: int = 40
-    """How often in one round."""
-    forks: bool = True
-    """Whether the child is a fork, which dies at once; what knows JAX must start anew."""
-
-
-def _level(number: int):
-    from kinetix.level.codec import load_level
-
-    return load_level("s/first_flight").replace(name=f"number {number}")
-
-
-def _write_level(folder: Path, number: int) -> None:
-    from kinetix.level.codec import save_level
-
-    save_level(_level(number), folder / "x.json")
-
-
-def _read_level(folder: Path) -> int:
-    from kinetix.level.codec import load_level
-
-    return int(load_level(folder / "x.json").name.split()[1])
-
-
-def _write_set(folder: Path, number: int) -> None:
-    from kinetix.level.sets import build_set, gather_levels, save_set
-
-    made = build_set(gather_levels(["s/first_flight"]), name=f"n {number}", folder=folder)
-    save_set(made, folder / "set.json", inline=True)
-
-
-def _read_set(folder: Path) -> int:
-    from kinetix.level.sets import load_set
-
-    return int(load_set(folder / "set.json").manifest.name.split()[1])
-
-
-def _write_settings(folder: Path, number: int) -> None:
-    from editor.base.settings import Settings
-
-    Settings(palette=str(number)).save(folder / "settings.json")
-
-
-def _read_settings(folder: Path) -> int:
-    from editor.base.settings import Settings
-
-    return int(Settings.load(folder / "settings.json").palette)
-
-
-def _write_results(folder: Path, number: int) -> None:
-    from editor.gallery.results import Record, Results, Trial
-
-    record = Record(attempts=number, solved=0)
-    Results(folder / "results.json").record(Trial(player="x"), {"a": record})
-
-
-def _read_results(folder: Path) -> int:
-    from editor.gallery.results import Results, Trial
-
-    return Results(folder / "results.json").of("a")[Trial(player="x")].attempts
-
-
-def _write_metrics(folder: Path, number: int) -> None:
-    """One more row; the three files agree after the next start."""
-    from kinetix.training.logging import MetricsLog
-
-    log = MetricsLog(folder, updates=number - 1)
-    row = {"timing/num_updates": number, "timing/num_env_steps": 10 * number}
-    log.write(row | {f"loss/{number % 7}": 0.5})
-    log.close()
-
-
-def _read_metrics(folder: Path) -> int:
-    from kinetix.training.logging import read_metrics
-
-    updates = [int(row["timing/num_updates"]) for row in read_metrics(folder)]
-    assert updates == list(range(1, len(updates) + 1)), updates
-    return len(updates)
-
-
-def _write_trace(folder: Path, number: int) -> None:
-    import numpy as np
-
-    from editor.play.trace_files import write_trace
-    from editor.worker.recording import Snapshot, Trace
-
-    level = _level(number)
-    bodies = len(level.bodies)
-    moment = Snapshot(
-        step=0,
-        position=np.zeros((bodies, 2), np.float32),
-        angle=np.zeros(bodies, np.float32),
-        velocity=np.zeros((bodies, 2), np.float32),
-        angular_velocity=np.zeros(bodies, np.float32),
-        motor=np.zeros(len(level.joints), np.float32),
-        thruster=np.zeros(len(level.thrusters), np.float32),
-    )
-    trace = Trace(physics="fast", perturbed=False, snapshots=(moment,), actions=(), seed=number)
-    write_trace(trace, level, folder / "x.npz")
-
-
-def _read_trace(folder: Path) -> int:
-    from editor.play.trace_files import read_trace
-
-    found = read_trace(folder / "x.npz")
-    assert found.level.name == f"number {found.trace.seed}"
-    return found.trace.seed
-
-
-def _write_agent(folder: Path, number: int) -> None:
-    from kinetix.agents.checkpoint import read_checkpoint, write_checkpoint
-    from kinetix.paths import checkpoints_dir
-
-    card, params = read_checkpoint(checkpoints_dir() / "unicyclist")
-    write_checkpoint(folder / "agent", card.replace(description=str(number)), params)
-
-
-def _read_agent(folder: Path) -> int:
-    from kinetix.agents.agent import load_agent
-
-    return int(load_agent(folder / "agent").card.description)
-
-
-WRITERS: dict[str, Writer] = {
-    "level": Writer(write=_write_level, read=_read_level),
-    "level set": Writer(write=_write_set, read=_read_set, longest=0.06),
-    "settings": Writer(write=_write_settings, read=_read_settings),
-    "results": Writer(write=_write_results, read=_read_results),
-    "trace": Writer(write=_write_trace, read=_read_trace),
-    "metrics": Writer(write=_write_metrics, read=_read_metrics, longest=0.1),
-    "agent": Writer(write=_write_agent, read=_read_agent, longest=2.0, kills=3, forks=False),
-}
-"""Everything that writes, by name."""
+_STARTING = 0.2
+"""Share of the kills that do not wait until a child has begun to write."""
+_LONGEST_START = 120.0
+"""A child that has not begun after so long is a fault [s]."""
 
 
 def kill_writers(
@@ -175,7 +39,7 @@ def kill_writers(
         command = [sys.executable, "-m", "tests.attack.kills", "--writer", name]
         command += ["--kills", str(WRITERS[name].kills), "--folder", str(place)]
         command += ["--seed", str(random_.getrandbits(31))]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=3600)
         row = tally.row(f"kills: {name}")
         if done.returncode:
             row.wrong.append(done.stderr.strip().splitlines()[-1][:300])
@@ -186,22 +50,40 @@ def kill_writers(
         row.wrong += told["wrong"]
 
 
-def _child(name: str, folder: Path, number: int) -> int:
-    """Start a process that writes without end; returns when it has begun."""
-    if not WRITERS[name].forks:
-        command = [sys.executable, "-m", "tests.attack.kills", "--writer", name]
-        command += ["--folder", str(folder), "--from", str(number)]
-        child = subprocess.Popen(command, stdout=subprocess.PIPE)
-        assert child.stdout is not None
-        child.stdout.readline()
-        return child.pid
+@contextlib.contextmanager
+def _child(work: Callable[[], None]) -> Iterator[int]:
+    """Fork a process that does some work and ends; gives its id, and waits for it."""
     child = os.fork()
     if child == 0:
+        status = 1
         try:
-            _write_for_ever(WRITERS[name], folder, number)
+            work()
+            status = 0
+        except BaseException as error:
+            os.write(2, f"{type(error).__name__}: {str(error)[-300:]}\n".encode())
         finally:
-            os._exit(1)
-    return child
+            os._exit(status)
+    yield child
+    os.waitpid(child, 0)
+
+
+def _asked(question: Callable[[], int | None]) -> tuple[int | None, str]:
+    """Return what a child found out, or what went wrong in it."""
+    with tempfile.TemporaryFile("w+") as answer:
+
+        def work() -> None:
+            try:
+                told = [question(), ""]
+            except BaseException as error:
+                told = [None, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"]
+            answer.write(json.dumps(told))
+            answer.flush()
+
+        with _child(work):
+            pass
+        answer.seek(0)
+        found, wrong = json.loads(answer.read() or '[null, "the child died"]')
+        return found, wrong
 
 
 def _write_for_ever(writer: Writer, folder: Path, number: int) -> None:
@@ -210,27 +92,44 @@ def _write_for_ever(writer: Writer, folder: Path, number: int) -> None:
         writer.write(folder, number)
 
 
+def _await(writer: Writer, folder: Path, child: int, before: object) -> str:
+    """Wait until a child has begun to write; returns what is wrong with it."""
+    until = time.monotonic() + _LONGEST_START
+    while writer.begun is not None and writer.begun(folder) == before:
+        if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            return "the writer failed before it was killed"
+        if time.monotonic() > until:
+            return f"the writer has not begun after {_LONGEST_START:g} s"
+        time.sleep(0.002)
+    return ""
+
+
 def kill(name: str, folder: Path, random_: random.Random, kills: int) -> dict[str, object]:
     """Start a child, let it write, kill it, look; again and again."""
     writer = WRITERS[name]
-    writer.write(folder, 1)
-    number, whole, wrong = 1, 0, []
+    for module in writer.modules:
+        importlib.import_module(module)
+    number, whole, wrong = 0, 0, []
+    if writer.last is None:  # whoever can begin with nothing at all does so
+        with _child(lambda: writer.write(folder, 1)):
+            number = 1
     for _ in range(kills):
-        child = _child(name, folder, number)
-        time.sleep(random_.uniform(0.0, writer.longest))
-        os.kill(child, signal.SIGKILL)
-        _, status = os.waitpid(child, 0)
-        if os.WIFEXITED(status):
-            wrong.append("the writer failed before it was killed")
-        try:
-            found = writer.read(folder)
-        except Exception as error:
-            wrong.append(f"{type(error).__name__}: {str(error)[:200]}")
-            writer.write(folder, number)
+        before = writer.begun(folder) if writer.begun is not None else None
+        with _child(lambda: _write_for_ever(writer, folder, number)) as child:  # noqa: B023
+            if random_.random() >= _STARTING:
+                wrong += filter(None, [_await(writer, folder, child, before)])
+            time.sleep(random_.uniform(0.0, writer.longest))
+            os.kill(child, signal.SIGKILL)
+        found, problem = _asked(lambda: writer.read(folder))
+        if found is None:
+            wrong.append(problem)
+            _asked(lambda: writer.write(folder, number))  # noqa: B023
             continue
         if found < number:
             wrong.append(f"number {number} was there, {found} was found")
         number, whole = found, whole + 1
+    if writer.last is not None:
+        wrong += filter(None, [_asked(lambda: writer.last(folder))[1]])
     return {"kills": kills, "whole": whole, "wrong": wrong}
 
 
@@ -240,16 +139,16 @@ def main() -> None:
     parser.add_argument("--writer", choices=WRITERS, required=True)
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--from", dest="start", type=int)
     parser.add_argument("--folder", type=Path, required=True)
     options = parser.parse_args()
-    random_ = random.Random(options.seed)
-    if options.start is not None:
-        WRITERS[options.writer].read(options.folder)  # everything is imported
-        sys.stdout.write("ready\n")
-        sys.stdout.flush()
-        _write_for_ever(WRITERS[options.writer], options.folder, options.start)
-    told = kill(options.writer, options.folder, random_, options.kills)
+    logging.getLogger("absl").setLevel(logging.CRITICAL)
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+    # Children compile the same again and again, to run it for a moment.
+    os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(options.folder / "jax"))
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
+    told = kill(options.writer, options.folder, random.Random(options.seed), options.kills)
     sys.stdout.write(json.dumps(told) + "\n")
 
 

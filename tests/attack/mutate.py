@@ -55,6 +55,10 @@ NASTY: tuple[Any, ...] = (
 _PIECES = (b"\0", b"\xff", b"[" * 200, b"{", b"}", b'"', b"\\", b"NaN", b"1e999", b"-", b"\n", b",")
 
 
+_MOST_PLACES = 200_000
+"""Of a tree that is made larger; beyond, damaging takes longer than reading."""
+
+
 class Mutator:
     """Equal seeds do equal damage."""
 
@@ -77,7 +81,7 @@ class Mutator:
 
     def tree(self, tree: Any) -> Any:
         """Parsed JSON in which one thing is wrong; the tree itself is changed."""
-        places = list(_places(tree))
+        places = _places(tree)
         if not places:
             return self.random.choice(NASTY)
         holder, key = self.random.choice(places)
@@ -94,7 +98,9 @@ class Mutator:
             case 6 if isinstance(holder, dict):
                 holder[self.random.choice(("x", key + "x", "", "format", "\x1b"))] = 1
             case 6:
-                holder[key:key] = [copy.deepcopy(holder[key])] * self.random.choice((1, 2, 1100))
+                times = self.random.choice((1, 2, 1100))
+                times = min(times, _MOST_PLACES // len(places))
+                holder[key:key] = [copy.deepcopy(holder[key])] * times
             case _:
                 holder[key] = self._nested(holder[key])
         return tree
@@ -162,13 +168,15 @@ class Mutator:
         return b"\n".join([*lines[: at + 1], *lines[at:]])
 
 
-def _places(tree: Any) -> Any:
-    """Every (container, key) of a tree."""
-    if isinstance(tree, dict):
-        for key, value in tree.items():
-            yield tree, key
-            yield from _places(value)
-    elif isinstance(tree, list):
-        for k, value in enumerate(tree):
-            yield tree, k
-            yield from _places(value)
+def _places(tree: Any) -> list[tuple[Any, Any]]:
+    """Return every (container, key) of a tree."""
+    places, left = [], [tree]
+    while left:
+        holder = left.pop()
+        if isinstance(holder, dict):
+            places += [(holder, key) for key in holder]
+            left += [value for value in holder.values() if isinstance(value, dict | list)]
+        elif isinstance(holder, list):
+            places += [(holder, k) for k in range(len(holder))]
+            left += [value for value in holder if isinstance(value, dict | list)]
+    return places

@@ -4,11 +4,11 @@ import dataclasses
 import hashlib
 import resource
 import signal
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from kinetix.errors import KinetixError
 
@@ -53,6 +53,18 @@ class Tally:
         return self.rows.setdefault(name, Row())
 
     @property
+    def tried(self) -> int:
+        """How much was tried in all."""
+        return sum(row.tried for row in self.rows.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """The rows, for a file; what went wrong is counted."""
+        return {
+            name: dataclasses.asdict(row) | {"wrong": len(row.wrong)}
+            for name, row in self.rows.items()
+        }
+
+    @property
     def wrong(self) -> list[str]:
         """Everything that went wrong."""
         return [f"{name}: {line}" for name, row in self.rows.items() for line in row.wrong]
@@ -61,7 +73,7 @@ class Tally:
         """Run one attack: it may succeed, or fail with one plain sentence, in bounded time."""
         row = self.row(name)
         row.tried += 1
-        began, memory = time.process_time(), _peak_mb()
+        began, memory = _seconds_and_peak_mb()
         problem = ""
         try:
             with _no_hang():
@@ -76,12 +88,13 @@ class Tally:
             last = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(last.filename).name}:{last.lineno}"
             problem = f"{type(error).__name__} at {place}: {str(error)[-400:]!r}"
-        took = time.process_time() - began
+        ended, peak = _seconds_and_peak_mb()
+        took = ended - began
         row.slowest = max(row.slowest, took)
         if not problem and took > SLOW_SECONDS:
             problem = f"took {took:.1f} s"
-        if not problem and _peak_mb() - memory > LARGEST_GROWTH:
-            problem = f"took {_peak_mb() - memory:.0f} MB"
+        if not problem and peak - memory > LARGEST_GROWTH:
+            problem = f"took {peak - memory:.0f} MB"
         if problem:
             row.wrong.append(f"{problem} ({self._kept(name, data)})")
 
@@ -103,8 +116,7 @@ class Tally:
                 f"{row.slowest:6.2f} s  {len(row.wrong)}"
             )
             lines += [f"    {line}" for line in row.wrong[:5]]
-        total = sum(row.tried for row in self.rows.values())
-        return "\n".join([*lines, f"{total:,} inputs, {len(self.wrong)} wrong"])
+        return "\n".join([*lines, f"{self.tried:,} tried, {len(self.wrong)} wrong"])
 
 
 def _bad_sentence(text: str) -> str:
@@ -115,8 +127,10 @@ def _bad_sentence(text: str) -> str:
     return f"a sentence of {len(text)} characters" if len(text) > 1100 else ""
 
 
-def _peak_mb() -> float:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
+def _seconds_and_peak_mb() -> tuple[float, float]:
+    """Return the processor time of this process, and the most memory it has had."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1000
 
 
 @contextmanager

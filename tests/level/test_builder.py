@@ -79,6 +79,12 @@ def test_a_builder_can_go_on_after_building():
 
 
 WRONG = {
+    "hundreds of digits": (lambda b: b.circle(10**400, 0, 1), "x 1000.*expected a finite number"),
+    "beyond 32 bits": (lambda b: b.circle(0, 1e30, 1), "y 1e.30: expected at most 1e.18"),
+    "a list as a body": (lambda b: b.thruster([1], (0, 0), angle=0, power=1), "there is no body"),
+    "half a body": (lambda b: b.weld(b.circle(0, 0, 1), 1.0, (0, 0)), "there is no body 1.0"),
+    "a body to itself": (lambda b: b.weld(b.circle(0, 0, 1), 1, (0, 0)), "expected two bodies"),
+    "walls alone": (lambda b: b.weld("floor", "ceiling", (0, 0)), "expected two bodies"),
     "width": (lambda b: b.rectangle(0, 0, 0, 1), "width 0: expected more than 0"),
     "radius": (lambda b: b.circle(0, 0, -1), "radius -1: expected more than 0"),
     "place": (lambda b: b.circle(math.nan, 0, 1), "x nan: expected a finite number"),

@@ -8,9 +8,12 @@ import msgspec
 
 from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.level import renumbered
-from kinetix.errors import CommandError
+from kinetix.errors import CommandError, KinetixError
+from kinetix.files.json_text import parse_strictly
+from kinetix.files.limits import LIMITS
+from kinetix.level import codec
 from kinetix.level.geometry import bounds_of, referenced_body, to_local, to_world
-from kinetix.level.model import Body, Joint, Level, Point, Record, Thruster
+from kinetix.level.model import Body, Circle, Joint, Level, Point, Record, Thruster
 
 FORMAT: Final = "kinetix-clip"
 VERSION: Final = 1
@@ -60,15 +63,28 @@ def loads(text: str) -> Clip:
         CommandError: The text is no clip of ours.
     """
     try:
-        clip = msgspec.json.decode(text.encode(), type=Clip)
-    except msgspec.DecodeError as error:
+        clip = _read(text)
+    except (KinetixError, msgspec.ValidationError) as error:
         reason = f": {error}" if FORMAT in text[:200] else ""
         raise CommandError(f"The clipboard holds nothing that can be pasted{reason}.") from None
-    ids = {body.id for body in clip.bodies}
+    return clip
+
+
+def _read(text: str) -> Clip:
+    """Read a clip; what holds of a level in a file holds of it too."""
+    if len(text) > LIMITS["level"].largest:
+        raise CommandError("it is too long")
+    clip = msgspec.convert(parse_strictly(text, FORMAT), Clip)
     ends = {end for joint in clip.joints for end in (joint.a, joint.b)}
     ends |= {thruster.body for thruster in clip.thrusters}
-    if clip.bodies and not {end for end in ends if not isinstance(end, str)} <= ids:
-        raise CommandError("The clipboard's joints do not fit its bodies.")
+    named = sorted({end for end in ends if not isinstance(end, str)})
+    # Joints and thrusters alone: any body will do.
+    any_body = Body(id=0, shape=Circle(radius=0.1), position=(0.0, 0.0))
+    bodies = clip.bodies or tuple(any_body.replace(id=id) for id in named)
+    if not set(named) <= {body.id for body in bodies}:
+        raise CommandError("its joints do not fit its bodies")
+    parts = {"bodies": bodies, "joints": clip.joints, "thrusters": clip.thrusters}
+    codec.loads(codec.dumps(Level(name="clip", size=None, **parts)), FORMAT)
     return clip
 
 

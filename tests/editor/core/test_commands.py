@@ -292,3 +292,27 @@ def test_a_polygon_body_has_its_origin_at_the_centre_of_mass():
     body = polygon_body(corners, Level(name="x"))
     assert body.position == pytest.approx((2 / 3, 1 / 3), abs=1e-6)
     assert polygon_fault(body.shape.vertices) is None
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda text: text.replace('"density":1.0', '"density":1e999'),
+        lambda text: text.replace('"density":1.0', '"density":-3.0'),
+        lambda text: text.replace('"id":2', '"id":1'),
+        lambda text: text[:-1] + ',"bodies":[]}',
+        lambda text: text.replace("[", "[" * 3000),
+        lambda text: text[:40] + "\udcff" + text[40:],
+    ],
+)
+def test_a_damaged_clip_cannot_damage_a_level(damage):
+    text = clip.dumps(clip.copied(a_level(), (1, 2)))
+    assert damage(text) != text
+    with pytest.raises(CommandError, match="nothing that can be pasted"):
+        clip.loads(damage(text))
+
+
+def test_joints_alone_can_be_copied_for_their_properties():
+    joints = a_level().joints
+    whole = clip.copied(a_level(), (joints[0].id,))
+    assert clip.loads(clip.dumps(whole)) == whole

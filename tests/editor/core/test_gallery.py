@@ -131,9 +131,27 @@ def test_thumbnails_come_from_the_cache_the_second_time(library, folder, tmp_pat
     again.stop()
 
 
-def test_a_broken_index_is_made_anew(library, folder, tmp_path):
+@pytest.mark.parametrize(
+    "content",
+    [
+        b'{"version": 1, "files": [{}',
+        b'{"version": 1, "files": [{"kind": "\xee',
+        b'{"version": 1, "files": ' + b"[" * 5000,
+    ],
+)
+def test_a_broken_index_is_made_anew(library, folder, tmp_path, content):
     (tmp_path / "cache" / "gallery").mkdir(parents=True)
-    (tmp_path / "cache" / "gallery" / "index.json").write_text('{"version": 1, "files": [{}')
+    (tmp_path / "cache" / "gallery" / "index.json").write_bytes(content)
+    assert len(look(library, folder)) == 4
+
+
+def test_a_fault_of_ours_does_not_end_the_gallerys_thread(library, folder, monkeypatch):
+    def broken():
+        raise RuntimeError("a fault")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(library, "_index", broken)
+        look(library, folder)
     assert len(look(library, folder)) == 4
 
 
