@@ -102,16 +102,13 @@ def test_an_episode_of_the_editor_is_shown(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["value", "unified", "frame_skip", "attempt", "step"])
-@pytest.mark.parametrize("content", ["text", 3.5, np.zeros((2, 1)), -1])
+@pytest.mark.parametrize("content", ["text", np.zeros((2, 1)), -1])
 def test_an_episode_with_other_arrays_is_refused_in_a_sentence(tmp_path, name, content):
     file = tmp_path / "a.npz"
     write_trace(a_trace(), a_level(), file)
     with np.load(file) as stored:
         arrays = dict(stored)
     np.savez(file, **(arrays | {name: np.asarray(content)}))
-    if name in ("frame_skip", "attempt") and content == 3.5:
-        kinetix.show(file)
-        return
     with pytest.raises(KinetixError, match="expected an episode of the editor"):
         kinetix.show(file)
 
