@@ -187,9 +187,11 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import export, file, recover
+    from editor.actions import export, file, guide, recover
 
     if not options.files:
+        if options.replay is None:
+            guide.offer(session)
         welcome = _welcome() if options.replay is None else None
         if welcome is not None:
             file.open_path(session, welcome)

@@ -82,6 +82,8 @@ class Settings:
     """Folders of agents, newest first."""
     agent_overlay: list[str] = dataclasses.field(default_factory=lambda: ["heat", "numbers"])
     """Names of the agent's overlays that are on."""
+    guide_step: Annotated[int, Meta(ge=-1, le=10)] = -1
+    """Number of the guided first level's next step; 10: all are done, -1: it is not shown."""
     debug_draw: list[str] = dataclasses.field(default_factory=list)
     """Names of the debug drawings that are on."""
 

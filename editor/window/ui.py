@@ -26,6 +26,7 @@ from editor.window.panels.debug import DebugPanel
 from editor.window.panels.evaluate import EvaluatePanel
 from editor.window.panels.eye import EyePanel
 from editor.window.panels.gallery.page import GalleryPage
+from editor.window.panels.guide import GuideCard
 from editor.window.panels.help import HelpOverlay
 from editor.window.panels.history import HistoryPanel
 from editor.window.panels.inspector import Inspector
@@ -99,6 +100,7 @@ class Ui:
         self._dialogs = Dialogs()
         self._palette = CommandPalette()
         self._help = HelpOverlay()
+        self._guide = GuideCard()
         self._keys_window = KeysWindow()
         self._preferences = PreferencesWindow()
         self._gallery = GalleryPage(textures)
@@ -245,6 +247,7 @@ class Ui:
         else:
             self._workplace(space, panels)
         with session.guard():
+            self._guide.draw(session)
             self._dialogs.draw(session)
             self._palette.draw(session)
             self._help.draw(session)

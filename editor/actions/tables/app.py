@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import view
+from editor.actions import guide, view
 from editor.actions.base import Action
 
 APP: Final = (
@@ -13,6 +13,13 @@ APP: Final = (
         keys=("ctrl+shift+p",),
         checked=view.is_on("palette"),
         run=view.switch("palette"),
+    ),
+    Action(
+        id="app.guide",
+        label="Guided First Level",
+        menu="Help",
+        tooltip="Build a car and drive it to its goal, in ten small steps.",
+        run=guide.start,
     ),
     Action(
         id="app.preferences",

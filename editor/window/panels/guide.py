@@ -1,0 +1,112 @@
+"""The card of the guided first level: what to do next, how far one is, how to do without."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import actions
+from editor.actions import guide
+from editor.toolkit import widgets
+from editor.toolkit.appearance import COLOURS, FONTS, alpha, u32
+from editor.toolkit.keys import label as chord_label
+from editor.toolkit.widgets import px
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_WIDTH: Final = 320.0
+_MARGIN: Final = 14.0
+_ABOVE_STATUS: Final = 34.0
+
+
+class GuideCard:
+    """A small window in the lower right corner; it can be moved, folded and closed."""
+
+    def draw(self, session: "Session") -> None:
+        """Draw it while somebody is guided."""
+        guide.follow(session)
+        number = session.settings.guide_step
+        if number == guide.CLOSED or session.gallery.open:
+            return
+        viewport = imgui.get_main_viewport()
+        right = viewport.work_pos.x + viewport.work_size.x - px(_MARGIN)
+        bottom = viewport.work_pos.y + viewport.work_size.y - px(_ABOVE_STATUS + _MARGIN)
+        imgui.set_next_window_pos((right, bottom), imgui.Cond_.appearing.value, (1.0, 1.0))
+        imgui.set_next_window_size((px(_WIDTH), 0.0))
+        flags = (
+            imgui.WindowFlags_.no_docking.value
+            | imgui.WindowFlags_.no_saved_settings.value
+            | imgui.WindowFlags_.no_resize.value
+            | imgui.WindowFlags_.no_focus_on_appearing.value
+            | imgui.WindowFlags_.no_nav.value
+        )
+        with widgets.coloured(window_bg=COLOURS.raised, border=COLOURS.accent):
+            imgui.push_style_var(imgui.StyleVar_.window_border_size, px(1.5))
+            imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(16), px(12)))
+            shown, kept = imgui.begin(f"{self._title(number)}###guide", True, flags)
+            if shown:
+                self._content(session, number)
+            imgui.end()
+            imgui.pop_style_var(2)
+        if not kept:
+            session.queue(lambda: guide.close(session))
+
+    def _title(self, number: int) -> str:
+        if 0 <= number < len(guide.STEPS):
+            return f"Your first level   {number + 1} of {len(guide.STEPS)}"
+        return "Your first level"
+
+    def _content(self, session: "Session", number: int) -> None:
+        step = guide.current(session)
+        if step is not None:
+            self._progress(number)
+            self._step(session, step)
+        elif number == guide.OFFERED:
+            widgets.wrapped(
+                "New here? Build a car and drive it to its goal: ten small steps, right here in "
+                "the editor."
+            )
+            self._buttons(session, "Not now", ("Start", guide.start))
+        else:
+            with widgets.font(FONTS.bold, 0.0):
+                widgets.text("That is all there is to it.")
+            widgets.wrapped(
+                "F1 lists every key, Tools has ready-made parts, File ▸ New From other machines, "
+                "and F6 lets an agent try your level.",
+                COLOURS.muted,
+            )
+            self._buttons(session, "Close", ("Once more", guide.start))
+
+    def _step(self, session: "Session", step: guide.Step) -> None:
+        with widgets.font(FONTS.bold, 0.0):
+            widgets.text(step.title)
+        if step.action:
+            chosen = actions.chords(session, actions.BY_ID[step.action])
+            if chosen:
+                widgets.beside(px(60))
+                widgets.key_caps(chord_label(chosen[0]))
+        widgets.wrapped(step.words, COLOURS.muted)
+        self._buttons(session, "Leave", ("Skip this step", guide.skip))
+
+    def _progress(self, number: int) -> None:
+        """A line that grows from step to step."""
+        start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
+        draw, tall = imgui.get_window_draw_list(), px(4)
+        end = (start.x + width, start.y + tall)
+        draw.add_rect_filled(start, end, u32(alpha(COLOURS.text, 0.12)), tall / 2)
+        share = (number + 0.5) / len(guide.STEPS)
+        draw.add_rect_filled(
+            start, (start.x + width * share, end[1]), u32(COLOURS.accent), tall / 2
+        )
+        imgui.dummy((width, px(8)))
+
+    def _buttons(self, session: "Session", leave: str, go_on: tuple) -> None:
+        imgui.dummy((0, px(4)))
+        label, run = go_on
+        # What is to be done is done on the canvas: skipping must not look like the way to go.
+        kind = widgets.button if guide.current(session) else widgets.primary_button
+        if kind(session, "guide.next", label):
+            session.queue(lambda: run(session))
+        widgets.beside(px(80))
+        if widgets.button(session, "guide.close", leave):
+            session.queue(lambda: guide.close(session))
