@@ -6,8 +6,8 @@ import pytest
 
 from editor.actions import guide
 from editor.base.settings import Settings, SettingsKeeper
-from editor.documents.commands.group import Move
 from editor.documents.commands.fields import SetField
+from editor.documents.commands.group import Move
 
 
 @pytest.fixture
