@@ -247,11 +247,9 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
 def _kinds() -> collections.Counter[str]:
     """Count all objects by their types, garbage left out."""
     gc.unfreeze()
-    write = sys.stdout.write
-    write(f"{resident_mb():.1f} MB, ")
-    write(f"{gc.collect()} objects of garbage, then {resident_mb():.1f} MB\n")
+    gc.collect()
     return collections.Counter(
-        type(one).__module__ + "." + type(one).__qualname__ for one in gc.get_objects()
+        f"{type(one).__module__}.{type(one).__qualname__}" for one in gc.get_objects()
     )
 
 

@@ -67,6 +67,10 @@ def resolve_path(name: str | Path) -> Path:
             return path
     if os.path.isdir(plain) or named_levels(name) is not None:
         raise LevelError(f"{name}: expected a level file, got a folder")
+    if os.path.exists(plain):
+        raise LevelError(f"{name}: expected a regular file, got a device, pipe or socket")
+    if os.path.islink(plain):
+        raise LevelError(f"{name}: a link to {os.readlink(plain)}, which leads to no file")
     raise LevelError(
         f"{name}: there is no such file, nor a bundled level of this name{level_hint(name)}"
     )

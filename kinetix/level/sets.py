@@ -259,9 +259,12 @@ def _without_level(
 
 
 def level_files(folder: Path) -> Iterator[Path]:
-    """Every level file below a folder, in the order of names; level sets are left out."""
+    """Yield everything below a folder that is called a level, in the order of names.
+
+    Level sets and folders are left out; links that lead nowhere are not, so that they are told.
+    """
     for path in sorted(folder.rglob("*.json")):
-        if os.path.isfile(path) and not is_set_file(path):
+        if not os.path.isdir(path) and not (os.path.isfile(path) and is_set_file(path)):
             yield path
 
 

@@ -1,15 +1,23 @@
 """Random steps in the bundled levels: nothing becomes NaN, nothing leaves its bounds."""
 
 import functools
+import os
+from collections.abc import Mapping
 from typing import Any
 
 from kinetix.paths import levels_dir
 from tests.attack.tally import Tally
 
-WORLDS = 64
+WORLDS = 256
 STEPS = 256
-SIZES = ("s", "m", "l")
-"""Tried in turn; the whole of one round has WORLDS × STEPS steps of each."""
+SIZES = {"s": 8, "m": 4, "l": 1}
+"""How often each is tried in a round, WORLDS × STEPS steps at a time; larger ones take longer."""
+MOST_MB = 1000.0
+"""Memory may grow by so much after the first round."""
+_SETTLED: dict[str, float] = {}
+"""Memory after the first round of each size [MB]."""
+_LARGEST_SPEED = 100.5
+"""No body may be faster, in any direction [m/s]."""
 
 
 @functools.cache
@@ -42,31 +50,49 @@ def _rollout(size: str) -> Any:
         observation, state, reward, done, _ = jax.vmap(
             lambda key, state, action: env.step(key, state, action, params)
         )(jax.random.split(go, WORLDS), state, action)
-        bodies = state.bodies
-        speed = jnp.abs(bodies.velocity).max()
-        bad = bad | ~jnp.isfinite(observation).all() | ~jnp.isfinite(reward).all()
-        bad = bad | ~jnp.isfinite(bodies.position).all() | (speed > 100.5)
-        return (state, bad), done.sum()
+        numbers = (observation, reward, state.bodies.position, state.bodies.velocity)
+        sound = jnp.abs(state.bodies.velocity).max((-1, -2)) <= _LARGEST_SPEED
+        for array in numbers:
+            sound &= jnp.isfinite(array).reshape(WORLDS, -1).all(-1)
+        return (state, bad + (~sound).sum()), done.sum()
 
     def rollout(key):
         first, rest = jax.random.split(key)
         _, state = jax.vmap(lambda key: env.reset(key, params))(jax.random.split(first, WORLDS))
         (_, bad), done = jax.lax.scan(
-            step, (state, jnp.asarray(False)), jax.random.split(rest, STEPS)
+            step, (state, jnp.zeros((), int)), jax.random.split(rest, STEPS)
         )
         return bad, done.sum()
 
     return jax.jit(rollout)
 
 
-def step_at_random(tally: Tally, seed: int, sizes: tuple[str, ...] = SIZES) -> None:
-    """Random actions in batches of levels, some of them absurd."""
+def step_at_random(tally: Tally, seed: int, sizes: Mapping[str, int] = SIZES) -> None:
+    """Random actions in batches of levels, some of them absurd.
+
+    Args:
+        tally: Where the worlds' steps are counted; bad ones have a number that is not finite, or a
+            body beyond its largest speed.
+        seed: Of the actions and the levels.
+        sizes: How often each is tried.
+    """
     import jax
 
-    for size in sizes:
+    for size, times in sizes.items():
         row = tally.row(f"steps at size {size}")
-        bad, _ = _rollout(size)(jax.random.key(seed))
-        row.tried += WORLDS * STEPS
-        row.accepted += WORLDS * STEPS
-        if bool(bad):
-            row.wrong.append(f"seed {seed}: a number that is not finite or out of bounds")
+        for key in jax.random.split(jax.random.key(seed), times):
+            bad, episodes = _rollout(size)(key)
+            row.tried += WORLDS * STEPS
+            row.accepted += WORLDS * STEPS - int(bad)
+            if int(bad):
+                row.wrong.append(f"seed {seed}: {int(bad)} bad steps")
+            if not int(episodes):
+                row.wrong.append(f"seed {seed}: no episode has ended")
+        more = _resident_mb() - _SETTLED.setdefault(size, _resident_mb())
+        if more > MOST_MB:
+            row.wrong.append(f"seed {seed}: took {more:.0f} MB more than after the first round")
+
+
+def _resident_mb() -> float:
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6

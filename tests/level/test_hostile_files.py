@@ -160,3 +160,19 @@ def test_names_that_no_file_can_have(tmp_path):
             load_level(name)
     with pytest.raises(LevelError, match=r"a\\u0000b: there is no such file"):
         load_level("a\0b")
+
+
+def test_what_is_no_regular_file_is_said_and_never_left_out_in_silence(tmp_path):
+    (tmp_path / "lost.json").symlink_to(tmp_path / "gone")
+    (tmp_path / "self.json").symlink_to("self.json")
+    os.mkfifo(tmp_path / "pipe.json")
+    for name, text in (
+        ("lost", "leads to no file"),
+        ("self", "leads to no file"),
+        ("pipe", "pipe"),
+    ):
+        with pytest.raises(LevelError, match=text):
+            load_level(tmp_path / f"{name}.json")
+    save_level(load_level("s/first_flight"), tmp_path / "good.json")
+    with pytest.raises(LevelError, match=r"lost\.json: a link to .*, which leads to no file"):
+        gather_levels([tmp_path])
