@@ -108,6 +108,7 @@ def _check(options: Options) -> None:
 
 def _run(options: Options) -> int:
     _check(options)
+    _stand_somewhere()
     if options.bench:
         from editor.hosts.bench import print_table
 
@@ -207,6 +208,16 @@ def _open_files(options: Options, session: Session) -> None:
         raise KinetixError("\n".join(session.log.since(mark)))
     if options.replay is None:
         recover.offer(session)
+
+
+def _stand_somewhere() -> None:
+    """Go to the user's folder where the current one has been deleted."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        home = Path.home() if Path.home().is_dir() else Path(Path.home().anchor)
+        os.chdir(home)
+        sys.stderr.write(f"kinetix-editor: the current folder is gone; {home} takes its place\n")
 
 
 def main() -> int:

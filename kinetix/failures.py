@@ -89,6 +89,7 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 143 after
         SIGTERM.
     """
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         encodable(stream)
     try:
@@ -104,6 +105,20 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         with contextlib.suppress(OSError):
             print(sentence, file=sys.stderr)  # noqa: T201 (a command's own output)
     return status
+
+
+def _open_streams() -> None:
+    """Let what was closed before the start (`>&-`) lead nowhere.
+
+    A file that is opened would take its number, and get what libraries have to say.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the smallest free number is this one
+    sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
 def _told(error: BaseException, name: str, words: Sequence[str]) -> tuple[str, int]:

@@ -1,6 +1,7 @@
 import json
 import os
 import resource
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -139,6 +140,20 @@ def test_a_reader_that_leaves_early_is_no_error():
     assert done.stderr == b""
     done = _shell("kinetix validate s m l s m l | head -c 1")
     assert done.stderr == b""
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&-"])
+def test_a_command_without_its_streams_ends_as_with_them(closed, tmp_path):
+    for name, status in (("s/first_flight", 0), ("s/nothing", 1)):
+        shell = f"exec {shlex.quote(sys.executable)} -m kinetix validate {name} {closed}"
+        done = subprocess.run(
+            ["sh", "-c", shell],
+            env=os.environ | {"XDG_STATE_HOME": str(tmp_path)},
+            capture_output=True,
+            check=False,
+        )
+        assert done.returncode == status
+    assert not list(tmp_path.rglob("crashes"))
 
 
 def test_an_ascii_terminal_gets_everything_too(tmp_path):

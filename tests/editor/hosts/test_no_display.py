@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -45,3 +46,19 @@ def test_make_run_notices(blind):
         check=True,
     )
     assert done.stdout.split()[-1] == "False"
+
+
+def test_a_current_folder_that_is_gone_is_said_and_replaced(tmp_path, monkeypatch, capsys):
+    from editor.__main__ import _stand_somewhere
+
+    gone, home = tmp_path / "gone", tmp_path / "home"
+    gone.mkdir()
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.chdir(gone)
+    _stand_somewhere()
+    assert Path.cwd() == gone
+    gone.rmdir()
+    _stand_somewhere()
+    assert Path.cwd() == home
+    assert capsys.readouterr().err.count("the current folder is gone") == 1
