@@ -9,7 +9,7 @@ from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, size_name
 from kinetix.level.validate import Issue
 
-_ENDS: Final = {"won": "wins", "lost": "loses"}
+_ENDS: Final = {"won": "wins", "lost": "loses", "broken": "breaks the physics"}
 
 
 class Trial:

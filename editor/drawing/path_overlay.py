@@ -6,17 +6,12 @@ import numpy as np
 
 from editor.drawing.vectors import Painter
 from editor.toolkit.appearance import COLOURS, alpha, u32
+from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 
 if TYPE_CHECKING:
     from editor.session import Session
 
-OUTCOME_COLOURS: Final[dict[str, str]] = {
-    "won": "good",
-    "lost": "bad",
-    "timeout": "warn",
-    "broken": "bad",
-}
 _MOST: Final = 300
 """Ways that are drawn; more only hide each other."""
 
@@ -39,7 +34,7 @@ def paint_paths(session: "Session", painter: Painter) -> None:
         if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
             continue
         places: list[Any] = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
-        colour = COLOURS.of(OUTCOME_COLOURS[outcome])
+        colour = COLOURS.of(OUTCOME_LOOK[outcome][2])
         strong = k == lit
         shade = u32(colour if strong else alpha(colour, 0.45))
         draw.add_polyline(places, shade, px(3.5 if strong else 1.75), 0)

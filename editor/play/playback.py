@@ -16,6 +16,7 @@ from editor.worker.recording import (
     channels_of,
 )
 from editor.worker.requests import Casting, Pull
+from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -151,7 +152,7 @@ class Playback:
         return self.snapshot.step if self.snapshot else 0
 
     @property
-    def outcome(self) -> str | None:
+    def outcome(self) -> Outcome | None:
         """How the episode ended, or None."""
         return self.snapshot.outcome if self.snapshot else None
 

@@ -9,14 +9,14 @@ from typing import Any, Final
 import numpy as np
 
 from editor.base.wording import describe
-from editor.worker.recording import Mind, OutcomeName, Snapshot, Trace
+from editor.worker.recording import Mind, Snapshot, Trace
+from kinetix.environment.outcome import OUTCOMES
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import dumps
 from kinetix.level.model import Level
 from kinetix.pages.episode_file import read_episode
 
 SUFFIX: Final = ".npz"
-_OUTCOMES: Final[tuple[OutcomeName, ...]] = ("won", "lost", "timeout")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -93,7 +93,7 @@ def _snapshot(arrays: dict[str, np.ndarray], k: int, *, last: bool) -> Snapshot:
         kinetic_energy=number("kinetic_energy"),
         potential_energy=number("potential_energy"),
         momentum=(float(arrays["momentum"][k][0]), float(arrays["momentum"][k][1])),
-        outcome=next((name for name in _OUTCOMES if last and name == end), None),
+        outcome=next((name for name in OUTCOMES if last and name == end), None),
         action=() if any(map(math.isnan, unified)) else unified,
         mind=_mind(arrays, k, unified),
         frame_skip=int(arrays["frame_skip"]),

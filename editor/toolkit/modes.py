@@ -1,8 +1,10 @@
-"""How each mode is called and coloured: the badge and the frame around the canvas."""
+"""Words, icons and colours of the modes and of the ways in which an episode ends."""
 
 from typing import Final
 
 from editor.play.playback import Mode
+from editor.toolkit.appearance import Icons
+from kinetix.environment.outcome import Outcome
 
 MODE_LOOK: Final[dict[Mode, tuple[str, str]]] = {
     Mode.EDIT: ("EDIT", "accent"),
@@ -12,3 +14,11 @@ MODE_LOOK: Final[dict[Mode, tuple[str, str]]] = {
     Mode.REPLAY: ("REPLAY", "replay"),
 }
 """Word and name of the colour of each mode."""
+
+OUTCOME_LOOK: Final[dict[Outcome, tuple[str, str, str]]] = {
+    "won": (Icons.trophy, "Won", "good"),
+    "lost": (Icons.skull, "Lost", "bad"),
+    "timeout": (Icons.hourglass, "Time is up", "warn"),
+    "broken": (Icons.error, "Physics broke down", "bad"),
+}
+"""Icon, word and name of the colour of each outcome."""

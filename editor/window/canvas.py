@@ -26,11 +26,11 @@ from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
 from editor.editing import gauges, picking
 from editor.play.playback import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, u32
-from editor.toolkit.modes import MODE_LOOK
+from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import font, probe, px
 from editor.window.play_image import PlayImage
-from editor.window.play_side import OUTCOMES, paint_side
+from editor.window.play_side import paint_side
 from editor.window.waiting import paint_waiting
 from editor.worker.recording import Snapshot
 from kinetix.level.geometry import ARENA_WIDTH
@@ -421,12 +421,12 @@ class Canvas:
         """Draw what is to be said of the episode beside the arena."""
         (x, y), (width, _) = self.area
         playback = session.playback
-        ended = OUTCOMES.get(playback.outcome or "") if session.mode is Mode.ENDED else None
+        ended = playback.outcome if session.mode is Mode.ENDED else None
         if ended is not None:
             low, high = session.camera.to_screen((0.0, 5.0)), session.camera.to_screen((5.0, 0.0))
             r = px(3)
             outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
-            draw.add_rect(*outside, u32(COLOURS.of(ended[2])), px(4), px(3))
+            draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
         paint_side(session, draw, self.area, split=self._before_split is not None)
         if "numbers" in session.settings.agent_overlay:
             paint_numbers(session, draw, x + width - px(12), y + px(12))

@@ -11,9 +11,10 @@ from imgui_bundle import imgui
 
 from editor.base.camera import ARENA
 from editor.play.playback import Mode
-from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Icons, Rgba, alpha, u32
-from editor.toolkit.modes import MODE_LOOK
+from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
+from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, font, px
+from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 
 if TYPE_CHECKING:
@@ -21,12 +22,6 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float]
 
-OUTCOMES: Final[dict[str, tuple[str, str, str]]] = {
-    "won": (Icons.trophy, "Won", "good"),
-    "lost": (Icons.skull, "Lost", "bad"),
-    "timeout": (Icons.hourglass, "Time is up", "warn"),
-}
-"""Sign, word and name of the colour of each end of an episode."""
 _WIDTH: Final = 250.0
 """Width of the column [px at 100 %]; less where there is less room."""
 _LEAST: Final = 132.0
@@ -108,17 +103,17 @@ def _results(
 ) -> None:
     """Write how the episode ended; of two players side by side, each in its own half."""
     playback, rival = session.playback, session.viewer.rival
-    if session.mode is not Mode.ENDED or playback.outcome not in OUTCOMES:
+    if session.mode is not Mode.ENDED or playback.outcome is None:
         return
     mine = [f"after {playback.step_count} steps"]
     other = rival.shown(playback.engine_step) if rival.active else None
     if other is not None and split:
-        if other.outcome in OUTCOMES:
+        if other.outcome is not None:
             (x, _), (width, _) = area
             half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
             write_verdict(half, other.outcome, [f"after {other.step} steps"])
     elif other is not None:
-        verdict = OUTCOMES[other.outcome][1].lower() if other.outcome else "still plays"
+        verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
         mine.insert(0, f"{rival.player}: {verdict}")
     write_verdict(column, playback.outcome, mine)
     column.lines("Press Backspace to restart", COLOURS.muted)
@@ -126,15 +121,15 @@ def _results(
     column.gap(8)
 
 
-def write_verdict(column: _Column, outcome: str, details: Sequence[str]) -> None:
+def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> None:
     """Write the end of an episode in large letters, and what there is to say of it.
 
     Args:
         column: Where to write.
-        outcome: Key of `OUTCOMES`.
+        outcome: How it ended.
         details: Lines under it.
     """
-    icon, word, name = OUTCOMES[outcome]
+    icon, word, name = OUTCOME_LOOK[outcome]
     colour = COLOURS.of(name)
     title = f"{icon}  {word}"
     with font(FONTS.bold, HUGE):

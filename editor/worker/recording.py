@@ -3,12 +3,13 @@
 import collections
 import dataclasses
 from collections.abc import Sequence
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
 
-OutcomeName: TypeAlias = Literal["won", "lost", "timeout"]
+from kinetix.environment.outcome import Outcome
+
 Action: TypeAlias = tuple[int, ...]
 """Multi-discrete: four motor channels in {0, 1, 2}, two thruster channels in {0, 1}."""
 
@@ -90,7 +91,7 @@ class Snapshot:
     """[kg m/s]"""
     penetration: float = 0.0
     """Deepest overlap of bodies that may touch [m]."""
-    outcome: OutcomeName | None = None
+    outcome: Outcome | None = None
     """How the episode ended, or None while it runs."""
     milliseconds: float = 0.0
     """What the step took to compute."""

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int, UInt8
 
 from editor.worker.recording import Snapshot, Trace
 from kinetix.agents.results import LevelFailure, LevelResult
+from kinetix.environment.outcome import Outcome
 from kinetix.level.model import Level
 
 MUTATIONS: Final = (
@@ -193,7 +194,7 @@ class AttemptPaths:
     """Environment steps since the start."""
     position: Float[np.ndarray, "n k 2"]
     """Of the first green shape [m]."""
-    outcomes: tuple[str, ...]
+    outcomes: tuple[Outcome, ...]
     parting: int | None
     """Step at which attempts that are won leave the others; None where they do not."""
 
@@ -467,8 +468,8 @@ class Image:
 class DynamicsReport:
     """How a level plays without a plan."""
 
-    noop_outcome: str
-    """`won`, `lost` or `timeout`."""
+    noop_outcome: Outcome
+    """See `kinetix.environment.outcome.Outcome`."""
     noop_steps: int
     random_solved: float
     """Share of the attempts."""

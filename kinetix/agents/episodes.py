@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.agents.player import Policy
 from kinetix.environment.devices import in_shares
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.outcome import outcome_index
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
@@ -49,11 +50,9 @@ class Episodes:
     keys: Array
     begins: Bool[Array, " n"]
     over: Bool[Array, " n"]
-    solved: Bool[Array, " n"]
-    lost: Bool[Array, " n"]
-    """Green touched red."""
-    broken: Bool[Array, " n"]
-    """The physics gave no numbers any more."""
+    """Ended, or a row that does not count."""
+    ending: Int[Array, " n"]
+    """How each ended, from `outcome_index`; 0 where it goes on."""
     returns: Float[Array, " n"]
     lengths: Int[Array, " n"]
     last: LastStep
@@ -118,9 +117,7 @@ def _begin(
         keys=keys,
         begins=jnp.ones(BATCH, bool),
         over=over,
-        solved=no,
-        lost=no,
-        broken=no,
+        ending=jnp.zeros(BATCH, jnp.int32),
         returns=jnp.zeros(BATCH),
         lengths=jnp.zeros(BATCH, jnp.int32),
         last=LastStep(action=action, reward=jnp.zeros(BATCH), distance=jnp.zeros(BATCH), info=info),
@@ -176,7 +173,6 @@ def _step(
     stepped = jax.vmap(env.step)(keys, episodes.state, action)
     observation, state, reward, done, info = stepped
     running = ~episodes.over
-    ended = running & done
     return dataclasses.replace(
         episodes,
         state=state,
@@ -184,9 +180,7 @@ def _step(
         carry=carry,
         begins=jnp.zeros_like(episodes.begins),
         over=episodes.over | done,
-        solved=episodes.solved | (ended & info["GoalR"]),
-        lost=episodes.lost | (ended & info["terminated"] & ~info["GoalR"]),
-        broken=episodes.broken | (ended & info["nan"]),
+        ending=jnp.where(running, outcome_index(info), episodes.ending),
         returns=episodes.returns + jnp.where(running, reward, 0.0),
         lengths=episodes.lengths + running,
         last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),

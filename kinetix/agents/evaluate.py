@@ -23,11 +23,11 @@ from kinetix.agents.results import (
     EpisodeResult,
     LevelFailure,
     LevelResult,
-    OutcomeName,
     Provenance,
 )
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.outcome import OUTCOMES
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
 from kinetix.errors import CheckpointError, LevelError
@@ -263,26 +263,16 @@ def _reading(env: KinetixEnv, episodes: Episodes) -> Reading:
 
 
 def episode_results(episodes: Episodes) -> list[EpisodeResult]:
-    """How every episode of a batch ended, or stands."""
-    columns = _numpy(
-        (episodes.solved, episodes.lost, episodes.broken, episodes.returns, episodes.lengths)
-    )
+    """Return how every episode of a batch ended; a row that is not over counts as a timeout."""
+    columns = _numpy((episodes.ending, episodes.returns, episodes.lengths))
     return [
         EpisodeResult(
-            outcome=_outcome(bool(solved), bool(lost), bool(broken)),
+            outcome=OUTCOMES[ending - 1] if ending else "timeout",
             total_reward=float(reward),
             length=int(length),
         )
-        for solved, lost, broken, reward, length in zip(*columns, strict=True)
+        for ending, reward, length in zip(*columns, strict=True)
     ]
-
-
-def _outcome(solved: bool, lost: bool, broken: bool) -> OutcomeName:
-    if solved:
-        return "won"
-    if broken:
-        return "broken"
-    return "lost" if lost else "timeout"
 
 
 def _numpy(tree: Any) -> Any:

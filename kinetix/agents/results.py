@@ -5,10 +5,9 @@ import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final
 
-OutcomeName: TypeAlias = Literal["won", "lost", "timeout", "broken"]
-"""Green touched blue; green touched red; neither in time; the physics gave no numbers any more."""
+from kinetix.environment.outcome import Outcome
 
 WILSON_Z: Final = 1.959964
 """Standard normal quantile of a 95 % interval."""
@@ -18,7 +17,7 @@ WILSON_Z: Final = 1.959964
 class EpisodeResult:
     """How one attempt ended."""
 
-    outcome: OutcomeName
+    outcome: Outcome
     total_reward: float
     """Sum of the rewards, the distance reward included."""
     length: int

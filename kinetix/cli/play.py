@@ -24,7 +24,7 @@ class Play:
 
 
 def run(command: Play) -> int:
-    """Play, print `steps`, `outcome` (won, lost, timeout) and `return`; always 0."""
+    """Play, print `steps`, `outcome` (won, lost, timeout, broken) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
     from kinetix.agents.environments import capacity_for, environment_for

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from kinetix.agents.player import Player
     from kinetix.environment.env import KinetixEnv
+    from kinetix.environment.episode import EpisodeState
     from kinetix.environment.state import EnvState
     from kinetix.pages.film import Film
 
@@ -66,7 +67,7 @@ class Moment:
     action: tuple[float, ...]
     """The unified action that led here: four motors, two thrusters."""
     outcome: str
-    """won, lost, timeout, or nothing while the episode goes on."""
+    """See `kinetix.environment.outcome.Outcome`; empty while the episode goes on."""
     value: float | None = None
     """What the player expected of the future before this step, where it has a network."""
     entropy: float | None = None
@@ -133,6 +134,8 @@ def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.identity import digest_of
     from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.environment.episode import rollout
+    from kinetix.environment.replay import next_row, recorded_rows
     from kinetix.environment.reset import level_state
     from kinetix.environment.state import document_slots
     from kinetix.level.codec import level_hash, load_document
@@ -140,12 +143,12 @@ def _showing(command: Render, agent: str) -> Showing:
 
     document = load_document(command.level)
     source, solution = document.source, document.level.solution
-    recorded: Iterator[Any] | None = None
+    recorded: dict[str, Any] | None = None
     player: Player
     if agent == "solution":
         if solution is None:
             raise KinetixError(f"{command.level}: this level records no solution")
-        recorded, player = solution.unrolled(), ScriptedPlayer("noop")
+        recorded, player = recorded_rows(list(solution.unrolled())), ScriptedPlayer("noop")
     elif agent in SCRIPTED:
         player = ScriptedPlayer(agent)
     else:
@@ -160,7 +163,12 @@ def _showing(command: Render, agent: str) -> Showing:
         film = command.out.suffix.lower() in (*FILM_SUFFIXES, PAGE)
         steps = document.level.max_timesteps if film else 0
     start = level_state(command.level, env.static_env_params)
-    moments = _episode(env, start, player, seed=command.seed, recorded=recorded or iter(()))
+    if recorded is None:
+        chooses: Any = player.policy.decide
+        memory = {"params": player.params, "carry": player.policy.init_carry(1)}
+    else:
+        chooses, memory = next_row, recorded
+    played = rollout(env, start, chooses, seed=command.seed, **memory)
     name = "solution" if recorded else player.card.name
     facts = (
         ("level", f"{document.level.name}, {level_hash(document.level)[:12]}"),
@@ -173,7 +181,7 @@ def _showing(command: Render, agent: str) -> Showing:
         slots=document_slots(start, document.level, capacity),
         player=name,
         facts=facts,
-        moments=itertools.islice(moments, steps + 1),
+        moments=_told(env, itertools.islice(played, steps + 1)),
     )
 
 
@@ -215,48 +223,31 @@ def _write_page(command: Render) -> None:
         path.write_text(page, encoding="utf-8")
 
 
-def _episode(
-    env: "KinetixEnv", start: "EnvState", player: "Player", *, seed: int, recorded: Iterator[Any]
-) -> Iterator[Moment]:
-    """Play until the episode ends; recorded actions go before the player's own."""
+def _told(env: "KinetixEnv", played: Iterator["EpisodeState"]) -> Iterator[Moment]:
+    """What pictures and pages show of an episode's steps."""
     import jax
-    import jax.numpy as jnp
     import numpy as np
 
     from kinetix.agents.live import read_policy
 
-    key = jax.random.key(seed)
-    observation, state = env.reset(key, None, start)
-    carry = player.policy.init_carry(1)
-    decide, read = jax.jit(player.policy.decide), jax.jit(read_policy, static_argnums=0)
-    live = env.actions.live(state.world, state.labels)
-    controls = tuple(np.flatnonzero(live).tolist())
-    begins = jnp.ones(1, bool)
-    yield Moment(state=state, step=0, action=(), outcome="")
-    for step in itertools.count(1):
-        keys = jax.random.split(jax.random.fold_in(key, step), 1)
-        seen = jax.tree.map(lambda x: x[None], observation)
-        actions, carry, said = decide(player.params, carry, seen, keys, begins)
-        begins = jnp.zeros(1, bool)
-        chosen = jax.tree.map(lambda x: x[0], actions)
-        action = jnp.asarray(next(recorded, chosen))
-        observation, state, _, done, info = env.step(key, state, action)
-        unified = tuple(float(value) for value in env.actions.unified(action))
-        outcome = ""
-        if done:
-            outcome = "won" if info["GoalR"] else "lost" if info["terminated"] else "timeout"
-        reading = read(env, said, live) if "policy" in said else None
+    read = jax.jit(read_policy, static_argnums=0)
+    live = controls = None
+    for now in played:
+        if live is None:
+            live = env.actions.live(now.state.world, now.state.labels)
+            controls = tuple(np.flatnonzero(live).tolist())
+            yield Moment(state=now.state, step=0, action=(), outcome="")
+            continue
+        reading = read(env, now.said, live) if "policy" in now.said else None
         yield Moment(
-            state=state,
-            step=step,
-            action=unified,
-            outcome=outcome,
+            state=now.state,
+            step=int(now.step),
+            action=tuple(float(value) for value in env.actions.unified(now.action)),
+            outcome=now.outcome or "",
             value=None if reading is None else float(reading.value),
             entropy=None if reading is None else float(reading.entropy),
-            controls=controls,
+            controls=controls or (),
         )
-        if done:
-            return
 
 
 def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"]:

@@ -1,19 +1,23 @@
-"""One episode from a state, played by whatever chooses actions."""
+"""One episode from a state, played by whatever chooses actions: whole, or step by step.
+
+Both ways run the same compiled code, so they give the same episode to the bit.
+"""
 
 import dataclasses
 import functools
-from collections.abc import Callable
-from typing import Any, Literal
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.outcome import OUTCOMES, Outcome, outcome_index, outcome_of
 from kinetix.environment.state import EnvState
+from kinetix.pytree import pytree
 
-Outcome = Literal["won", "lost", "timeout"]
-"""Green touched blue; green touched red, or the physics broke down; neither in time."""
+__all__ = ["Decide", "Episode", "EpisodeState", "Outcome", "outcome_of", "play_episode", "rollout"]
 
 Decide = Callable[..., tuple[Any, Any, Any]]
 """Chooses actions for a batch: from parameters, carry, observations, keys and which episodes have
@@ -22,13 +26,68 @@ just begun to actions, carry and anything else (see `kinetix.agents.player`)."""
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Episode:
-    """What came of an episode."""
+    """Result of an episode."""
 
     steps: int
     """Environment steps played."""
     outcome: Outcome
     total_reward: float
     """Sum of the rewards."""
+
+
+@pytree
+class EpisodeState:
+    """An episode after some steps."""
+
+    state: EnvState
+    observation: Any
+    carry: Any
+    """Memory of whatever chooses actions."""
+    step: Int[Array, ""]
+    """Environment steps played."""
+    action: Any
+    """The last action, as the environment takes it; zero at the start."""
+    said: Any
+    """Anything else that came with the last action."""
+    total_reward: Float[Array, ""]
+    ending: Int[Array, ""]
+    """From `outcome_index`: 0 while the episode goes on."""
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the episode ended; None while it goes on."""
+        index = int(self.ending)
+        return OUTCOMES[index - 1] if index else None
+
+
+def rollout(
+    env: KinetixEnv,
+    state: EnvState,
+    decide: Decide,
+    *,
+    params: Any = None,
+    carry: Any = (),
+    seed: int = 0,
+) -> Iterator[EpisodeState]:
+    """Play an episode step by step.
+
+    Args:
+        env: The environment; compiled once per environment and `decide`.
+        state: Where the episode starts.
+        decide: Chooses actions for a batch of one; every step has a key of its own.
+        params: Its parameters.
+        carry: Its memory at the start.
+        seed: Seed of its draws.
+
+    Yields:
+        The start, then every step until the episode ends.
+    """
+    key = jax.random.key(seed)
+    now = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
+    yield now
+    while now.outcome is None:
+        now = _play(env, decide, params, now, key, now.step + 1)
+        yield now
 
 
 def play_episode(
@@ -41,29 +100,47 @@ def play_episode(
     seed: int = 0,
     limit: int | None = None,
 ) -> Episode:
-    """Play until the episode ends.
+    """Play until the episode ends; see `rollout`.
 
     Args:
-        env: Where; compiled once per environment and `decide`.
+        env: The environment.
         state: Where the episode starts.
         decide: Chooses actions for a batch of one.
         params: Its parameters.
         carry: Its memory at the start.
-        seed: Of whatever it draws.
-        limit: Stop after so many steps, as a time-out.
+        seed: Seed of its draws.
+        limit: Stop after so many steps, as a timeout.
     """
-    steps, total, done, won, lost = _play(
-        env,
-        decide,
-        params,
-        carry,
-        jax.tree.map(jnp.asarray, state),
-        jax.random.key(seed),
-        jnp.iinfo(jnp.int32).max if limit is None else limit,
+    key = jax.random.key(seed)
+    start = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
+    most = jnp.iinfo(jnp.int32).max if limit is None else limit
+    end = _play(env, decide, params, start, key, jnp.asarray(most, jnp.int32))
+    return Episode(
+        steps=int(end.step),
+        outcome=end.outcome or "timeout",
+        total_reward=float(end.total_reward),
     )
-    ended = bool(done)
-    outcome: Outcome = "won" if ended and won else "lost" if ended and lost else "timeout"
-    return Episode(steps=int(steps), outcome=outcome, total_reward=float(total))
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def _start(
+    env: KinetixEnv, decide: Decide, params: Any, carry: Any, state: EnvState, key: Array
+) -> EpisodeState:
+    observation = env.get_obs(state)
+    shapes = jax.eval_shape(
+        functools.partial(_decision, decide), params, carry, observation, key, True
+    )
+    action, _, said = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes)
+    return EpisodeState(
+        state=state,
+        observation=observation,
+        carry=carry,
+        step=jnp.int32(0),
+        action=action,
+        said=said,
+        total_reward=jnp.float32(0),
+        ending=jnp.int32(0),
+    )
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1))
@@ -71,30 +148,41 @@ def _play(
     env: KinetixEnv,
     decide: Decide,
     params: Any,
-    carry: Any,
-    state: EnvState,
+    start: EpisodeState,
     key: Array,
-    limit: Any,
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Steps, sum of rewards, and whether the episode is over, won, lost."""
+    limit: Int[Array, ""],
+) -> EpisodeState:
+    """Play until the episode ends or so many steps have been played in all."""
     env = dataclasses.replace(env, auto_reset=False)
-    no = jnp.zeros((), bool)
 
-    def going_on(loop: tuple[Any, ...]) -> Array:
-        step, *_, done, _, _ = loop
-        return ~done & (step < limit)
+    def goes_on(now: EpisodeState) -> Bool[Array, ""]:
+        return (now.ending == 0) & (now.step < limit)
 
-    def advance(loop: tuple[Any, ...]) -> tuple[Any, ...]:
-        step, total, state, observation, carry, _, _, _ = loop
-        keys = jax.random.split(jax.random.fold_in(key, step), 1)
-        seen = jax.tree.map(lambda x: x[None], observation)
-        actions, carry, _ = decide(params, carry, seen, keys, (step == 0)[None])
-        action = jax.tree.map(lambda x: x[0], actions)
-        observation, state, reward, done, info = env.step(key, state, action)
-        won = info["GoalR"]
-        lost = (info["terminated"] & ~won) | info["nan"]
-        return step + 1, total + reward, state, observation, carry, done, won, lost
+    def advance(now: EpisodeState) -> EpisodeState:
+        drawn = jax.random.fold_in(key, now.step)
+        action, carry, said = _decision(
+            decide, params, now.carry, now.observation, drawn, now.step == 0
+        )
+        observation, state, reward, _, info = env.step(key, now.state, action)
+        return EpisodeState(
+            state=state,
+            observation=observation,
+            carry=carry,
+            step=now.step + 1,
+            action=action,
+            said=said,
+            total_reward=now.total_reward + reward,
+            ending=outcome_index(info),
+        )
 
-    start = (jnp.int32(0), jnp.float32(0), state, env.get_obs(state), carry, no, no, no)
-    step, total, _, _, _, done, won, lost = jax.lax.while_loop(going_on, advance, start)
-    return step, total, done, won, lost
+    return jax.lax.while_loop(goes_on, advance, start)
+
+
+def _decision(
+    decide: Decide, params: Any, carry: Any, observation: Any, key: Array, begins: Any
+) -> tuple[Any, Any, Any]:
+    """The action of one world, the next carry and the rest."""
+    seen = jax.tree.map(lambda x: x[None], observation)
+    keys = jax.random.split(key, 1)
+    actions, carry, said = decide(params, carry, seen, keys, jnp.asarray(begins)[None])
+    return jax.tree.map(lambda x: x[0], actions), carry, said

@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Array
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.episode import Episode, Outcome, play_episode
+from kinetix.environment.episode import Episode, play_episode
+from kinetix.environment.outcome import Outcome
 from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
@@ -72,21 +73,21 @@ def play_actions(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
     )
     assert isinstance(env, KinetixEnv)
+    recorded = recorded_rows(actions)
+    start = level_state(level, static)
+    return play_episode(env, start, next_row, limit=len(actions), **recorded)
+
+
+def recorded_rows(actions: Sequence[Sequence[int]]) -> dict[str, Any]:
+    """Return `params` and `carry` with which `next_row` plays multi-discrete actions, then none."""
     count = len(actions)
-    rows = np.zeros((-(-max(count, 1) // _ROWS) * _ROWS, 6), np.int32)
+    rows = np.zeros(((count // _ROWS + 1) * _ROWS, 6), np.int32)
     rows[:count] = np.asarray(actions, np.int32).reshape(count, 6)
-    return play_episode(
-        env,
-        level_state(level, static),
-        _next_row,
-        params=jnp.asarray(rows),
-        carry=jnp.int32(0),
-        limit=count,
-    )
+    return {"params": jnp.asarray(rows), "carry": jnp.int32(0)}
 
 
-def _next_row(
+def next_row(
     rows: Array, index: Array, observation: Any, keys: Array, begins: Array
-) -> tuple[Array, Array, None]:
-    """The action of the step, whatever is observed."""
-    return jax.lax.dynamic_slice_in_dim(rows, index, 1), index + 1, None
+) -> tuple[Array, Array, dict[str, Any]]:
+    """Return the recorded action of the step, whatever is observed; see `episode.Decide`."""
+    return jax.lax.dynamic_slice_in_dim(rows, index, 1), index + 1, {}

@@ -51,7 +51,7 @@ class Film:
     entropy: Float[np.ndarray, " k"] | None = None
     """Of its policy [nat]."""
     outcome: str = ""
-    """won, lost, timeout, or nothing."""
+    """See `kinetix.environment.outcome.Outcome`; empty where it has not ended."""
     facts: tuple[tuple[str, str], ...] = ()
     """Physics, seed, mode and the like, to be read below the film."""
 

@@ -112,7 +112,7 @@ function draw(film) {
   if (byId("overlay").checked) numbersOf(film, at, dots);
   film.said.textContent = state.time >= film.seconds[film.count - 1] - 1e-6 ? ENDS[film.outcome] || "" : "";
 }
-const ENDS = { won: "Won", lost: "Lost", timeout: "Time is up" };
+const ENDS = { won: "Won", lost: "Lost", timeout: "Time is up", broken: "Physics broke down" };
 const driven = (film, at, channel) =>
   film.actions && channel >= 0 ? film.actions[at.row * CHANNELS + channel] / 100 : 0;
 

@@ -13,6 +13,7 @@ from editor.base.physics import PHYSICS
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
+from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.worker.requests import SCRIPTED, AgentRef, AgentSummary
@@ -23,12 +24,6 @@ from kinetix.paths import levels_dir
 if TYPE_CHECKING:
     from editor.session import Session
 
-_OUTCOMES: Final[dict[str, tuple[str, str]]] = {
-    "won": (Icons.good, "good"),
-    "lost": (Icons.skull, "bad"),
-    "timeout": (Icons.hourglass, "warn"),
-    "broken": (Icons.error, "bad"),
-}
 _SOURCES: Final = (
     ("this", "The level in front"),
     ("s", "The app's levels of size s"),
@@ -501,7 +496,7 @@ class EvaluatePanel(Panel):
     def _attempt(
         self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
     ) -> None:
-        icon, name = _OUTCOMES[episode.outcome]
+        icon, _, name = OUTCOME_LOOK[episode.outcome]
         colour = COLOURS.of(name)
         at, side = imgui.get_cursor_screen_pos(), px(23)
         pressed = imgui.invisible_button(f"attempt{which}", (side, side))

@@ -12,6 +12,7 @@ from editor.play.playback import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.keys import label as chord_label
+from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
@@ -40,7 +41,6 @@ MARKS: Final[dict[str, tuple[str, str]]] = {
     "flip": ("Action changes", "warn"),
     "end": ("End", "good"),
 }
-_ENDS: Final = {"won": "good", "lost": "bad", "timeout": "warn"}
 """Names of the colours of episodes' ends."""
 
 
@@ -172,7 +172,8 @@ class Timeline(Panel):
         for mark in marks:
             _, name = MARKS[mark.kind]
             if mark.kind == "end":
-                name = _ENDS.get(moments[mark.index].outcome or "", name)
+                outcome = moments[mark.index].outcome
+                name = name if outcome is None else OUTCOME_LOOK[outcome][2]
             colour = COLOURS.of(name)
             row = list(MARKS).index(mark.kind)
             low = top + px(8) + row * lane

@@ -10,7 +10,7 @@ import numpy as np
 
 from editor.base.controls import NOOP
 from editor.documents.commands.rigid import component
-from editor.worker.recording import FRAME_SKIP, Action, Mind, OutcomeName, Snapshot, Trace
+from editor.worker.recording import FRAME_SKIP, Action, Mind, Snapshot, Trace
 from editor.worker.requests import (
     Advance,
     Opened,
@@ -37,6 +37,7 @@ from editor.worker.simulation.stepping import (
     own_stepper,
 )
 from kinetix.engine.spec import Capacity
+from kinetix.environment.outcome import Outcome, outcome_of
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.geometry import body_mass
@@ -149,6 +150,7 @@ class Episode:
             self.snapshot = self._view.after(
                 self.snapshot,
                 told,
+                outcome=outcome_of(told.info),
                 mind=mind,
                 memory=self._driver.memory,
                 milliseconds=milliseconds,
@@ -162,13 +164,7 @@ class Episode:
         if not isinstance(self._driver, AgentDriver):
             return None
         step = self.snapshot.step + 1
-        mind = self._driver.mind(told.thought, by_hand=by_hand, step=step)
-        if bool(told.info["nan"]):
-            raise KinetixError(
-                f"The physics broke down at step {step}: something in the level is no number any "
-                "more."
-            )
-        return mind
+        return self._driver.mind(told.thought, by_hand=by_hand, step=step)
 
     def restore(self, request: Restore, progress: Progress) -> None:
         """Go on from an earlier snapshot, in the kind of step that it was made with."""
@@ -264,6 +260,7 @@ class LevelView:
         before: Snapshot,
         step: Step,
         *,
+        outcome: Outcome | None,
         mind: Mind | None = None,
         memory: Any = None,
         milliseconds: float = 0.0,
@@ -277,7 +274,7 @@ class LevelView:
             reward=reward,
             total_reward=before.total_reward + reward,
             distance=float(info["distance"]),
-            outcome=outcome_of(info),
+            outcome=outcome,
             milliseconds=milliseconds,
             tailored=before.tailored,
             quick=before.quick,
@@ -328,15 +325,6 @@ class LevelView:
             "potential_energy": float(potential),
             "momentum": (float(px), float(py)),
         }
-
-
-def outcome_of(info: Any) -> OutcomeName | None:
-    """How the episode ended, or None: green–blue wins, green–red or broken physics loses."""
-    if not info["done"]:
-        return None
-    if info["GoalR"]:
-        return "won"
-    return "lost" if info["terminated"] or info["nan"] else "timeout"
 
 
 def motor_drives(level: Level, unified: np.ndarray) -> np.ndarray:

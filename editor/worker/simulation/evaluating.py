@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from editor.worker.recording import Mind, Snapshot, Trace, channels_of
 from editor.worker.requests import (
     SCRIPTED,
@@ -189,19 +187,16 @@ class _Recorder:
             return
         assert step.action is not None
         result = step.result
-        outcome = None if result is None else result.outcome
-        info: dict[str, Any] = {
-            "reward": np.float32(step.reward),
-            "distance": np.float32(step.distance),
-            "done": result is not None,
-            "GoalR": outcome == "won",
-            "terminated": outcome in ("won", "lost"),
-            "nan": outcome == "broken",
-        }
+        info: dict[str, Any] = {"reward": step.reward, "distance": step.distance}
         stepped = Step(state=step.state, info=info, unified=step.action)
         self.snapshots.append(
             self._view.after(
-                self.snapshots[-1], stepped, mind=self._mind(step), memory=step.carry, contacts=True
+                self.snapshots[-1],
+                stepped,
+                outcome=None if result is None else result.outcome,
+                mind=self._mind(step),
+                memory=step.carry,
+                contacts=True,
             )
         )
 

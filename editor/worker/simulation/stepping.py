@@ -35,7 +35,7 @@ from kinetix.level.sizes import capacity_of
 MOVING: Final = ("physics", "timestep", "last_distance")
 """Fields of a state that a step changes. The others, which the level fixes, are neither returned by
 a compiled step nor fetched after it: that would take about as long as the physics of one world."""
-_TOLD: Final = ("GoalR", "distance", "terminated", "nan")
+_TOLD: Final = ("GoalR", "distance", "terminated", "truncated", "nan")
 """What is wanted of the environment's `info`."""
 
 Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str, Array]]]
@@ -72,7 +72,7 @@ class Stepper:
     """Whether it was compiled quickly."""
 
     def step(self, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
-        """The next state and the environment's `info`, with `reward`, `done` and `unified`."""
+        """The next state and the environment's `info`, with `reward` and `unified`."""
         moved, info = self.compiled(state, action)
         return dataclasses.replace(state, **moved), info
 
@@ -129,11 +129,11 @@ _TRACED: Final[Any] = inspect.unwrap(KinetixEnv.step)
 def _advanced(
     env: KinetixEnv, state: EnvState, action: Array
 ) -> tuple[dict[str, Any], dict[str, Array]]:
-    _, after, reward, done, info = _TRACED(env, jax.random.key(0), state, action)
+    _, after, reward, _, info = _TRACED(env, jax.random.key(0), state, action)
     moved = {name: getattr(after, name) for name in MOVING}
     wanted = {name: info[name] for name in _TOLD}
     unified = env.actions.unified(action)
-    return moved, wanted | {"reward": reward, "done": done, "unified": unified}
+    return moved, wanted | {"reward": reward, "unified": unified}
 
 
 def first_state(level: Level, static: StaticEnvParams) -> EnvState:
@@ -238,7 +238,7 @@ def _loaded(level: Level, key: StepKey, progress: Progress) -> Compiled | None:
 def _results(state: EnvState) -> Any:
     """A tree like what `_advanced` gives."""
     moved = {name: getattr(state, name) for name in MOVING}
-    return moved, dict.fromkeys((*_TOLD, "reward", "done", "unified"), 0)
+    return moved, dict.fromkeys((*_TOLD, "reward", "unified"), 0)
 
 
 def warm_up(capacity: Capacity, physics: str, progress: Progress) -> None:
