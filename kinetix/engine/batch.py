@@ -3,6 +3,9 @@
 A solver's arrays carry the worlds on the last axis, so that inner loops run over worlds instead of
 over a handful of bodies. A primitive of our own lets callers write for one world, batch with `vmap`
 (nested too) and still hit that kernel; and it is traced once only, when a program is compiled.
+
+Three ways to say what a batch does: `worlds_last` runs a kernel tile by tile, `worlds_first` a
+function of the whole batch, `where_marked` a function of one world for the worlds that need it.
 """
 
 import dataclasses
@@ -14,9 +17,10 @@ from typing import Any, Final
 import jax
 import jax.numpy as jnp
 from jax.core import ShapedArray
+from jax.custom_batching import custom_vmap
 from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
-from jaxtyping import Array, Int, Shaped
+from jaxtyping import Array, Bool, Int, Shaped
 
 from kinetix.engine.machine import takes_whole_batches, whole_batches
 from kinetix.engine.store import Store
@@ -25,6 +29,10 @@ Tree = Any
 
 TILE = 64
 """Worlds that are advanced together: few enough for the cache, enough to fill a core's lanes."""
+
+MARKED_AT_ONCE: Final = 32
+"""Marked worlds that are made anew together. With fewer, many marks in one step take many rounds;
+with more, a single mark pays for worlds that nobody needs."""
 
 LARGE: Final = 200
 """Numbers a world from which on an array is moved by itself."""
@@ -256,3 +264,84 @@ def _unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> T
 
     leaves, structure = jax.tree.flatten(like)
     return jax.tree.unflatten(structure, [cut(*each) for each in enumerate(leaves)])
+
+
+def worlds_first(batched: Callable[..., Tree]) -> Callable[..., Tree]:
+    """Give a function of a whole batch the look of one for one world.
+
+    Args:
+        batched: Takes and returns pytrees with the worlds on the first axis of every array.
+
+    Returns:
+        The same function without that axis; under `vmap`, nested or not, `batched` runs once.
+    """
+
+    @custom_vmap
+    def many(*trees: Tree) -> Tree:
+        return batched(*trees)
+
+    @many.def_vmap
+    def _(size: int, mapped: list[Any], *trees: Tree) -> tuple[Tree, Tree]:
+        trees = _with_axis(size, mapped, trees)
+        flat = many(*jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), trees))
+        out = jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), flat)
+        return out, jax.tree.map(lambda _: True, out)
+
+    @custom_vmap
+    def one(*trees: Tree) -> Tree:
+        out = many(*jax.tree.map(lambda x: jnp.asarray(x)[None], trees))
+        return jax.tree.map(lambda x: x[0], out)
+
+    @one.def_vmap
+    def _(size: int, mapped: list[Any], *trees: Tree) -> tuple[Tree, Tree]:
+        out = many(*_with_axis(size, mapped, trees))
+        return out, jax.tree.map(lambda _: True, out)
+
+    return one
+
+
+def _with_axis(size: int, mapped: list[Any], trees: tuple[Tree, ...]) -> tuple[Tree, ...]:
+    """The arguments with the mapped axis on every array."""
+
+    def widen(has_axis: bool, x: Any) -> Array:
+        x = jnp.asarray(x)
+        return x if has_axis else jnp.broadcast_to(x, (size, *x.shape))
+
+    return jax.tree.map(widen, tuple(mapped), trees)
+
+
+def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
+    """Return a function that makes anew what marked worlds have.
+
+    Under `vmap` only the marked worlds are made: their indices are compacted and worked off
+    `MARKED_AT_ONCE` at a time. Each comes from its own seeds, the same as if it were alone.
+
+    Args:
+        make: From the seeds of one world (any pytree) to what it has.
+
+    Returns:
+        A function of what there is, the mark, and the seeds.
+    """
+
+    def batched(old: Tree, marked: Bool[Array, " n"], seeds: Tree) -> Tree:
+        worlds = marked.shape[0]
+        chunk = min(MARKED_AT_ONCE, worlds)
+        (rows,) = jnp.nonzero(marked, size=worlds, fill_value=worlds)
+        rows = jnp.pad(rows, (0, chunk), constant_values=worlds)
+        count = jnp.sum(marked)
+
+        def unfinished(carry: tuple[Array, Tree]) -> Bool[Array, ""]:
+            return carry[0] < count
+
+        def replace_chunk(carry: tuple[Array, Tree]) -> tuple[Array, Tree]:
+            first, old = carry
+            chosen = jax.lax.dynamic_slice_in_dim(rows, first, chunk)
+            own = jax.tree.map(lambda x: jnp.take(x, chosen, axis=0, mode="clip"), seeds)
+            new = jax.vmap(make)(own)
+            return first + chunk, jax.tree.map(
+                lambda a, b: a.at[chosen].set(b.astype(a.dtype), mode="drop"), old, new
+            )
+
+        return jax.lax.while_loop(unfinished, replace_chunk, (jnp.zeros((), count.dtype), old))[1]
+
+    return worlds_first(batched)

@@ -42,14 +42,25 @@ class Shapes:
 
 
 def move_shapes(bodies: Bodies, state: State) -> Shapes:
-    """World geometry of the polygons at the state's poses."""
-    polygons, corners = bodies.vertices.shape[:2]
-    angle = state.rotation[:polygons, None]
-    local = Vec(x=bodies.vertices[:, :, 0], y=bodies.vertices[:, :, 1])
-    centre = vec(state.position[:polygons])
-    vertices = rotate(jnp.cos(angle), jnp.sin(angle), local) + centre[:, None]
-    count = bodies.vertex_count[:, None]
-    index = jnp.arange(corners)[None, :, None]
+    """Return the world geometry of the polygons at the state's poses."""
+    count = bodies.vertices.shape[0]
+    return moved_polygons(
+        bodies.vertices, bodies.vertex_count, state.position[:count], state.rotation[:count]
+    )
+
+
+def moved_polygons(
+    corners: Float[Array, "p v 2 n"],
+    vertex_count: Int[Array, "p n"],
+    position: Float[Array, "p 2 n"],
+    rotation: Float[Array, "p n"],
+) -> Shapes:
+    """Return the world geometry of polygons with these corners in their own frames [m]."""
+    angle = rotation[:, None]
+    local = Vec(x=corners[:, :, 0], y=corners[:, :, 1])
+    vertices = rotate(jnp.cos(angle), jnp.sin(angle), local) + vec(position)[:, None]
+    count = vertex_count[:, None]
+    index = jnp.arange(corners.shape[1])[None, :, None]
     last = index == count - 1
     rolled = Vec(x=jnp.roll(vertices.x, -1, axis=1), y=jnp.roll(vertices.y, -1, axis=1))
     following = maths.where(last, vertices[:, :1], rolled)

@@ -5,6 +5,7 @@ lies outside an action's range is clipped, or counts as no action (`env.action_s
 tells).
 """
 
+import dataclasses
 import functools
 from typing import Any
 
@@ -12,6 +13,7 @@ import jax
 import jax.numpy as jnp
 
 from kinetix.engine.pipeline import empty_cache
+from kinetix.engine.spec import Capacity
 from kinetix.environment.actions import AbstractAction
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.spaces import Box
@@ -83,6 +85,28 @@ def check_action(action: Any, actions: AbstractAction) -> None:
         )
 
 
+def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
+    """A state as the environment can step it: dtypes settled, the solver's memory its own.
+
+    A state that was made for another solver keeps its bodies; its memory of contacts starts empty.
+
+    Raises:
+        KinetixError: The state has other capacities than the environment; the message says which
+            of polygons, circles, joints, thrusters and by how much.
+    """
+    have, need = capacity_of_world(state.world), engine.spec.capacity
+    if have != need:
+        raise KinetixError(f"the level does not fit the environment: {_difference(have, need)}")
+    physics = state.physics
+    if _form(physics.cache) != _cache_form(engine):
+        cache = empty_cache(engine.spec, engine.solver)
+        physics = dataclasses.replace(physics, cache=cache)
+    return jax.tree.map(
+        lambda x: jax.lax.convert_element_type(jnp.asarray(x), jnp.asarray(x).dtype),
+        dataclasses.replace(state, physics=physics),
+    )
+
+
 def _kind(value: Any) -> str:
     shape = jnp.shape(value) if hasattr(value, "dtype") else None
     return type(value).__name__ if shape is None else f"an array of shape {shape}"
@@ -95,3 +119,13 @@ def _form(tree: Any) -> Any:
 @functools.cache
 def _cache_form(engine: PhysicsEngine) -> Any:
     return _form(empty_cache(engine.spec, engine.solver))
+
+
+def _difference(have: Capacity, need: Capacity) -> str:
+    kinds = ("polygons", "circles", "joints", "thrusters")
+    parts = [
+        f"it has {getattr(have, kind)} slots of {kind}, the environment {getattr(need, kind)}"
+        for kind in kinds
+        if getattr(have, kind) != getattr(need, kind)
+    ]
+    return "; ".join(parts) + " (kinetix.environment.rearrange.expand_state makes a level larger)"

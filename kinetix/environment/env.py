@@ -9,11 +9,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.batch import worlds_last
+from kinetix.engine.batch import where_marked, worlds_last
 from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
-from kinetix.environment.checks import check_action, check_params, check_state
+from kinetix.environment.checks import check_action, check_params, check_state, fitted
 from kinetix.environment.eager import quick_alone
 from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
@@ -27,7 +27,6 @@ from kinetix.environment.params import (
     physics_engine,
     with_parity,
 )
-from kinetix.environment.renewal import fitted, renewing
 from kinetix.environment.spaces import ActionType, ObservationType, Space
 from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.errors import KinetixError
@@ -205,7 +204,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         if self.keep_terminal_observation:
             info["terminal_observation"] = observation
         if self.auto_reset:
-            renew = renewing(self._first_step)
+            renew = where_marked(self._first_step)
             state, observation = renew((state, observation), done, (key, override))
         return observation, state, reward, done, info
 

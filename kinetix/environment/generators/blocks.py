@@ -14,6 +14,7 @@ from typing import Final
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.types import Joints, Thrusters
 from kinetix.environment.generators.draws import (
     JointDraws,
     ShapeDraws,
@@ -90,39 +91,6 @@ class Proposals:
     """Whether the target is body a of the joint."""
     valid: Bool[Array, "q n"]
     """False where a jointed shape was asked for and none came about, or one hides the other."""
-
-
-@pytree
-class JointRows:
-    """Joints while a level is drawn; the fields of `engine.Joints` and the two labels."""
-
-    body_a: Int[Array, "*r n"]
-    body_b: Int[Array, "*r n"]
-    anchor_a: Float[Array, "*r 2 n"]
-    anchor_b: Float[Array, "*r 2 n"]
-    active: Bool[Array, "*r n"]
-    weld: Bool[Array, "*r n"]
-    reference_angle: Float[Array, "*r n"]
-    motor_on: Bool[Array, "*r n"]
-    motor_speed: Float[Array, "*r n"]
-    motor_power: Float[Array, "*r n"]
-    limited: Bool[Array, "*r n"]
-    limit_min: Float[Array, "*r n"]
-    limit_max: Float[Array, "*r n"]
-    binding: Int[Array, "*r n"]
-    auto: Bool[Array, "*r n"]
-
-
-@pytree
-class ThrusterRows:
-    """Thrusters while a level is drawn."""
-
-    body: Int[Array, "*r n"]
-    position: Float[Array, "*r 2 n"]
-    angle: Float[Array, "*r n"]
-    power: Float[Array, "*r n"]
-    binding: Int[Array, "*r n"]
-    active: Bool[Array, "*r n"]
 
 
 def size_limit(ued: UEDParams) -> SizeLimit:
@@ -485,8 +453,10 @@ def joint_of(
     force_rjoint: Bool[Array, " n"] | bool,
     revolute_count: Int[Array, " n"],
     ued: UEDParams,
-) -> JointRows:
-    """The joint of a chosen proposal (its axis `q` is gone); inactive where it has none.
+) -> tuple[Joints, Int[Array, " n"]]:
+    """Return the joint of a chosen proposal (its axis `q` is gone), and its motor's channel.
+
+    The joint is inactive where the proposal has none.
 
     Args:
         proposal: The chosen one of `connected_shape`.
@@ -515,13 +485,13 @@ def joint_of(
     speed = between(draws.speed, ued.motor_min_speed, ued.motor_max_speed)
     limited = (draws.limited < ued.joint_limit_chance) & rectangles & ~weld
     motor = proposal.joint & ~weld
-    return JointRows(
+    joint = Joints(
         body_a=jnp.where(first, proposal.target, new_row),
         body_b=jnp.where(first, new_row, proposal.target),
         anchor_a=jnp.where(first[None], proposal.target_anchor, proposal.anchor),
         anchor_b=jnp.where(first[None], proposal.anchor, proposal.target_anchor),
         active=proposal.joint,
-        weld=weld & proposal.joint,
+        fixed=weld & proposal.joint,
         reference_angle=reference,
         motor_on=motor_on & motor,
         motor_speed=jnp.where(motor, speed, 0.0),
@@ -529,9 +499,8 @@ def joint_of(
         limited=limited & proposal.joint,
         limit_min=jnp.where(limited, between(draws.limit_min, -ued.joint_limit_max, 0.0), 0.0),
         limit_max=jnp.where(limited, between(draws.limit_max, 0.0, ued.joint_limit_max), 0.0),
-        binding=among(draws.binding, MOTOR_BINDINGS),
-        auto=jnp.zeros_like(first),
     )
+    return joint, among(draws.binding, MOTOR_BINDINGS)
 
 
 def thrusters_on(
@@ -540,18 +509,25 @@ def thrusters_on(
     eligible: Bool[Array, "b n"],
     ued: UEDParams,
     *,
+    order: Int[Array, "k n"] | None = None,
     triangles: bool = False,
-) -> ThrusterRows:
-    """Draw thrusters, each on one of the eligible bodies; inactive where there is none.
+) -> tuple[Thrusters, Int[Array, "t n"]]:
+    """Draw thrusters, each on one of the eligible bodies, and their channels.
+
+    A thruster is inactive where no body is eligible.
 
     Args:
         draws: Uniform numbers for `t` thrusters.
         figures: The bodies.
         eligible: Which of them may carry one (they must be able to move).
         ued: The options.
+        order: The slots to choose from, one after the other (−1: none); by default all of them.
         triangles: Whether there may be triangles among the bodies.
     """
+    if order is not None:
+        eligible = pick(eligible, order) & (order >= 0)
     body = choose(draws.body, eligible.astype(jnp.float32))
+    body = body if order is None else pick(order, body)
     carrier = _pick_figures(figures, body)
     turn = draws.place_x * (2 * math.pi)
     distance = draws.place_y * carrier.radius
@@ -567,11 +543,11 @@ def thrusters_on(
     aligned = jnp.where(inward, outward + math.pi, outward)
     along = draws.aligned < ued.thruster_align_com_prob
     push = ued.thruster_power_multiplier * between(draws.power, 0.5, 2.0)
-    return ThrusterRows(
+    thrusters = Thrusters(
         body=body,
         position=position,
         angle=jnp.where(along, aligned, draws.angle * (2 * math.pi)),
         power=mass(carrier) * push,
-        binding=among(draws.binding, THRUSTER_BINDINGS),
         active=jnp.broadcast_to(jnp.any(eligible, axis=0, keepdims=True), x.shape),
     )
+    return thrusters, among(draws.binding, THRUSTER_BINDINGS)

@@ -9,11 +9,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key
 
+from kinetix.engine.batch import worlds_first
 from kinetix.engine.pipeline import step
 from kinetix.engine.presets import solver_named
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Control, default_parameters
-from kinetix.environment.generators.batching import for_one_world
 from kinetix.environment.generators.draft import Draft, draft_of, states
 from kinetix.environment.generators.draws import Tape, choose, raw_keys
 from kinetix.environment.generators.mutators import MUTATORS, NUMBERS, SETTLED
@@ -93,7 +93,7 @@ def _mutation(
             draft = settled(draft, everywhere, capacity, ued)
         return _rebuilt(state, before, draft, capacity, ued)
 
-    return for_one_world(batched)
+    return worlds_first(batched)
 
 
 @functools.cache
@@ -114,7 +114,7 @@ def _series(
         draft, _ = jax.lax.scan(edit, before, rows)
         return _rebuilt(state, before, draft, capacity, ued)
 
-    return for_one_world(batched)
+    return worlds_first(batched)
 
 
 def _weights(draft: Draft) -> Array:

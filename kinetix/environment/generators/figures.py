@@ -8,7 +8,6 @@ one new body, or are absent (one body a world). Nothing here depends on slots.
 from typing import Final
 
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import ARENA_BODIES
@@ -21,16 +20,6 @@ FLOOR_TOP: Final = 0.4
 """Height of the floor's surface [m]."""
 ARENA_SIDE: Final = 5.0
 """Side of the playable square [m]."""
-
-_ARENA_POSITIONS: Final = ((2.5, -4.8), (0.0, 0.0), (0.0, 0.0), (2.5, 10.2))
-_SLAB: Final = ((2.5, 5.2), (2.5, -5.2), (-2.5, -5.2), (-2.5, 5.2))
-_ARENA_VERTICES: Final = (
-    _SLAB,
-    ((-5.0, 5.0), (0.0, 5.0), (0.0, 0.0), (-5.0, 0.0)),
-    ((5.0, 5.0), (10.0, 5.0), (10.0, 0.0), (5.0, 0.0)),
-    _SLAB,
-)
-_LEGACY_CEILING_CORNER: Final = (5.0, 5.2)
 
 
 @pytree
@@ -57,35 +46,6 @@ class Figures:
     """Infinite mass."""
     active: Bool[Array, "*r n"]
     """Whether there is a body at all."""
-
-
-def arena(worlds: int, *, legacy_ceiling: bool) -> Figures:
-    """Floor, left wall, right wall and ceiling, all neutral, once per world.
-
-    Source: level_format.md A6 (the legacy ceiling is the one of the peer's generated levels).
-    """
-    position = np.array(_ARENA_POSITIONS, np.float32)
-    vertices = np.array(_ARENA_VERTICES, np.float32)
-    if legacy_ceiling:
-        vertices[3, 0] = _LEGACY_CEILING_CORNER
-
-    def everywhere(value: np.ndarray) -> Array:
-        return jnp.broadcast_to(jnp.asarray(value)[..., None], (*value.shape, worlds))
-
-    rows = np.zeros(ARENA_BODIES, np.float32)
-    flags = np.zeros(ARENA_BODIES, bool)
-    return Figures(
-        position=everywhere(position),
-        rotation=everywhere(rows),
-        vertices=everywhere(vertices),
-        vertex_count=everywhere(np.full(ARENA_BODIES, VERTICES, np.int32)),
-        radius=everywhere(rows),
-        circle=everywhere(flags),
-        role=everywhere(np.zeros(ARENA_BODIES, np.int32)),
-        density=everywhere(np.ones(ARENA_BODIES, np.float32)),
-        fixed=everywhere(~flags),
-        active=everywhere(~flags),
-    )
 
 
 def pick(rows: Array, index: Int[Array, "*q n"]) -> Array:

@@ -1,35 +1,38 @@
 """The locomotion family: a body on limbs, driven to a goal.
 
-Source: level_generation.md 8; Q11 and Q12 are quirks of `LocomotionParams.kinetix_quirks`.
+Q11 and Q12 are quirks of `LocomotionParams.kinetix_quirks`.
 """
 
 import dataclasses
 import functools
 import math
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
+from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import ARENA_BODIES, Capacity
-from kinetix.environment.generators.arrange import arranged, shuffle_length
-from kinetix.environment.generators.batching import for_one_world
+from kinetix.engine.types import Joints
 from kinetix.environment.generators.blocks import (
     BLUE,
     GREEN,
     MOTOR_BINDINGS,
-    JointRows,
-    ThrusterRows,
 )
-from kinetix.environment.generators.draft import Draft, states
+from kinetix.environment.generators.draft import (
+    Draft,
+    empty_draft,
+    shuffle_length,
+    shuffled,
+    spread,
+    states,
+)
 from kinetix.environment.generators.draws import Tape, among, between, raw_keys
 from kinetix.environment.generators.figures import (
     ARENA_SIDE,
-    VERTICES,
     Figures,
-    arena,
-    pick,
     rotate,
 )
 from kinetix.environment.generators.params import UEDParams
@@ -149,8 +152,7 @@ class _Creature:
     def __init__(self, tape: Tape, worlds: int, params: LocomotionParams) -> None:
         self.tape, self.worlds, self.params = tape, worlds, params
         self.limbs: list[tuple[Limb, Trait, Bool[Array, " n"]]] = []
-        self.joints: list[JointRows] = []
-        self.friction: list[Array] = []
+        self.joints: list[tuple[Joints, Array]] = []
 
     def dimension(self, part: str) -> Float[Array, "2 n"]:
         """Draw width and height of a body, leg or ankle."""
@@ -222,22 +224,23 @@ class _Creature:
         limb = self.add(size, place - rotate(own, rotation), rotation, active)
         constant = functools.partial(jnp.full, (self.worlds,))
         self.joints.append(
-            JointRows(
-                body_a=parent.row,
-                body_b=limb.row,
-                anchor_a=anchor,
-                anchor_b=own,
-                active=active,
-                weld=constant(False),
-                reference_angle=constant(0.0),
-                motor_on=active,
-                motor_speed=constant(MOTOR_SPEED),
-                motor_power=constant(MOTOR_POWER),
-                limited=active,
-                limit_min=constant(-LIMIT),
-                limit_max=constant(LIMIT),
-                binding=binding,
-                auto=constant(False),
+            (
+                Joints(
+                    body_a=parent.row,
+                    body_b=limb.row,
+                    anchor_a=anchor,
+                    anchor_b=own,
+                    active=active,
+                    fixed=constant(False),
+                    reference_angle=constant(0.0),
+                    motor_on=active,
+                    motor_speed=constant(MOTOR_SPEED),
+                    motor_power=constant(MOTOR_POWER),
+                    limited=active,
+                    limit_min=constant(-LIMIT),
+                    limit_max=constant(LIMIT),
+                ),
+                binding,
             )
         )
         return limb
@@ -288,33 +291,16 @@ def draw_locomotion(
     creature = _Creature(tape, worlds, params)
     _assemble(creature, turn_u, mirror, count_u, most)
     floor_friction = creature.surface()
-    figures, joints, friction = _rows(creature, mirror, goal_u, capacity)
-    floor_odds = ued or FLOOR_ODDS
-    role = figures.role.at[0].set(draw_floor_role(floor_u, floor_odds))
-    figures = dataclasses.replace(figures, role=role)
-    none = jnp.zeros((capacity.thrusters, worlds))
-    thrusters = ThrusterRows(
-        body=none.astype(jnp.int32),
-        position=jnp.zeros((capacity.thrusters, 2, worlds)),
-        angle=none,
-        power=none,
-        binding=none.astype(jnp.int32),
-        active=none.astype(bool),
+    draft = _put_together(creature, mirror, goal_u, capacity)
+    role = draft.figures.role.at[0].set(draw_floor_role(floor_u, ued or FLOOR_ODDS))
+    draft = dataclasses.replace(
+        draft,
+        figures=dataclasses.replace(draft.figures, role=role),
+        friction=draft.friction.at[0].set(floor_friction),
     )
-    draft, slots = arranged(
-        figures,
-        joints,
-        thrusters,
-        tape.take(shuffle_length(capacity)),
-        capacity,
-        capacity,
-        shuffle=params.do_permute_state,
-    )
-    friction = jnp.concatenate(
-        [floor_friction[None], jnp.ones((ARENA_BODIES - 1, worlds)), friction]
-    )
-    surface = jnp.where(slots >= 0, pick(friction, slots), 1.0)
-    return dataclasses.replace(draft, friction=surface)
+    if not params.do_permute_state:
+        return draft
+    return shuffled(draft, tape.take(shuffle_length(capacity)), capacity, capacity)
 
 
 def _check_room(capacity: Capacity, params: LocomotionParams) -> None:
@@ -401,56 +387,62 @@ def _chosen(tips: list[Limb], choice: Int[Array, " n"]) -> Limb:
     return parent
 
 
-def _rows(
-    creature: _Creature,
-    mirror: Bool[Array, " n"],
-    goal_u: Float[Array, " n"],
-    capacity: Capacity,
-) -> tuple[Figures, JointRows, Float[Array, "b n"]]:
-    """Arena, creature and goal as rows, the creature moved inside; and the bodies' friction."""
+def _put_together(
+    creature: _Creature, mirror: Bool[Array, " n"], goal_u: Float[Array, " n"], capacity: Capacity
+) -> Draft:
+    """The levels: arena, creature (moved inside) and goal in the first slots of their kinds."""
     params, worlds = creature.params, creature.worlds
+    draft = empty_draft(worlds, capacity, legacy_ceiling=params.legacy_ceiling)
     limbs = [limb for limb, _, _ in creature.limbs]
     active = jnp.stack([active for _, _, active in creature.limbs])
-    corners = jnp.array(_CORNERS)
     half = jnp.stack([limb.size / 2 for limb in limbs])
-    vertices = half[:, None] * corners[None, :, :, None]
     position = jnp.stack([limb.position for limb in limbs])
-    position = position + _inside(position, half, active)[None]
-    count = len(limbs)
-    creature_figures = Figures(
-        position=position,
-        rotation=jnp.stack([limb.rotation for limb in limbs]),
-        vertices=vertices,
-        vertex_count=jnp.full((count, worlds), VERTICES, jnp.int32),
-        radius=jnp.zeros((count, worlds)),
-        circle=jnp.zeros((count, worlds), bool),
-        role=jnp.zeros((count, worlds), jnp.int32).at[0].set(GREEN),
-        density=jnp.stack([trait.density for _, trait, _ in creature.limbs]),
-        fixed=jnp.zeros((count, worlds), bool),
-        active=active,
-    )
+    body = {
+        "position": position + _inside(position, half, active)[None],
+        "rotation": jnp.stack([limb.rotation for limb in limbs]),
+        "vertices": half[:, None] * jnp.array(_CORNERS)[None, :, :, None],
+        "role": jnp.zeros(active.shape, jnp.int32).at[0].set(GREEN),
+        "density": jnp.stack([trait.density for _, trait, _ in creature.limbs]),
+        "active": active,
+    }
     low, high = GOAL_RANGE
-    x = (
-        jnp.full((worlds,), (low + high) / 2)
-        if params.fix_goal_position
-        else low + goal_u * (high - low)
-    )
-    goal = _goal(jnp.where(mirror, ARENA_SIDE - x, x))
-    floor_and_walls = arena(worlds, legacy_ceiling=params.legacy_ceiling)
-    parts = (floor_and_walls, creature_figures, goal)
-    names = Figures.__dataclass_fields__
-    figures = Figures(
-        **{name: jnp.concatenate([getattr(part, name) for part in parts]) for name in names}
-    )
-    joints = JointRows(
-        **{
-            name: jnp.stack([getattr(joint, name) for joint in creature.joints])
-            for name in JointRows.__dataclass_fields__
-        }
-    )
+    x = (low + high) / 2 if params.fix_goal_position else between(goal_u, low, high)
+    x = jnp.broadcast_to(jnp.where(mirror, ARENA_SIDE - x, x), (worlds,))
+    goal = {
+        "position": jnp.stack([x, jnp.full_like(x, GOAL_HEIGHT)]),
+        "radius": GOAL_RADIUS,
+        "role": BLUE,
+        "fixed": True,
+        "active": True,
+    }
+    slots = slice(ARENA_BODIES, ARENA_BODIES + len(limbs))
+    figures = _written(_written(draft.figures, slots, body), capacity.polygons, goal)
     friction = jnp.stack([trait.friction for _, trait, _ in creature.limbs])
-    del capacity
-    return figures, joints, jnp.concatenate([friction, jnp.ones((1, worlds))])
+    joints, bindings = jax.tree.map(lambda *rows: jnp.stack(rows), *creature.joints)
+    part = slice(0, len(creature.joints))
+
+    def write(old: Array, new: Array) -> Array:
+        return old.at[part].set(jnp.where(spread(joints.active, new), new, old[part]))
+
+    return dataclasses.replace(
+        draft,
+        figures=figures,
+        friction=draft.friction.at[slots].set(jnp.where(active, friction, 1.0)),
+        joints=jax.tree.map(write, draft.joints, joints),
+        motor_binding=draft.motor_binding.at[part].set(jnp.where(joints.active, bindings, 0)),
+    )
+
+
+def _written(figures: Figures, slots: slice | int, fields: dict[str, Any]) -> Figures:
+    """The bodies with these fields in these slots, where they are active."""
+    active = jnp.asarray(fields["active"])
+    changed = {}
+    for name, value in fields.items():
+        old = getattr(figures, name)
+        shape = (*active.shape[:-1], *(1,) * (old[slots].ndim - active.ndim), *active.shape[-1:])
+        kept = jnp.where(active.reshape(shape), value, old[slots])
+        changed[name] = old.at[slots].set(kept.astype(old.dtype))
+    return dataclasses.replace(figures, **changed)
 
 
 def _inside(
@@ -463,22 +455,6 @@ def _inside(
     right = jnp.maximum(0.0, LEFTMOST - low[0])
     left = jnp.maximum(0.0, high[0] - RIGHTMOST)
     return jnp.stack([right - left, jnp.maximum(0.0, LOWEST - low[1])])
-
-
-def _goal(x: Float[Array, " n"]) -> Figures:
-    one = jnp.ones((1, x.shape[0]))
-    return Figures(
-        position=jnp.stack([x, jnp.full_like(x, GOAL_HEIGHT)])[None],
-        rotation=0 * one,
-        vertices=jnp.zeros((1, VERTICES, 2, x.shape[0])),
-        vertex_count=jnp.full(one.shape, VERTICES, jnp.int32),
-        radius=GOAL_RADIUS * one,
-        circle=one > 0,
-        role=jnp.full(one.shape, BLUE, jnp.int32),
-        density=one,
-        fixed=one > 0,
-        active=one > 0,
-    )
 
 
 @functools.cache
@@ -500,5 +476,5 @@ def locomotion_sampler(
         draft = draw_locomotion(keys, engine.spec.capacity, options, ued)
         return states(draft, engine, options.inertia_model)
 
-    single = for_one_world(batched)
+    single = worlds_first(batched)
     return lambda key: single(raw_keys(key))

@@ -10,15 +10,15 @@ Source: level_generation.md 4; Q2, Q9 and Q10 are quirks of `UEDParams.kinetix_q
 import dataclasses
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Final
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import Capacity
+from kinetix.engine.types import Joints
 from kinetix.environment.generators.blocks import (
-    JointRows,
     Proposals,
     SizeLimit,
     Surroundings,
@@ -30,7 +30,17 @@ from kinetix.environment.generators.blocks import (
     size_limit,
     thrusters_on,
 )
-from kinetix.environment.generators.draft import Draft, components
+from kinetix.environment.generators.draft import (
+    Draft,
+    components,
+    first_free,
+    free_slot,
+    hit,
+    joint_counts,
+    put,
+    spread,
+    with_joint,
+)
 from kinetix.environment.generators.draws import (
     PER_JOINT,
     PER_SHAPE,
@@ -71,12 +81,6 @@ Marks = Bool[Array, " n"]
 Mutation = Callable[[Draft, Numbers, Marks, UEDParams, Capacity], Draft]
 
 
-def _hit(rows: Array, index: Int[Array, " n"], marked: Marks) -> Bool[Array, "b n"]:
-    """Which row is meant in each marked world, as marks over the rows."""
-    numbers = jnp.arange(rows.shape[0], dtype=jnp.int32)[:, None]
-    return (numbers == index[None]) & marked[None]
-
-
 def _some(candidates: Bool[Array, "b n"], u: Float[Array, " n"]) -> Int[Array, " n"]:
     return choose(u, candidates.astype(jnp.float32))
 
@@ -91,19 +95,14 @@ def _one_body(
     """A uniform active body besides the arena: its row, and the same as marks."""
     candidates = movable_rows(draft.figures)
     row = _some(candidates, u)
-    return row, _hit(draft.figures.active, row, marked & _any_row(candidates))
+    return row, hit(draft.figures.active, row, marked & _any_row(candidates))
 
 
 def _with_figures(draft: Draft, **changes: Array) -> Draft:
     return dataclasses.replace(draft, figures=dataclasses.replace(draft.figures, **changes))
 
 
-def _spread(marks: Bool[Array, "b n"], like: Array) -> Array:
-    """Marks over rows with as many axes as `like`, worlds last."""
-    return marks.reshape(marks.shape[0], *(1,) * (like.ndim - 2), marks.shape[1])
-
-
-def _ends(joints: JointRows, body: Bool[Array, "b n"]) -> tuple[Array, Array]:
+def _ends(joints: Joints, body: Bool[Array, "b n"]) -> tuple[Array, Array]:
     """Of active joints: whether the marked body is their body a, and their body b."""
     return (
         joints.active & pick(body, joints.body_a),
@@ -133,7 +132,7 @@ def remove_joint(
     """Take away a joint."""
     del ued, capacity
     active = draft.joints.active
-    gone = _hit(active, _some(active, numbers[0]), marked)
+    gone = hit(active, _some(active, numbers[0]), marked)
     return dataclasses.replace(
         draft, joints=dataclasses.replace(draft.joints, active=active & ~gone)
     )
@@ -145,7 +144,7 @@ def remove_thruster(
     """Take away a thruster."""
     del ued, capacity
     active = draft.thrusters.active
-    gone = _hit(active, _some(active, numbers[0]), marked)
+    gone = hit(active, _some(active, numbers[0]), marked)
     return dataclasses.replace(
         draft, thrusters=dataclasses.replace(draft.thrusters, active=active & ~gone)
     )
@@ -162,8 +161,8 @@ def swap_role(
     others = bodies & (role != first_role[None])
     second = _some(others, numbers[1])
     marked = marked & _any_row(bodies) & _any_row(others)
-    role = jnp.where(_hit(role, first, marked), pick(draft.figures.role, second)[None], role)
-    return _with_figures(draft, role=jnp.where(_hit(role, second, marked), first_role[None], role))
+    role = jnp.where(hit(role, first, marked), pick(draft.figures.role, second)[None], role)
+    return _with_figures(draft, role=jnp.where(hit(role, second, marked), first_role[None], role))
 
 
 def toggle_fixture(
@@ -233,7 +232,7 @@ def change_size(
     figures = dataclasses.replace(
         old,
         vertices=jnp.where(
-            _spread(body, old.vertices), old.vertices * scale[None, None], old.vertices
+            spread(body, old.vertices), old.vertices * scale[None, None], old.vertices
         ),
         radius=jnp.where(body & circle[None], new.radius[None], old.radius),
     )
@@ -304,7 +303,7 @@ def change_rotation(
     joints = draft.joints
     at_a, at_b = _ends(joints, body)
     change = jnp.where(at_a, -turn[None], 0.0) + jnp.where(at_b, turn[None], 0.0)
-    reference = joints.reference_angle + jnp.where(joints.weld, change, 0.0)
+    reference = joints.reference_angle + jnp.where(joints.fixed, change, 0.0)
     rotation = draft.figures.rotation + jnp.where(body, turn[None], 0.0)
     return dataclasses.replace(
         _with_figures(draft, rotation=rotation),
@@ -322,45 +321,22 @@ def _around(draft: Draft, capacity: Capacity) -> Surroundings:
     )
 
 
-def _first(free: Bool[Array, "k n"], offset: int = 0) -> Int[Array, " n"]:
-    """The first marked row; `offset` where none is."""
-    if free.shape[0] == 0:
-        return jnp.full(free.shape[1:], offset, jnp.int32)
-    return jnp.argmax(free, axis=0).astype(jnp.int32) + offset
-
-
-def _put(rows: Any, new: Any, index: Int[Array, " n"], marked: Marks) -> Any:
-    """Rows (a pytree) with one new row in each marked world."""
-
-    def put(old: Array, fresh: Array) -> Array:
-        if old.shape[0] == 0:
-            return old
-        return jnp.where(_spread(_hit(old, index, marked), old), fresh[None], old)
-
-    return jax.tree.map(put, rows, new)
-
-
 def _insert(
     draft: Draft, proposals: Proposals, marked: Marks, ued: UEDParams, capacity: Capacity
 ) -> tuple[Draft, Int[Array, " n"], Proposals]:
     """The draft with the one proposed body in the lowest free slot of its kind."""
     chosen = jax.tree.map(lambda leaf: leaf[0], proposals)
-    free = ~draft.figures.active
-    slot = jnp.where(
-        chosen.figure.circle,
-        _first(free[capacity.polygons :], capacity.polygons),
-        _first(free[: capacity.polygons]),
-    )
+    slot = free_slot(draft.figures, chosen.figure.circle, capacity)
     marked = marked & chosen.figure.active
     figure = chosen.figure
     if ued.kinetix_quirks:
         # Q2: a slot keeps the density of the body that was there before.
         figure = dataclasses.replace(figure, density=pick(draft.figures.density, slot))
-    body = _hit(draft.figures.active, slot, marked)
+    body = hit(draft.figures.active, slot, marked)
     return (
         dataclasses.replace(
             draft,
-            figures=_put(draft.figures, figure, slot, marked),
+            figures=put(draft.figures, figure, slot, marked),
             velocity=jnp.where(body[:, None], 0.0, draft.velocity),
             angular_velocity=jnp.where(body, 0.0, draft.angular_velocity),
             friction=jnp.where(body, 1.0, draft.friction),
@@ -400,30 +376,26 @@ def add_connected_shape(
 ) -> Draft:
     """Add a body that is jointed to one that is there; `size` overrides the options' limits."""
     joints = draft.joints
-    rows = jnp.arange(capacity.bodies, dtype=jnp.int32)[:, None, None]
-    ends = (rows == joints.body_a[None]) | (rows == joints.body_b[None])
-    counts = jnp.sum((ends & joints.active[None]).astype(jnp.int32), axis=1)
     proposals = connected_shape(
         shape_draws(numbers[:PER_SHAPE, None]),
         draft.figures,
-        counts,
+        joint_counts(joints, capacity.bodies),
         _around(draft, capacity),
         ued,
         size or size_limit(ued),
-        new_polygon_row=_first(~draft.figures.active[: capacity.polygons])[None],
+        new_polygon_row=first_free(draft.figures.active[: capacity.polygons])[None],
         triangles=True,
     )
     grown, slot, chosen = _insert(draft, proposals, marked, ued, capacity)
-    joint = joint_of(
+    joint, binding = joint_of(
         chosen,
         slot,
         joint_draws(numbers[PER_SHAPE:]),
         force_rjoint=force_rjoint,
-        revolute_count=jnp.sum((joints.active & ~joints.weld).astype(jnp.int32), axis=0),
+        revolute_count=jnp.sum((joints.active & ~joints.fixed).astype(jnp.int32), axis=0),
         ued=ued,
     )
-    place = _first(~joints.active)
-    return dataclasses.replace(grown, joints=_put(joints, joint, place, marked & joint.active))
+    return with_joint(grown, joint, binding, marked)
 
 
 def add_thruster(
@@ -432,17 +404,18 @@ def add_thruster(
     """Add a thruster to a body that can move."""
     del capacity
     figures, thrusters = draft.figures, draft.thrusters
-    new = thrusters_on(
+    new, binding = thrusters_on(
         thruster_draws(numbers[:PER_THRUSTER, None]),
         figures,
         movable_rows(figures) & ~figures.fixed,
         ued,
         triangles=True,
     )
-    new = jax.tree.map(lambda leaf: leaf[0], new)
-    free = ~thrusters.active
-    marked = marked & _any_row(free) & new.active
-    return dataclasses.replace(draft, thrusters=_put(thrusters, new, _first(free), marked))
+    new, binding = jax.tree.map(lambda leaf: leaf[0], (new, binding))
+    marked = marked & _any_row(~thrusters.active) & new.active
+    slot = first_free(thrusters.active)
+    thrusters, bindings = put((thrusters, draft.thruster_binding), (new, binding), slot, marked)
+    return dataclasses.replace(draft, thrusters=thrusters, thruster_binding=bindings)
 
 
 MUTATORS: Final[dict[str, Mutation]] = {

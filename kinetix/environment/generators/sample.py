@@ -3,29 +3,23 @@
 Everything that differs between worlds is data: the loop over shapes runs once for the whole batch,
 each step draws either a free or a jointed shape (or none) per world, and only the chosen kind of
 proposal is compared by its contacts.
-
-Source: level_generation.md 3.
 """
 
 import dataclasses
 import functools
 from collections.abc import Callable
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
+from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import ARENA_BODIES, Capacity
-from kinetix.environment.generators.arrange import arranged, shuffle_length
-from kinetix.environment.generators.batching import for_one_world
 from kinetix.environment.generators.blocks import (
     BLUE,
     GREEN,
     NEUTRAL,
-    JointRows,
     Proposals,
-    ThrusterRows,
     connected_shape,
     free_shape,
     joint_of,
@@ -34,8 +28,20 @@ from kinetix.environment.generators.blocks import (
     thrusters_on,
 )
 from kinetix.environment.generators.boxes import Boxes, boxes, count_box_contacts
-from kinetix.environment.generators.contacts import Outlines, count_contacts, outlines
-from kinetix.environment.generators.draft import Draft, states
+from kinetix.environment.generators.contacts import count_contacts
+from kinetix.environment.generators.draft import (
+    Draft,
+    empty_draft,
+    first_free,
+    free_slot,
+    joint_counts,
+    put,
+    shuffle_length,
+    shuffled,
+    spread,
+    states,
+    with_joint,
+)
 from kinetix.environment.generators.draws import (
     PER_JOINT,
     PER_SHAPE,
@@ -46,7 +52,7 @@ from kinetix.environment.generators.draws import (
     shape_draws,
     thruster_draws,
 )
-from kinetix.environment.generators.figures import Figures, arena, pick
+from kinetix.environment.generators.figures import pick
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
 from kinetix.environment.state import EnvState
@@ -66,21 +72,6 @@ class Plan:
     connected: Bool[Array, " n"]
     force_no_fixate: Bool[Array, " n"]
     force_rjoint: Bool[Array, " n"]
-
-
-@pytree
-class Growing:
-    """A level that grows by one body a step; rows in the order of creation."""
-
-    figures: Figures
-    outlines: Outlines | Boxes
-    """What contacts are counted on."""
-    joint_counts: Int[Array, "b n"]
-    """Active joints on each body."""
-    polygon_count: Int[Array, " n"]
-    circle_count: Int[Array, " n"]
-    joint_count: Int[Array, " n"]
-    revolute_count: Int[Array, " n"]
 
 
 def is_small(capacity: Capacity) -> bool:
@@ -113,29 +104,25 @@ def draw_levels(
     tape = Tape(raw_keys(keys), numbers + (PER_THRUSTER + 1) * capacity.thrusters)
     floor_u, first_u, control_u, swap_u = tape.take(4)
 
-    grown = _empty(keys.shape[0], steps, ued)
+    draft = empty_draft(keys.shape[0], capacity, legacy_ceiling=ued.legacy_ceiling)
     floor = draw_floor_role(floor_u, ued)
-    role = grown.figures.role.at[0].set(floor)
-    grown = dataclasses.replace(grown, figures=dataclasses.replace(grown.figures, role=role))
+    draft = _with_roles(draft, draft.figures.role.at[0].set(floor))
 
     # One of (thruster, motor) = (0, 1), (1, 0), (1, 1).
     thruster_forced = control_u >= 1 / 3
     motor_forced = (control_u < 1 / 3) | (control_u >= 2 / 3)
     first_moves = (first_u < 0.5) | (floor == BLUE)
     plan = _plan(tape.take(steps), first_moves, motor_forced, capacity, ued)
-    grown, joints = _grow(
-        grown,
-        plan,
-        tape.take(steps, PER_SHAPE, proposals),
-        tape.take(steps, PER_JOINT),
-        capacity,
-        ued,
-    )
-    thrusters = _draw_thrusters(tape, grown.figures, thruster_forced, capacity, ued)
-    roles = _swap_roles(grown.figures.role, (floor == NEUTRAL) & (swap_u < 0.5))
+    shape_u, joint_u = tape.take(steps, PER_SHAPE, proposals), tape.take(steps, PER_JOINT)
+    draft, added = _grow(draft, plan, shape_u, joint_u, capacity, ued)
+    draft = _with_thrusters(draft, tape, thruster_forced, added, capacity, ued)
+    roles = _swap_roles(draft.figures.role, (floor == NEUTRAL) & (swap_u < 0.5))
     shuffle_u = tape.take(shuffle_length(capacity))
-    figures = dataclasses.replace(grown.figures, role=roles)
-    return arranged(figures, joints, thrusters, shuffle_u, capacity, slots or capacity)[0]
+    return shuffled(_with_roles(draft, roles), shuffle_u, capacity, slots or capacity)
+
+
+def _with_roles(draft: Draft, role: Int[Array, "b n"]) -> Draft:
+    return dataclasses.replace(draft, figures=dataclasses.replace(draft.figures, role=role))
 
 
 def _plan(
@@ -164,73 +151,81 @@ def _plan(
     )
 
 
-def _empty(worlds: int, steps: int, ued: UEDParams) -> Growing:
-    """The arena, and inactive rows for as many bodies as there are steps."""
-    floor_and_walls = arena(worlds, legacy_ceiling=ued.legacy_ceiling)
-
-    def room(rows: Array) -> Array:
-        return jnp.concatenate([rows, jnp.zeros((steps, *rows.shape[1:]), rows.dtype)])
-
-    none = jnp.zeros((worlds,), jnp.int32)
-    return Growing(
-        figures=jax.tree.map(room, floor_and_walls),
-        # The legacy ceiling differs on its far side only, and is no rectangle.
-        outlines=jax.tree.map(room, _traced(arena(worlds, legacy_ceiling=False), ued)),
-        joint_counts=jnp.zeros((ARENA_BODIES + steps, worlds), jnp.int32),
-        polygon_count=none + ARENA_BODIES,
-        circle_count=none,
-        joint_count=none,
-        revolute_count=none,
-    )
-
-
 def _grow(
-    grown: Growing,
+    draft: Draft,
     plan: Plan,
     shape_u: Float[Array, "k 14 q n"],
     joint_u: Float[Array, "k 8 n"],
     capacity: Capacity,
     ued: UEDParams,
-) -> tuple[Growing, JointRows]:
-    """Run all steps; the joint of step k (active or not) is row k of the joints."""
+) -> tuple[Draft, Int[Array, "k n"]]:
+    """Run all steps of the plan; also return the slot that each one filled, −1 where none."""
 
-    def step(carry: Growing, inputs: tuple[Array, Plan, Array, Array]) -> tuple[Growing, JointRows]:
-        row, what, shape_rows, joint_rows = inputs
-        chosen, outline = _propose(carry, what, shape_rows, row, capacity, ued)
-        joint = joint_of(
+    def step(
+        carry: tuple[Draft, Boxes | None], inputs: tuple[Array, Plan, Array, Array]
+    ) -> tuple[tuple[Draft, Boxes | None], Array]:
+        draft, outlines = carry
+        number, what, shape_rows, joint_rows = inputs
+        chosen, outline = _propose(draft, outlines, what, shape_rows, number, capacity, ued)
+        slot = free_slot(draft.figures, chosen.figure.circle, capacity)
+        joint, binding = joint_of(
             chosen,
-            row,
+            slot,
             joint_draws(joint_rows),
             force_rjoint=what.force_rjoint,
-            revolute_count=carry.revolute_count,
+            revolute_count=_count(draft.joints.active & ~draft.joints.fixed),
             ued=ued,
         )
-        return _added(carry, chosen, outline, joint, row), joint
+        old, new = (draft.figures, outlines), (chosen.figure, outline)
+        figures, outlines = put(old, new, slot, chosen.figure.active)
+        draft = dataclasses.replace(draft, figures=figures)
+        filled = jnp.where(chosen.figure.active, slot, -1)
+        return (with_joint(draft, joint, binding, chosen.joint), outlines), filled
 
-    rows = ARENA_BODIES + jnp.arange(shape_u.shape[0], dtype=jnp.int32)
-    return jax.lax.scan(step, grown, (rows, plan, shape_u, joint_u))
+    inputs = (jnp.arange(shape_u.shape[0], dtype=jnp.int32), plan, shape_u, joint_u)
+    # The legacy ceiling differs on its far side only, and is no rectangle.
+    outlines = None if ued.generate_triangles else _arena_boxes(joint_u.shape[-1], capacity)
+    (draft, _), added = jax.lax.scan(step, (draft, outlines), inputs)
+    return draft, added
+
+
+def _arena_boxes(worlds: int, capacity: Capacity) -> Boxes:
+    """The outlines of levels with nothing but the arena."""
+    one = boxes(empty_draft(1, capacity).figures)
+    return jax.tree.map(lambda x: jnp.broadcast_to(x, (*x.shape[:-1], worlds)), one)
+
+
+def _count(marks: Bool[Array, "k n"]) -> Int[Array, " n"]:
+    return jnp.sum(marks.astype(jnp.int32), axis=0)
 
 
 def _propose(
-    grown: Growing,
+    draft: Draft,
+    outlines: Boxes | None,
     what: Plan,
     shape_rows: Float[Array, "14 q n"],
-    row: Int[Array, ""],
+    number: Int[Array, ""],
     capacity: Capacity,
     ued: UEDParams,
-) -> tuple[Proposals, Outlines | Boxes]:
-    """The best proposal of the planned kind in each world, and its outline."""
-    draws = shape_draws(shape_rows)
+) -> tuple[Proposals, Boxes | None]:
+    """Return the best proposal of the planned kind in each world, and its outline."""
+    draws, size = shape_draws(shape_rows), size_limit(ued)
+    figures, joints, polygons = draft.figures, draft.joints, capacity.polygons
     around = look_around(
-        grown.figures,
-        polygon_room=grown.polygon_count < capacity.polygons,
-        circle_room=grown.circle_count < capacity.circles,
-        joint_room=grown.joint_count < capacity.joints,
+        figures,
+        polygon_room=_count(figures.active[:polygons]) < polygons,
+        circle_room=_count(figures.active[polygons:]) < capacity.circles,
+        joint_room=_count(joints.active) < capacity.joints,
     )
-    size = size_limit(ued)
     free = free_shape(draws, around, what.force_no_fixate[None], ued, size)
     connected = connected_shape(
-        draws, grown.figures, grown.joint_counts, around, ued, size, new_polygon_row=row
+        draws,
+        figures,
+        joint_counts(joints, capacity.bodies),
+        around,
+        ued,
+        size,
+        new_polygon_row=first_free(figures.active[:polygons])[None],
     )
     proposals = jax.tree.map(
         lambda a, b: jnp.where(_over(what.connected, a), b, a), free, connected
@@ -239,26 +234,24 @@ def _propose(
     figure = proposals.figure
     figure = dataclasses.replace(figure, active=figure.active & happens)
     proposals = dataclasses.replace(proposals, figure=figure, joint=proposals.joint & happens)
-    candidates = _traced(figure, ued)
+    candidates = None if outlines is None else boxes(figure)
     if shape_rows.shape[1] == 1:
         best = jnp.zeros((shape_rows.shape[2],), jnp.int32)
     else:
-        count = _count(candidates, grown.outlines, row).astype(jnp.float32)
-        score = count + jnp.where(proposals.valid, 0.0, ued.connect_no_visibility_bias)
-        best = _first_minimum(score)
+        if candidates is None or outlines is None:
+            count = count_contacts(figure, figures)
+        else:
+            parts = slice(None, polygons), slice(polygons, None)
+            rectangles, discs = (jax.tree.map(lambda x, p=p: x[p], outlines) for p in parts)
+            # Slots are filled from the first one on.
+            rows = (
+                jnp.minimum(ARENA_BODIES + number, polygons),
+                jnp.minimum(number, capacity.circles),
+            )
+            count = count_box_contacts(candidates, rectangles, discs, rows)
+        hidden = jnp.where(proposals.valid, 0.0, ued.connect_no_visibility_bias)
+        best = _first_minimum(count + hidden)
     return jax.tree.map(lambda leaf: pick(leaf, best), (proposals, candidates))
-
-
-def _traced(figures: Figures, ued: UEDParams) -> Outlines | Boxes:
-    """Bodies in the cheapest form that contacts can be counted on."""
-    return outlines(figures) if ued.generate_triangles else boxes(figures)
-
-
-def _count(new: Outlines | Boxes, others: Outlines | Boxes, rows: Int[Array, ""]) -> Array:
-    if isinstance(new, Boxes) and isinstance(others, Boxes):
-        return count_box_contacts(new, others, rows)
-    assert isinstance(new, Outlines) and isinstance(others, Outlines)
-    return count_contacts(new, others, rows)
 
 
 def _over(condition: Bool[Array, " n"], like: Array) -> Array:
@@ -267,8 +260,8 @@ def _over(condition: Bool[Array, " n"], like: Array) -> Array:
 
 
 def _first_minimum(score: Float[Array, "q n"]) -> Int[Array, " n"]:
-    best = jnp.zeros(score.shape[1:], jnp.int32)
-    least = score[0]
+    """The row of the least score; XLA does not vectorise `argmin` over the worlds."""
+    best, least = jnp.zeros(score.shape[1:], jnp.int32), score[0]
     for k in range(1, score.shape[0]):
         better = score[k] < least
         best = jnp.where(better, k, best)
@@ -276,56 +269,32 @@ def _first_minimum(score: Float[Array, "q n"]) -> Int[Array, " n"]:
     return best
 
 
-def _added(
-    grown: Growing,
-    chosen: Proposals,
-    outline: Outlines | Boxes,
-    joint: JointRows,
-    row: Int[Array, ""],
-) -> Growing:
-    """The level with the chosen body in the given row (inactive where there is none)."""
-
-    def write(rows: Array, new: Array) -> Array:
-        return jax.lax.dynamic_update_index_in_dim(rows, new, row, 0)
-
-    rows = jnp.arange(grown.joint_counts.shape[0], dtype=jnp.int32)[:, None]
-    ends = (rows == chosen.target[None]) | (rows == row)
-    active, circle = chosen.figure.active, chosen.figure.circle
-    return Growing(
-        figures=jax.tree.map(write, grown.figures, chosen.figure),
-        outlines=jax.tree.map(write, grown.outlines, outline),
-        joint_counts=grown.joint_counts + (ends & chosen.joint[None]).astype(jnp.int32),
-        polygon_count=grown.polygon_count + (active & ~circle).astype(jnp.int32),
-        circle_count=grown.circle_count + (active & circle).astype(jnp.int32),
-        joint_count=grown.joint_count + joint.active.astype(jnp.int32),
-        revolute_count=grown.revolute_count + (joint.active & ~joint.weld).astype(jnp.int32),
-    )
-
-
-def _draw_thrusters(
+def _with_thrusters(
+    draft: Draft,
     tape: Tape,
-    figures: Figures,
     forced: Bool[Array, " n"],
+    added: Int[Array, "k n"],
     capacity: Capacity,
     ued: UEDParams,
-) -> ThrusterRows:
-    """The forced thruster, on one of the first three bodies, and the others on any body."""
+) -> Draft:
+    """Add the forced thruster to one of the first bodies that were added, the others to any."""
     count = capacity.thrusters
-    draws = thruster_draws(tape.take(PER_THRUSTER, count))
-    wanted = tape.take(count) < ued.add_thruster_chance
+    numbers, wanted = tape.take(PER_THRUSTER, count), tape.take(count) < ued.add_thruster_chance
+    if not count:
+        return draft
+    figures = draft.figures
     eligible = figures.active & ~figures.fixed
     # The forced one comes before the further shapes; nothing changes about those bodies later.
-    early = jnp.arange(eligible.shape[0]) < ARENA_BODIES + SHAPES_AT_FIRST
-    first = thrusters_on(_rows(draws, slice(0, 1)), figures, eligible & early[:, None], ued)
-    later = thrusters_on(_rows(draws, slice(1, None)), figures, eligible, ued)
+    early = added[:SHAPES_AT_FIRST]
+    first = thrusters_on(thruster_draws(numbers[:, :1]), figures, eligible, ued, order=early)
+    later = thrusters_on(thruster_draws(numbers[:, 1:]), figures, eligible, ued, order=added)
     both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), first, later)
-    if count:
-        wanted = wanted.at[0].set(forced)
-    return dataclasses.replace(both, active=both.active & wanted)
-
-
-def _rows(draws: Any, part: slice) -> Any:
-    return jax.tree.map(lambda leaf: leaf[part], draws)
+    active = both[0].active & wanted.at[0].set(forced)
+    thrusters, binding = jax.tree.map(
+        lambda x: jnp.where(spread(active, x), x, jnp.zeros_like(x)), both
+    )
+    thrusters = dataclasses.replace(thrusters, active=active)
+    return dataclasses.replace(draft, thrusters=thrusters, thruster_binding=binding)
 
 
 def _swap_roles(role: Int[Array, "b n"], swap: Bool[Array, " n"]) -> Int[Array, "b n"]:
@@ -350,7 +319,7 @@ def level_sampler(
         draft = draw_levels(keys, capacity or slots, ued, slots)
         return states(draft, engine, ued.inertia_model)
 
-    single = for_one_world(batched)
+    single = worlds_first(batched)
     return lambda key: single(raw_keys(key))
 
 

@@ -3,19 +3,23 @@
 import dataclasses
 import functools
 from collections.abc import Callable
-from typing import Final, TypeVar
+from typing import Final
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key, UInt
 
+from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import Capacity
-from kinetix.environment.generators.arrange import arranged, shuffle_length
-from kinetix.environment.generators.batching import for_one_world
-from kinetix.environment.generators.blocks import JointRows, SizeLimit, ThrusterRows
-from kinetix.environment.generators.draft import Draft, plain_draft, states
+from kinetix.environment.generators.blocks import SizeLimit
+from kinetix.environment.generators.draft import (
+    Draft,
+    empty_draft,
+    shuffle_length,
+    shuffled,
+    states,
+)
 from kinetix.environment.generators.draws import Tape, among, raw_keys
-from kinetix.environment.generators.figures import Figures, arena
 from kinetix.environment.generators.mutators import (
     NUMBERS,
     add_connected_shape,
@@ -61,7 +65,7 @@ def mixed_sampler(
             mixed = jax.tree.map(functools.partial(_where, choice == index), draft, mixed)
         return states(mixed, engine, ued.inertia_model)
 
-    single = for_one_world(batched)
+    single = worlds_first(batched)
     return lambda key: single(raw_keys(key))
 
 
@@ -79,7 +83,7 @@ def accel_start_sampler(
         engine: Sizes and solver.
         ued_params: The options besides those that this distribution sets; None for the defaults.
 
-    Source: level_generation.md 5 (what the peer meant; its own function fails when called).
+    It is the distribution that kinetix-env 3.0.2 describes; its own function fails when called.
     """
     ued = dataclasses.replace(
         ued_params or UEDParams(), thruster_power_multiplier=START_THRUSTER_POWER
@@ -88,7 +92,7 @@ def accel_start_sampler(
     def batched(keys: UInt[Array, "n 2"]) -> EnvState:
         return states(_draw_starts(keys, engine.spec.capacity, ued), engine, ued.inertia_model)
 
-    single = for_one_world(batched)
+    single = worlds_first(batched)
     return lambda key: single(raw_keys(key))
 
 
@@ -114,14 +118,7 @@ def _draw_starts(keys: UInt[Array, "n 2"], capacity: Capacity, ued: UEDParams) -
         size=_drawn_size(tape),
     )
     draft = add_thruster(draft, tape.take(NUMBERS), control >= 1 / 3, ued, capacity)
-    return arranged(
-        draft.figures,
-        draft.joints,
-        draft.thrusters,
-        tape.take(shuffle_length(capacity)),
-        capacity,
-        capacity,
-    )[0]
+    return shuffled(draft, tape.take(shuffle_length(capacity)), capacity, capacity)
 
 
 def _drawn_size(tape: Tape) -> SizeLimit:
@@ -129,42 +126,3 @@ def _drawn_size(tape: Tape) -> SizeLimit:
     return SizeLimit(
         limit=jnp.where(large, LARGE[0], SMALL[0]), goal_factor=jnp.where(large, LARGE[1], SMALL[1])
     )
-
-
-def empty_draft(worlds: int, capacity: Capacity, *, legacy_ceiling: bool = False) -> Draft:
-    """Levels with nothing but the arena."""
-    floor_and_walls = arena(worlds, legacy_ceiling=legacy_ceiling)
-
-    def room(rows: Array) -> Array:
-        more = capacity.bodies - rows.shape[0]
-        return jnp.concatenate([rows, jnp.zeros((more, *rows.shape[1:]), rows.dtype)])
-
-    figures: Figures = jax.tree.map(room, floor_and_walls)
-    circle = (jnp.arange(capacity.bodies) >= capacity.polygons)[:, None]
-    beyond = (jnp.arange(capacity.bodies) >= floor_and_walls.active.shape[0])[:, None]
-    figures = dataclasses.replace(
-        figures,
-        circle=jnp.broadcast_to(circle, figures.circle.shape),
-        vertex_count=jnp.full_like(figures.vertex_count, 4),
-        density=jnp.where(beyond, 1.0, figures.density),
-    )
-    return plain_draft(
-        figures,
-        _zero_rows(JointRows, capacity.joints, worlds),
-        _zero_rows(ThrusterRows, capacity.thrusters, worlds),
-    )
-
-
-Rows = TypeVar("Rows", JointRows, ThrusterRows)
-_VECTORS: Final = frozenset({"anchor_a", "anchor_b", "position"})
-_FLAGS: Final = frozenset({"active", "weld", "motor_on", "limited", "auto"})
-_INDEXES: Final = frozenset({"body", "body_a", "body_b", "binding"})
-
-
-def _zero_rows(kind: type[Rows], count: int, worlds: int) -> Rows:
-    def zero(name: str) -> Array:
-        dtype = bool if name in _FLAGS else jnp.int32 if name in _INDEXES else jnp.float32
-        shape = (count, 2, worlds) if name in _VECTORS else (count, worlds)
-        return jnp.zeros(shape, dtype)
-
-    return kind(**{name: zero(name) for name in kind.__dataclass_fields__})
