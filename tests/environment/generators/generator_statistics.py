@@ -1,4 +1,4 @@
-"""Statistics of many drafts, defined as those of the peer's recorded sample."""
+"""Statistics of many drafts, defined as those of kinetix-env's recorded sample."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from kinetix.engine.spec import ARENA_BODIES
-from kinetix.environment.generators.contacts import count_contacts, outlines
+from kinetix.environment.generators.contacts import count_contacts
 from kinetix.environment.generators.draft import Draft, components
 
 QUANTILES = (0, 5, 25, 50, 75, 95, 100)
@@ -25,12 +25,11 @@ def pushing_overlaps(draft: Draft) -> np.ndarray:
 
     @jax.jit
     def touching(draft: Draft) -> Any:
-        shapes = outlines(draft.figures)
         rows = draft.figures.active.shape[0]
 
         def against(row: Any) -> Any:
-            one = jax.tree.map(lambda leaf: leaf[row][None], shapes)
-            return count_contacts(shapes, one, 1) > 0
+            one = jax.tree.map(lambda leaf: leaf[row][None], draft.figures)
+            return count_contacts(draft.figures, one) > 0
 
         return jnp.stack([against(row) for row in range(rows)])
 
@@ -51,7 +50,7 @@ def statistics(draft: Draft) -> dict[str, Any]:
     polygons, circles = active & ~circle, active & circle
     joints, thrusters = draft.joints, draft.thrusters
     joined = np.asarray(joints.active)
-    weld = np.asarray(joints.weld)
+    weld = np.asarray(joints.fixed)
     revolute = joined & ~weld
     on = np.asarray(joints.motor_on)
     limited = np.asarray(joints.limited)

@@ -62,7 +62,7 @@ def test_what_holds_in_every_level(size: str, drafts: dict[str, Any]) -> None:
     red_floor = figures.role[0] == 3
     assert not ((figures.role == 3) & here)[:, red_floor].any()
     assert (joints.active | thrusters.active.any(0)[None]).any(0).all()
-    hub = joints.active & ~joints.weld
+    hub = joints.active & ~joints.fixed
     assert not joints.motor_on[~hub].any()
     assert not joints.limited[~hub].any()
     assert not joints.reference_angle[hub].any()
@@ -81,7 +81,7 @@ def test_chances(size: str, drafts: dict[str, Any]) -> None:
     shares = {"s": (1 / 3, 2 / 3)}.get(size, (0.7 / 3, 2 / 3 * 0.7 + 0.3 / 3, 0.2))
     for k, chance in enumerate(shares):
         assert_share(count == k, chance)
-    hub = draft.joints.active & ~draft.joints.weld
+    hub = draft.joints.active & ~draft.joints.fixed
     assert_share(draft.joints.motor_on[hub], 0.8)
     assert_uniform(draft.joints.motor_speed[hub], 0.4, 3.0)
     weight = np.take_along_axis(np.asarray(area(figures)), thrusters.body, 0)
@@ -98,7 +98,7 @@ def test_size_s(drafts: dict[str, Any]) -> None:
     joined, thrusting = joints.active[0], draft.thrusters.active[0]
     assert_share(joined, 2 / 3)
     assert_share(joined & thrusting, 1 / 3)
-    assert not joints.weld.any()
+    assert not joints.fixed.any()
     assert (joints.motor_power[joints.active] == 1).all()
     assert not joints.limited.any()
     a_round = np.take_along_axis(figures.circle, joints.body_a, 0)[0]

@@ -35,13 +35,13 @@ def test_the_creature(usual: Draft) -> None:
     assert joints.motor_on[joints.active].all()
     assert (joints.motor_power[joints.active] == 3).all()
     assert np.allclose(joints.limit_max[joints.active], math.pi / 4)
-    assert joints.binding[:4, 0].tolist() == [0, 1, 2, 3]
+    assert usual.motor_binding[:4, 0].tolist() == [0, 1, 2, 3]
     assert (joints.body_a < joints.body_b)[joints.active].all()
     assert (figures.role[4] == 1).all()
     extra = joints.body_a[4]
     assert set(np.unique(extra)) == {4, 7}
     assert abs((extra == 4).mean() - 0.5) < 0.06
-    assert set(np.unique(joints.binding[4])) == {0, 1, 2}
+    assert set(np.unique(usual.motor_binding[4])) == {0, 1, 2}
     assert not usual.thrusters.active.any()
 
 
@@ -111,7 +111,7 @@ def test_options() -> None:
     draft = drawn(params)
     figures, joints = draft.figures, draft.joints
     assert set(np.unique(joints.active.sum(0))) == {2, 3, 4, 5}
-    assert set(np.unique(joints.binding[joints.active])) == {0, 1, 2, 3}
+    assert set(np.unique(draft.motor_binding[joints.active])) == {0, 1, 2, 3}
     limb = figures.active & ~figures.circle & (np.arange(len(figures.active)) >= 4)[:, None]
     friction = draft.friction[limb]
     assert ((np.abs(friction - 1) >= 0.2 - 1e-6) & (np.abs(friction - 1) <= 0.4 + 1e-6)).all()

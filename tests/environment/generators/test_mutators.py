@@ -180,7 +180,7 @@ def test_turned_welds_keep_their_new_angle(drafts: dict[str, Draft]) -> None:
     joints = new.joints
     n = np.arange(WORLDS)
     angle = new.figures.rotation[joints.body_b, n] - new.figures.rotation[joints.body_a, n]
-    weld = joints.active & joints.weld
+    weld = joints.active & joints.fixed
     assert np.abs(angle - joints.reference_angle)[weld].max() < 1e-5
     step = new.figures.rotation - np.asarray(draft.figures.rotation)
     assert (np.count_nonzero(step, axis=0) <= 1).all()
