@@ -37,7 +37,7 @@ def main() -> None:
     draw = jax.jit(jax.vmap(make_reset_fn_sample_kinetix_level(params, static)))
 
     def attempt(level: Any, key: jax.Array) -> jax.Array:
-        """Whether random play wins a level."""
+        """Return whether random play wins a level."""
         key, reset_key = jax.random.split(key)
         _, state = env.reset_to_level(reset_key, level, params)
 

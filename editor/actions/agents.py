@@ -26,7 +26,7 @@ _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
 
 
 def is_agent_folder(path: Path) -> bool:
-    """Whether a folder looks like an agent or a training run."""
+    """Return whether a folder looks like an agent or a training run."""
     return path.is_dir() and any((path / name).is_file() for name in _AGENT_FILES)
 
 
@@ -45,7 +45,7 @@ def about_agent(path: Path) -> str:
 
 
 def is_run(path: Path) -> bool:
-    """Whether a folder is a training run's; choosing its agent watches the run too."""
+    """Return whether a folder is a training run's; choosing its agent watches the run too."""
     return (path / "checkpoints").is_dir() and (path / "metrics.jsonl").is_file()
 
 
@@ -268,7 +268,7 @@ def switch_deterministic(session: Session) -> None:
 
 
 def agent_playing(session: Session) -> bool:
-    """Whether an agent plays now."""
+    """Return whether an agent plays now."""
     return session.playback.active and session.playback.casting is not None
 
 

@@ -76,4 +76,4 @@ class Action:
     """Why it cannot be done when it is not enabled; empty for `editing`, `playing`, `selecting`."""
     run: Callable[[Session], None]
     checked: Callable[[Session], bool] | None = None
-    """Whether it is on, for those that switch something."""
+    """True if it is on, for those that switch something."""

@@ -60,7 +60,7 @@ def find(session: Session, chord: str) -> Action | None:
 
 
 def available(session: Session, action: Action) -> bool:
-    """Whether an action can be done now."""
+    """Return whether an action can be done now."""
     return action.context in contexts(session) and action.enabled(session)
 
 
@@ -196,7 +196,7 @@ def _pad(session: Session, event: PadEvent) -> bool:
 
 
 def _repeats(action: Action) -> bool:
-    """Whether holding the key does the action again and again."""
+    """Return whether holding the key does the action again and again."""
     repeating = ("transform.", "run.step", "edit.undo", "edit.redo", "gallery.move")
     return action.id.startswith(repeating)
 

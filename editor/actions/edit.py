@@ -106,7 +106,7 @@ def named(level: Level, entity: int, name: str) -> SetField:
 
 
 def can_rename(session: Session) -> bool:
-    """Whether exactly one thing is selected that can have a name."""
+    """Return whether exactly one thing is selected that can have a name."""
     only = session.selection[0] if len(session.selection) == 1 else None
     return session.editing and isinstance(only, int)
 

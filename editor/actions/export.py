@@ -163,7 +163,7 @@ def _rival(session: Session, trace: Trace) -> Trace | None:
 
 
 def has_clip(session: Session) -> bool:
-    """Whether there is an episode to film."""
+    """Return whether there is an episode to film."""
     return session.playback.active and len(session.playback.moments) > 1
 
 

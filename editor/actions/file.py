@@ -73,7 +73,7 @@ def open_path(
 
 
 def _open_elsewhere(session: Session, path: Path) -> bool:
-    """Whether another window has a file open; those that came with the app are for everybody."""
+    """Return whether another window has a file open; the app's own are open to everybody."""
     return not filing.bundled(path) and session.autosaves.open_elsewhere(path)
 
 

@@ -46,7 +46,7 @@ def toggle(session: Session) -> None:
 
 
 def is_open(session: Session) -> bool:
-    """Whether the gallery is on the screen."""
+    """Return whether the gallery is on the screen."""
     return session.gallery.open
 
 
@@ -59,7 +59,7 @@ def close(session: Session) -> None:
 
 
 def choosing(session: Session) -> bool:
-    """Whether levels are chosen in the gallery."""
+    """Return whether levels are chosen in the gallery."""
     return session.gallery.open and bool(session.gallery.chosen(session.library))
 
 
@@ -191,7 +191,7 @@ def delete(session: Session) -> None:
 
 
 def can_restore(session: Session) -> bool:
-    """Whether something was deleted that can come back."""
+    """Return whether something was deleted that can come back."""
     return bool(session.gallery.thrown)
 
 

@@ -67,7 +67,7 @@ def try_out(session: Session) -> None:
 
 
 def can_try_out(session: Session) -> bool:
-    """Whether there is a level that the environment can play."""
+    """Return whether there is a level that the environment can play."""
     document = session.document
     return bool(document.level.bodies) and not has_errors(document.problems)
 

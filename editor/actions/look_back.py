@@ -11,7 +11,7 @@ def start_here(session: Session) -> None:
 
 
 def can_start_here(session: Session) -> bool:
-    """Whether the episode can be played on from the moment on show."""
+    """Return whether the episode can be played on from the moment on show."""
     return session.playback.can_branch
 
 

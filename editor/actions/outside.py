@@ -29,7 +29,7 @@ def check(session: Session) -> None:
 
 
 def is_changed(session: Session) -> bool:
-    """Whether somebody else has changed the file in front."""
+    """Return whether somebody else has changed the file in front."""
     return session.editing and bool(session.document.outside)
 
 

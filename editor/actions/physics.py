@@ -15,7 +15,7 @@ def choose(session: Session, name: str) -> None:
 
 
 def comparing(session: Session) -> bool:
-    """Whether the same is played under two physics side by side."""
+    """Return whether the same is played under two physics side by side."""
     return bool(session.viewer.other_physics)
 
 

@@ -75,7 +75,7 @@ def stop(session: Session) -> None:
 
 
 def has_state(session: Session) -> bool:
-    """Whether there is a simulated state to take over."""
+    """Return whether there is a simulated state to take over."""
     return session.playback.active and session.playback.snapshot is not None
 
 

@@ -60,7 +60,7 @@ def unbind(session: Session, action: Action) -> None:
 
 
 def changed(session: Session, action: Action) -> bool:
-    """Whether an action has other chords than at first."""
+    """Return whether an action has other chords than at first."""
     return action.id in session.settings.keys
 
 
@@ -93,7 +93,7 @@ def reset_all(session: Session) -> None:
 
 
 def any_changed(session: Session) -> bool:
-    """Whether any key is another than at first."""
+    """Return whether any key is another than at first."""
     return bool(session.settings.keys or session.settings.controls)
 
 

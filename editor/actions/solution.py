@@ -21,7 +21,7 @@ _TOO_CLOSE = (
 
 
 def can_keep(session: Session) -> bool:
-    """Whether an episode stands there that a person has won from the start, with keys alone."""
+    """Return whether the episode shown was won by a person from the start, with keys alone."""
     playback, trace = session.playback, session.playback.trace
     won = playback.mode is Mode.ENDED and playback.outcome == "won"
     by_hand = playback.casting is None and not playback.perturbed
@@ -70,7 +70,7 @@ def _record(session: Session, solution: Solution) -> None:
 
 
 def has_solution(session: Session) -> bool:
-    """Whether the level in front has one."""
+    """Return whether the level in front has one."""
     return session.document.level.solution is not None
 
 

@@ -26,7 +26,7 @@ def choose(tool: str) -> Callable[[Session], None]:
 
 
 def is_tool(tool: str) -> Callable[[Session], bool]:
-    """Whether a tool is in the hand."""
+    """Return whether a tool is in the hand."""
     return lambda session: session.tool.id == tool
 
 
@@ -138,7 +138,7 @@ def bring(panel: str) -> Callable[[Session], None]:
 
 
 def is_on(name: str) -> Callable[[Session], bool]:
-    """Whether a part of the view is on."""
+    """Return whether a part of the view is on."""
     return lambda session: bool(getattr(session.view, name))
 
 
@@ -152,7 +152,7 @@ def switch_setting(name: str) -> Callable[[Session], None]:
 
 
 def is_set(name: str) -> Callable[[Session], bool]:
-    """Whether a preference is on."""
+    """Return whether a preference is on."""
     return lambda session: bool(getattr(session.settings, name))
 
 

@@ -76,12 +76,12 @@ class Evaluation:
 
     @property
     def running(self) -> bool:
-        """Whether it is under way; a cancelled one is not, even if its thread still is."""
+        """True if it is under way; a cancelled one is not, even if its thread still is."""
         return self.job is not None and not self.job.finished and not self.cancelled
 
     @property
     def complete(self) -> bool:
-        """Whether every episode was played."""
+        """True if every episode was played."""
         return self.job is not None and self.job.state is JobState.DONE
 
     def start(self, plan: Plan) -> None:

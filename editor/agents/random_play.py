@@ -25,7 +25,7 @@ class Trial:
 
     @property
     def running(self) -> bool:
-        """Whether it is under way."""
+        """True if it is under way."""
         return self.job is not None and not self.job.finished
 
     def start(self, level: Level, physics: str) -> None:

@@ -54,7 +54,7 @@ class Viewer:
         self.attempt = 0
         self.deterministic = False
         self.by_hand = False
-        """Whether a person has taken over until they hand back."""
+        """True if a person has taken over until they hand back."""
         self.compare: Compare = "off"
         self.other_physics = ""
         """Preset or solver under which the same is played beside; empty: nothing is."""
@@ -64,11 +64,11 @@ class Viewer:
         self.other_runs: tuple[RunWatch, ...] = ()
         """Runs whose curves are shown beside those of `run`; their agents are not taken."""
         self.follow_run = True
-        """Whether the newest checkpoint of the watched run is played as soon as it is there."""
+        """True if the newest checkpoint of the watched run is played as soon as it is there."""
         self.eye_open = False
-        """Whether the panel with the agent's view is on the screen."""
+        """True if the panel with the agent's view is on the screen."""
         self.timeline_open = False
-        """Whether the timeline is on the screen: then contacts are noted for its marks."""
+        """True if the timeline is on the screen: then contacts are noted for its marks."""
         self.eye: AgentView | None = None
         self.eye_of: object = None
         """The moment that `eye` shows."""

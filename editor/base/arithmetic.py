@@ -55,7 +55,7 @@ class Change:
 
     @property
     def relative(self) -> bool:
-        """Whether it starts from the present value."""
+        """True if it starts from the present value."""
         return bool(self.operator)
 
     def of(self, value: float) -> float:

@@ -64,7 +64,7 @@ class KeyEvent:
     pressed: bool
     modifiers: Modifiers = NO_MODIFIERS
     repeat: bool = False
-    """Whether the system repeats a key that was already down."""
+    """True if the system repeats a key that was already down."""
 
     @property
     def chord(self) -> str:

@@ -21,7 +21,7 @@ class Choice:
     chord: str = ""
     """The keys that do the same, as actions name them."""
     separated: bool = False
-    """Whether a line stands above the row."""
+    """True if a line stands above the row."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ class _Watched:
         self.wanted: bytes | None = None
         """What the thread is to write."""
         self.gone = False
-        """Whether the thread is to remove the copy."""
+        """True if the thread is to remove the copy."""
 
 
 class Autosaves:
@@ -91,7 +91,7 @@ class Autosaves:
 
     @property
     def pending(self) -> bool:
-        """Whether a change waits to be copied."""
+        """True if a change waits to be copied."""
         return any(watched.first for watched in self._watched.values())
 
     def follow(self, documents: Iterable[Document]) -> None:

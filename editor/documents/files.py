@@ -81,7 +81,7 @@ def read_stamp(path: Path) -> Stamp | None:
 
 
 def changed_outside(document: Document) -> bool:
-    """Whether somebody else has changed or removed the document's file since it was last read."""
+    """Return whether the document's file was changed or removed since it was last read."""
     if document.path is None or document.stamp is None:
         return False
     try:

@@ -1,4 +1,4 @@
-"""Whether a run of the app still goes on: a lock that the system gives back, and a heartbeat.
+"""Locks by which runs of the app know of each other: one of the system, and a heartbeat.
 
 The system releases the lock at the moment a process ends, however it ends. It is only known to the
 processes of one running system; of another machine that shares the folder the heartbeat tells.

@@ -343,7 +343,7 @@ class Placement:
         return (points[0][0] + points[1][0]) / 2, (points[0][1] + points[1][1]) / 2
 
     def fixed(self, reference: BodyReference) -> bool:
-        """Whether nothing moves a body."""
+        """Return whether nothing moves a body."""
         if isinstance(reference, str):
             return True
         at = self.index.get(reference)

@@ -38,7 +38,7 @@ class Card(msgspec.Struct, frozen=True, kw_only=True):
     """`level_hash`; empty when the file cannot be read."""
     format: str = "kinetix-level"
     solved: bool = False
-    """Whether the file carries a recorded solution."""
+    """True if the file carries a recorded solution."""
     errors: int = 0
     warnings: int = 0
     fault: str = ""

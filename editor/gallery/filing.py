@@ -14,7 +14,7 @@ from kinetix.paths import levels_dir, state_dir, user_levels_dir
 
 
 def bundled(path: Path) -> bool:
-    """Whether a file came with the app: such are left alone."""
+    """Return whether a file came with the app: such are left alone."""
     return path.resolve().is_relative_to(levels_dir().resolve())
 
 

@@ -77,7 +77,7 @@ class Library:
 
     @property
     def busy(self) -> bool:
-        """Whether a look goes on, or its end has not been taken."""
+        """True if a look goes on, or its end has not been taken."""
         with self._condition:
             return self._ended < self._asked or self._found is not None
 
@@ -328,7 +328,7 @@ def _files(folders: Sequence[Path]) -> Iterator[tuple[Path, int, int]]:
 
 
 def _claims_to_be_a_level(path: Path) -> bool:
-    """Whether a broken file was meant to be a level: only such are worth showing."""
+    """Return whether a broken file was meant to be a level: only such are worth showing."""
     try:
         with open_regular(path, "set") as file:
             head = file.read(4096)

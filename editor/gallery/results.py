@@ -42,7 +42,7 @@ class Trial:
     physics: str = ""
     """Empty where it was not noted."""
     deterministic: bool = False
-    """Whether the agent took its likeliest actions."""
+    """True if the agent took its likeliest actions."""
     seed: int = 0
 
     @property

@@ -45,7 +45,7 @@ class Host(abc.ABC):
         self.size = size
         self.frame_count = 0
         self.endures = False
-        """Whether the window goes on after a frame that fails; scripts and tests end instead."""
+        """True if the window goes on after a frame that fails; scripts and tests end instead."""
         self._failed = 0
         """Frames in a row that have failed."""
         self.recorder: Recorder | None = None

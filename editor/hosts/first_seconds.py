@@ -114,7 +114,7 @@ def main() -> None:
 
 
 def _written() -> bool:
-    """Whether both steps of the level are on disk: the quick one, and that of its size."""
+    """Return whether both steps of the level are on disk: the quick one, and that of its size."""
     from kinetix.paths import cache_dir
 
     return len(list((cache_dir() / "steps").glob("*.step"))) > 1

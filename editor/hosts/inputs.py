@@ -31,7 +31,7 @@ class InputFeeder:
 
     @property
     def pending(self) -> bool:
-        """Whether events are left for the next frame."""
+        """True if events are left for the next frame."""
         return bool(self._waiting)
 
     def feed(self, batch: Iterable[events.InputEvent]) -> None:
@@ -105,7 +105,7 @@ class InputFeeder:
 
 
 def _presses(event: events.InputEvent) -> bool:
-    """Whether it is something that modifiers give a meaning to."""
+    """Return whether it is something that modifiers give a meaning to."""
     match event:
         case events.KeyEvent(key=key, pressed=pressed):
             return pressed and key not in keys.MODIFIERS

@@ -77,7 +77,7 @@ class PygameHost(Host):
     """Opens a window, waits for input while idle, draws at the display's rate otherwise."""
 
     needs_display: ClassVar[bool] = True
-    """Whether a window that nobody sees is an error."""
+    """True if a window that nobody sees is an error."""
 
     def __init__(
         self,

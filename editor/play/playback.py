@@ -42,7 +42,7 @@ class Simulator(Protocol):
     """What playback asks of the simulation; answers may come in later frames."""
 
     keep_contacts: bool
-    """Whether the snapshots to come carry contact points (debug drawing, plots)."""
+    """True if the snapshots to come carry contact points (debug drawing, plots)."""
 
     @property
     def outstanding(self) -> int:
@@ -118,7 +118,7 @@ class Playback:
         """The part of a replay that is shown again and again, first and last index."""
         self.ring = Ring()
         self.perturbed = False
-        """Whether the mouse pulled at a body, or a person drove instead of the agent."""
+        """True if the mouse pulled at a body, or a person drove instead of the agent."""
         self.failure = ""
         """Why the last episode could not start or go on; empty while all is well."""
         self._actions: list[Action] = []
@@ -138,12 +138,12 @@ class Playback:
 
     @property
     def active(self) -> bool:
-        """Whether the app plays or replays (the document is not being edited)."""
+        """True if the app plays or replays (the document is not being edited)."""
         return self.mode is not Mode.EDIT
 
     @property
     def waiting(self) -> bool:
-        """Whether play was asked for and the first state has not come (compiling)."""
+        """True if play was asked for and the first state has not come (compiling)."""
         return self._starting
 
     @property
@@ -192,7 +192,7 @@ class Playback:
 
     @property
     def can_branch(self) -> bool:
-        """Whether the episode can be played on from the moment on show."""
+        """True if the episode can be played on from the moment on show."""
         shown = self.snapshot
         lasting = self._replay is not None and not self._replay.from_file
         return lasting and shown is not None and shown.outcome is None

@@ -40,12 +40,12 @@ class Follower:
 
     @property
     def active(self) -> bool:
-        """Whether there is a second episode."""
+        """True if there is a second episode."""
         return self.level is not None
 
     @property
     def waiting(self) -> bool:
-        """Whether its first state has not come."""
+        """True if its first state has not come."""
         return self._starting
 
     def start(

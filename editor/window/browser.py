@@ -51,7 +51,7 @@ class FileBrowser:
         self._overwrite: Path | None = None
         self._error = ""
         self._to_name = True
-        """Whether the keyboard goes to the name in the next frame."""
+        """True if the keyboard goes to the name in the next frame."""
 
     @property
     def _saving(self) -> bool:

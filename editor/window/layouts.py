@@ -24,7 +24,7 @@ class Arrangement:
     most: float = 0.28
     """Largest share of the window's height for the lower row."""
     folded: bool = False
-    """Whether the lower row begins as a strip of its tabs."""
+    """True if the lower row begins as a strip of its tabs."""
     below: frozenset[str] = frozenset({"outliner", "level", "inspector"})
     """Panels that stand below the others at the right where there is no left column."""
     front: tuple[str, ...] = ()

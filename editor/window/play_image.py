@@ -48,7 +48,7 @@ class PlayImage:
 
     def __init__(self) -> None:
         self.enabled = False
-        """Whether the worker may be asked; the window turns it on once Play is prepared."""
+        """True if the worker may be asked; the window turns it on once Play is prepared."""
         self._ready: set[_Key] = set()
         self._pending = False
         self._picture: Picture | None = None

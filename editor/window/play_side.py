@@ -39,7 +39,7 @@ class _Column:
     y: float
     width: float
     plates: bool
-    """Whether each line gets a plate, as it stands over the level."""
+    """True if each line gets a plate, as it stands over the level."""
 
     def gap(self, height: float) -> None:
         self.y += px(height)

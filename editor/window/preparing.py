@@ -30,7 +30,7 @@ class _Task:
     request: Request
     title: str
     goes_on: bool = False
-    """Whether it may begin and go on while something is played."""
+    """True if it may begin and go on while something is played."""
 
 
 class Preparation:
@@ -65,7 +65,7 @@ class Preparation:
         self._unkept = 0
         """Jobs that have finished since the last time that programs were written to disk."""
         self.tailors = True
-        """Whether levels get steps of their own; a recorded session plays like its replay."""
+        """True if levels get steps of their own; a recorded session plays like its replay."""
 
     def begin(self) -> None:
         """Start as soon as `tick` is called: the window stands."""
@@ -138,7 +138,7 @@ class Preparation:
 
     @property
     def _quiet(self) -> bool:
-        """Whether nothing else is to be done."""
+        """True if nothing else is to be done."""
         session = self._session
         return not (session.driver.active or session.gallery.open or session.worker.jobs)
 

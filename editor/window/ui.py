@@ -122,7 +122,7 @@ class Ui:
         )
         self._laid_out = False
         self._narrow: bool | None = None
-        """Whether the layout is that of a narrow window; None: a stored one has been taken."""
+        """True if the layout is that of a narrow window; None: a stored one has been taken."""
         self._other_widths: dict[bool, str] = {}
         """Layouts of this run for wide (False) and narrow (True) windows."""
         self._rescaled = ""
@@ -146,12 +146,12 @@ class Ui:
         self._had_bars = False
         self._panel_focused = False
         self._popup = False
-        """Whether a pop-up was open in the last frame."""
+        """True if a pop-up was open in the last frame."""
         self._to_canvas = True
         self._switches: dict[str, bool] = {}
         self._fps = 60.0
         self.warm_up = False
-        """Whether to import JAX and compile in the background once the window stands."""
+        """True if to import JAX and compile in the background once the window stands."""
 
     @property
     def window_title(self) -> str:
@@ -162,12 +162,12 @@ class Ui:
 
     @property
     def fullscreen(self) -> bool:
-        """Whether the window is to fill the screen."""
+        """True if the window is to fill the screen."""
         return self.session.view.fullscreen
 
     @property
     def animating(self) -> bool:
-        """Whether the next frame differs without any input."""
+        """True if the next frame differs without any input."""
         session = self.session
         return (
             session.playback.active

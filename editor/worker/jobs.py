@@ -78,7 +78,7 @@ class Job:
 
     @property
     def finished(self) -> bool:
-        """Whether nothing more will happen."""
+        """True if nothing more will happen."""
         return self.state in (JobState.DONE, JobState.FAILED, JobState.CANCELLED)
 
     def cancel(self) -> None:
@@ -101,7 +101,7 @@ class Job:
 
     @property
     def cancelled(self) -> bool:
-        """Whether somebody asked it to stop."""
+        """True if somebody asked it to stop."""
         return self._cancel.is_set()
 
 
@@ -183,7 +183,7 @@ class Worker:
 
     @property
     def idle(self) -> bool:
-        """Whether no job is running, waiting or untaken."""
+        """True if no job is running, waiting or untaken."""
         with self._condition:
             return self._resting and not self._finished
 
@@ -300,9 +300,9 @@ class WorkerSimulator:
         self._arrived: list[Snapshot] = []
         self._error = ""
         self.keep_contacts = False
-        """Whether the snapshots to come carry contact points."""
+        """True if the snapshots to come carry contact points."""
         self.quick = False
-        """Whether an episode may begin in a step that was compiled quickly, where no better one is
+        """True if an episode may begin in a step that was compiled quickly, where no better one is
         ready. What is recorded as a script plays the same again only without."""
         self.job: Job | None = None
         """The job that starts the episode, for its progress."""

@@ -51,9 +51,9 @@ class Mind:
     chances: tuple[tuple[float, float, float], ...] = ()
     """Each control's probabilities of −1, 0 and +1; empty where they are not known."""
     by_hand: bool = False
-    """Whether a person drove instead."""
+    """True if a person drove instead."""
     scripted: bool = False
-    """Whether there is no network: value and entropy mean nothing."""
+    """True if there is no network: value and entropy mean nothing."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -96,9 +96,9 @@ class Snapshot:
     milliseconds: float = 0.0
     """What the step took to compute."""
     tailored: bool = False
-    """Whether that was the step compiled for this level alone, not the one of its size."""
+    """True if that was the step compiled for this level alone, not the one of its size."""
     quick: bool = False
-    """Whether that step was compiled quickly: the other tier rounds differently."""
+    """True if that step was compiled quickly: the other tier rounds differently."""
     action: tuple[float, ...] = ()
     """What was played in the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     mind: Mind | None = None
@@ -162,7 +162,7 @@ class Trace:
 
     physics: str
     perturbed: bool
-    """Whether the mouse pulled at a body, or a person drove instead of the agent; such episodes
+    """True if the mouse pulled at a body, or a person drove instead of the agent; such episodes
     count in no statistics."""
     snapshots: tuple[Snapshot, ...]
     actions: tuple[Action, ...]
@@ -176,7 +176,7 @@ class Trace:
     digest: str = ""
     """SHA-256 of the agent's parameters; empty for people and scripted agents."""
     from_file: bool = False
-    """Whether it was read from a file: then it can be looked at, and not be played on from."""
+    """True if it was read from a file: then it can be looked at, and not be played on from."""
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The trace as arrays with time first, as an `.npz` file holds it."""

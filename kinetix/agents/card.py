@@ -118,7 +118,7 @@ class AgentCard(_Part, frozen=True, kw_only=True):
 
     @property
     def plays_any_capacity(self) -> bool:
-        """Whether what the agent sees has one form for all capacities (else it plays just one)."""
+        """True if what the agent sees has one form for all capacities (else it plays just one)."""
         return self.observation.type in ("symbolic_entity", "pixels", "blind")
 
 

@@ -44,7 +44,7 @@ _OUR_ONLY = ("name", "description", "model", "observation_type", "action_type")
 
 
 def is_peer_checkpoint(directory: Path) -> bool:
-    """Whether a directory holds an agent in the peer's form."""
+    """Return whether a directory holds an agent in the peer's form."""
     return (directory / TENSORS).is_file() and (directory / CONFIG).is_file()
 
 

@@ -33,7 +33,7 @@ class Thought:
     chances: Float[Array, "u 3"]
     """Each control's probabilities of −1, 0 and +1; 0 throughout for scripted players."""
     sane: Bool[Array, ""]
-    """Whether all that the network said are numbers."""
+    """True where all that the network said are numbers."""
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1), static_argnames="deterministic")

@@ -114,7 +114,7 @@ class Provenance:
     attempts: int
     """Attempts a level."""
     deterministic: bool
-    """Whether the likeliest actions were taken."""
+    """True if the likeliest actions were taken."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as the last line of `kinetix eval --json` says it."""

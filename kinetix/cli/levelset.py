@@ -126,9 +126,9 @@ class Verdict:
     solution: str | None
     """Outcome of the recorded solution; None where there is none."""
     unsolved: bool
-    """Whether the level is tagged so, which makes it only reported."""
+    """True if the level is tagged so, which makes it only reported."""
     records: bool = True
-    """Whether its file can record a solution: those of kinetix-env cannot."""
+    """True if its file can record a solution: those of kinetix-env cannot."""
 
     @property
     def problems(self) -> list[str]:
@@ -144,7 +144,7 @@ class Verdict:
 
     @property
     def ok(self) -> bool:
-        """Whether it passes."""
+        """True if it passes."""
         return not self.problems or self.unsolved
 
 

@@ -40,7 +40,7 @@ class FileReport:
 
     @property
     def ok(self) -> bool:
-        """Whether there is no error."""
+        """True if there is no error."""
         return not has_errors(self.issues)
 
 

@@ -24,7 +24,7 @@ class Place:
 
     @property
     def old(self) -> bool:
-        """Whether kinetix-env itself has dropped the name."""
+        """True if kinetix-env itself has dropped the name."""
         return bool(self.home and self.instead)
 
 

@@ -159,7 +159,7 @@ def expand_env_states(env_state: EnvState, dst_static: StaticEnvParams) -> EnvSt
 def check_if_mass_and_inertia_are_correct(
     state: EnvState, env_params: EnvParams, static_params: StaticEnvParams
 ) -> bool:
-    """Whether every moving body has the mass and inertia that follow from shape and density."""
+    """Return whether the masses and inertias of moving bodies follow from shape and density."""
     del env_params, static_params
     scene = Scene(world=state.world, state=state.physics, labels=state.labels)
     level: Level = level_from_scene(scene, name="level", inertia_model=UEDParams().inertia_model)

@@ -92,19 +92,19 @@ def make_velocities_zero(state: EnvState) -> EnvState:
 
 
 def is_space_for_shape(state: EnvState) -> Bool[Array, ""]:
-    """Whether a slot for a body is free."""
+    """Return whether a slot for a body is free."""
     return ~jnp.all(state.world.bodies.active)
 
 
 def is_space_for_joint(state: EnvState) -> Bool[Array, ""]:
-    """Whether a slot for a joint is free."""
+    """Return whether a slot for a joint is free."""
     return ~jnp.all(state.world.joints.active)
 
 
 def are_there_shapes_present(
     state: EnvState, static_env_params: StaticEnvParams
 ) -> Bool[Array, ""]:
-    """Whether there is any body besides the arena's."""
+    """Return whether there is any body besides the arena's."""
     del static_env_params
     return jnp.any(state.world.bodies.active[ARENA_BODIES:])
 

@@ -24,12 +24,12 @@ class RunningMeanStandard:
 
 
 def rms_should_normalise(x: Any) -> bool:
-    """Whether an array holds reals; masks and indices stay as they are."""
+    """Return whether an array holds reals; masks and indices stay as they are."""
     return jnp.issubdtype(jnp.result_type(x), jnp.floating)
 
 
 def rms_is_leaf(node: Any) -> bool:
-    """Whether a node of a tree is the statistics of one array."""
+    """Return whether a node of a tree is the statistics of one array."""
     return isinstance(node, RunningMeanStandard)
 
 

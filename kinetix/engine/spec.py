@@ -23,7 +23,7 @@ class Capacity:
         return self.polygons + self.circles
 
     def covers(self, other: "Capacity") -> bool:
-        """Whether everything that fits `other` fits here too."""
+        """Return whether everything that fits `other` fits here too."""
         return all(
             mine >= theirs
             for mine, theirs in zip(

@@ -30,7 +30,7 @@ class Bodies:
     collision_mode: Int[Array, " b"]
     """0 ghost, 1 normal, 2 always: a pair may touch when a = 2 or b = 2 or a·b > 0."""
     active: Bool[Array, " b"]
-    """Whether the slot holds a body."""
+    """True where the slot holds a body."""
     vertices: Float[Array, "p v 2"]
     """Corners of the polygons in their own frame [m], clockwise; padding beyond the count."""
     vertex_count: Int[Array, " p"]
@@ -52,19 +52,19 @@ class Joints:
     anchor_b: Float[Array, "j 2"]
     """Attachment in the frame of body b [m]."""
     active: Bool[Array, " j"]
-    """Whether the slot holds a joint."""
+    """True where the slot holds a joint."""
     fixed: Bool[Array, " j"]
     """True: a weld, which also holds the angle; False: revolute."""
     reference_angle: Float[Array, " j"]
     """The relative angle that counts as zero [rad]."""
     motor_on: Bool[Array, " j"]
-    """Whether the joint answers to a control."""
+    """True where the joint answers to a control."""
     motor_speed: Float[Array, " j"]
     """Target speed in units of `Parameters.base_motor_speed`."""
     motor_power: Float[Array, " j"]
     """Strength in units of `Parameters.base_motor_power`."""
     limited: Bool[Array, " j"]
-    """Whether the two limits hold."""
+    """True where the two limits hold."""
     limit_min: Float[Array, " j"]
     """Least angle, measured from the reference angle [rad]."""
     limit_max: Float[Array, " j"]
@@ -84,7 +84,7 @@ class Thrusters:
     power: Float[Array, " t"]
     """Strength in units of `Parameters.base_thruster_power`."""
     active: Bool[Array, " t"]
-    """Whether the slot holds a thruster."""
+    """True where the slot holds a thruster."""
 
 
 @pytree
@@ -117,7 +117,7 @@ class State:
     """Which candidate pairs touched in the last step, in the order of `pairs.candidate_pairs`;
     all false before the first step. Pairs that never push each other are included."""
     overflow: Bool[Array, ""]
-    """Whether the last step met more contacts than the solver has room for."""
+    """True where the last step met more contacts than the solver has room for."""
     cache: Any
     """What the solver keeps from step to step, such as impulses; a pytree of its own."""
 

@@ -1,4 +1,4 @@
-"""What is asked of the arguments of `reset` and `step`, while they are traced: one sentence each.
+"""Checks of the arguments of `reset` and `step` while they are traced: one sentence each.
 
 Types and shapes are known then, so a check costs nothing in a compiled step. Values are not: what
 lies outside an action's range is clipped, or counts as no action (`env.action_space().contains`

@@ -44,7 +44,7 @@ StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, A
 
 @pytree
 class _Played:
-    """What is known after some of the physics steps of one environment step."""
+    """State of an environment step after some of its physics steps."""
 
     physics: State
     reward: Float[Array, ""]
@@ -60,7 +60,7 @@ def _settled(state: EnvState) -> EnvState:
 
 
 def has_nan(physics: State) -> Bool[Array, ""]:
-    """Whether anything that a step changes is NaN."""
+    """Return whether anything that a step changes is NaN."""
     reals = [x for x in jax.tree.leaves(physics) if jnp.issubdtype(x.dtype, jnp.floating)]
     return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
 
@@ -85,16 +85,16 @@ class KinetixEnv(MethodsOfKinetixEnv):
     actions: AbstractAction
     observations: AbstractObservation
     reset_fn: ResetFunction | None
-    """Where episodes start when no override is given."""
+    """Draws the start of an episode when no override is given."""
     env_params: EnvParams
     static_env_params: StaticEnvParams
     auto_reset: bool = True
-    """Whether `step` goes on with a new episode where one is done."""
+    """True if `step` goes on with a new episode where one is done."""
     keep_terminal_observation: bool = False
-    """Whether `info` carries the observation that auto-reset replaces."""
+    """True if `info` carries the observation that auto-reset replaces."""
 
     def __repr__(self) -> str:
-        """What is seen, done and simulated."""
+        """Name the observation, the action and the physics."""
         static = self.static_env_params
         return (
             f"<KinetixEnv: {self.observations.name} → {self.actions.name}, "
@@ -137,7 +137,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return self.actions.action_space
 
     def observation_space(self, env_params: EnvParams | None = None) -> Space:
-        """What `get_obs` returns; the argument is there for gymnax's sake."""
+        """Return the space of `get_obs`; the argument is there for gymnax's sake."""
         return self.observations.space
 
     @quick_alone
@@ -257,14 +257,14 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return worlds_last(jax.vmap(one, in_axes=-1, out_axes=-1), self._effort)
 
     def _effort(self, state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
-        """How much work the next step of each world will be."""
+        """Estimate the work that the next step of each world takes."""
         del action, params
         return self.physics_engine.solver.effort(state.world, state.physics)
 
     def _advance(
         self, state: EnvState, action: Any, params: EnvParams
     ) -> tuple[dict[str, Any], Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
-        """What a step changes of the state, reward, done and info.
+        """Return the changed fields of the state, reward, done and info.
 
         The level itself is not returned, so that its arrays stay where they are.
         """

@@ -55,7 +55,7 @@ class EpisodeState:
 
     @property
     def outcome(self) -> Outcome | None:
-        """How the episode ended; None while it goes on."""
+        """Outcome of the episode; None while it goes on."""
         index = int(self.ending)
         return OUTCOMES[index - 1] if index else None
 

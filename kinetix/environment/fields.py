@@ -144,7 +144,7 @@ class FieldsOfKinetixEnv:
 
     @property
     def motor_auto(self) -> Bool[Array, "*n j"]:
-        """Whether the motor always runs."""
+        """True if the motor always runs."""
         return self.labels.motor_auto
 
     @property

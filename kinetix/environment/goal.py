@@ -1,4 +1,4 @@
-"""What ends an episode and what it is worth: touches of green with blue and with red."""
+"""Ends of episodes and their rewards: touches of green with blue and with red."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -92,7 +92,7 @@ def goal_distance(position: Float[Array, "b 2"], world: World, labels: Labels) -
 def dense_reward(
     distance: Float[Array, ""], last_distance: Float[Array, ""], scale: float
 ) -> Float[Array, ""]:
-    """What coming closer is worth: the distance lost in this step times the scale.
+    """Return the reward of coming closer: the distance lost in this step times the scale.
 
     0 in the first step of an episode (the last distance is −1) and where the result is not finite.
     """

@@ -51,7 +51,7 @@ class _Table:
         return jnp.arctan2(self.column(f"sin_{name}"), self.column(f"cos_{name}"))
 
     def choice(self, prefix: str) -> Int[Array, " e"]:
-        """Which of the one-hot columns with a common prefix is largest."""
+        """Return which of the one-hot columns with a common prefix is largest."""
         chosen = [i for i, f in enumerate(self.features) if f.name.startswith(prefix)]
         return jnp.argmax(self.rows[:, chosen[0] : chosen[-1] + 1], axis=1).astype(jnp.int32)
 

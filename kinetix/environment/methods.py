@@ -19,7 +19,7 @@ REPLACEABLE = frozenset({"reset", "step", "render"})
 
 
 class MethodsOfKinetixEnv:
-    """What code written for gymnax or kinetix-env calls, in terms of `reset` and `step`."""
+    """Methods that code written for gymnax or kinetix-env calls, in terms of `reset` and `step`."""
 
     env_params: Any
     static_env_params: Any

@@ -83,7 +83,7 @@ class StaticEnvParams:
     solver_batch_size: int = static(default=16)
     """Contacts that the `jax2d` preset solves at once."""
     do_warm_starting: bool = static(default=True)
-    """Whether the `jax2d` preset starts from the impulses of the last step."""
+    """True if the `jax2d` preset starts from the impulses of the last step."""
     num_static_fixated_polys: int = static(default=ARENA_BODIES)
     """Arena bodies."""
     screen_dim: tuple[int, int] = static(default=(500, 500))
@@ -99,9 +99,9 @@ class StaticEnvParams:
     physics: str = static(default="balanced")
     """Physics preset, or a solver's name at its default settings."""
     touch_includes_joined: bool = static(default=True)
-    """Whether two bodies of one jointed component that overlap count as touching."""
+    """True if two bodies of one jointed component that overlap count as touching."""
     features: Features = static(default=Features())
-    """What the levels use; less than everything specialises the compiled step."""
+    """Features that the levels use; fewer than all specialise the compiled step."""
 
     __repr__ = short_repr
 
@@ -118,7 +118,7 @@ class StaticEnvParams:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PhysicsEngine:
-    """What steps the bodies of one environment: hashable, made from `StaticEnvParams` alone."""
+    """Sizes and solver of an environment's physics: hashable, made from `StaticEnvParams` alone."""
 
     spec: SceneSpec
     solver: AbstractSolver

@@ -47,7 +47,7 @@ def replay_solution(level: Level, physics: str | None = None) -> Outcome:
 
 
 def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:
-    """How a level ends when nothing is done; a level that wins itself is no task.
+    """Return how a level ends when nothing is done; a level that wins itself is no task.
 
     Raises:
         KinetixError: The physics preset does not exist.

@@ -1,4 +1,4 @@
-"""Where episodes start: levels from files, lists of levels, random levels, the empty level."""
+"""Starts of episodes: levels from files, lists of levels, random levels, the empty level."""
 
 import dataclasses
 import re
@@ -46,7 +46,7 @@ ResetFunction = Callable[[Array], EnvState]
 """Draws the state in which an episode starts from a key; works under jit and vmap."""
 
 Source = Literal["file", "fixed"]
-"""Whether a number comes from the file or is the one that the peer always uses."""
+"""True if a number comes from the file or is the one that the peer always uses."""
 
 LevelLike = str | Path | Level | EnvState
 """A level in any form: file, bundled name, document, state."""

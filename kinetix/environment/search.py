@@ -37,17 +37,17 @@ FRESH: Final = 64
 ROWS: Final = 512
 """Plans are padded to a multiple of so many steps."""
 LOST: Final = 10.0
-"""How many metres of distance a loss is worth when plans are ranked."""
+"""Distance that a loss counts for when plans are ranked [m]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SearchProgress:
-    """What a search knows after a round."""
+    """Progress of a search after a round."""
 
     plans: int
     """Plans played so far."""
     won: int
-    """How many of them won."""
+    """Plans that won."""
     distance: float
     """Least distance between green and blue in a plan that was not lost [m]."""
     seconds: float
@@ -55,7 +55,7 @@ class SearchProgress:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How each plan of a batch went."""
+    """Results of a batch of plans."""
 
     won: Bool[np.ndarray, " n"]
     steps: Int[np.ndarray, " n"]
@@ -112,7 +112,7 @@ def solve_level(
 
 
 def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -> Task:
-    """What there is to search in a level.
+    """Return the search task of a level.
 
     Args:
         level: The level.

@@ -1,4 +1,4 @@
-"""What an action or an observation can be: the two enumerations and the descriptions of sets.
+"""Spaces of actions and observations: the two enumerations and the descriptions of sets.
 
 The classes have the attributes that gymnax's spaces have (`n`, `shape`, `dtype`, `low`, `high`,
 `sample(key)`, `contains(x)`), so that code written for those runs on these. Where gymnax has been
@@ -85,7 +85,7 @@ class Space(abc.ABC):
 
     @abc.abstractmethod
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether a value of the right structure lies in the space: one truth value."""
+        """Return whether a value of the right structure lies in the space: one truth value."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -103,7 +103,7 @@ class Discrete(Space):
         return jax.random.randint(key, self.shape, 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether every entry is 0 … n − 1."""
+        """Return whether every entry is 0 … n − 1."""
         return jnp.all((jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n))
 
 
@@ -129,7 +129,7 @@ class MultiDiscrete(Space):
 
     @property
     def n(self) -> int:
-        """How many logits a policy needs."""
+        """Number of logits that a policy needs."""
         return sum(self.number_of_dims_per_distribution)
 
     @property
@@ -143,7 +143,7 @@ class MultiDiscrete(Space):
         return jax.random.randint(key, self.shape, 0, classes, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether every entry is one of its classes."""
+        """Return whether every entry is one of its classes."""
         x = jnp.asarray(x)
         return jnp.all((x >= 0) & (x < np.asarray(self.number_of_dims_per_distribution)))
 
@@ -166,7 +166,7 @@ class Box(Space):
                 object.__setattr__(self, name, np.asarray(getattr(self, name), np.float32))
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same set."""
+        """Return whether both are the same set."""
         if not isinstance(other, Box):
             return NotImplemented
         same = (self.shape, np.dtype(self.dtype)) == (other.shape, np.dtype(other.dtype))
@@ -189,7 +189,7 @@ class Box(Space):
         return jnp.where(bounded, inside, outside).astype(self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether every entry lies between the bounds, both included."""
+        """Return whether every entry lies between the bounds, both included."""
         x = jnp.asarray(x)
         return jnp.all((x >= jnp.asarray(self.low)) & (x <= jnp.asarray(self.high)))
 
@@ -210,7 +210,7 @@ class Binary(Space):
         return jax.random.bernoulli(key, shape=self.shape)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether the array is boolean."""
+        """Return whether the array is boolean."""
         return jnp.asarray(jnp.asarray(x).dtype == jnp.bool_)
 
 
@@ -224,7 +224,7 @@ class Dict(Space):
 
     @property
     def num_spaces(self) -> int:
-        """How many parts there are."""
+        """Number of parts."""
         return len(self.spaces)
 
     def sample(self, key: Array) -> dict[str, Any]:
@@ -236,7 +236,7 @@ class Dict(Space):
         }
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether every part lies in its space; parts are looked up as items or as attributes."""
+        """Return whether every part, an item or an attribute, lies in its space."""
         parts = x if isinstance(x, Mapping) else {name: getattr(x, name) for name in self.spaces}
         return jnp.all(
             jnp.stack([space.contains(parts[name]) for name, space in self.spaces.items()])

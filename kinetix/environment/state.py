@@ -32,19 +32,19 @@ class BodiesView:
     angular_velocity: Float[Array, " b"]
     """[rad/s]."""
     active: Bool[Array, " b"]
-    """Whether the slot holds a body."""
+    """True where the slot holds a body."""
 
 
 @pytree
 class EnvState(FieldsOfKinetixEnv):
-    """What `reset` returns and `step` advances; values at a reset are used as they are."""
+    """Result of `reset`, advanced by `step`; values at a reset are used as they are."""
 
     world: World
-    """What the level fixes."""
+    """Constants of the level."""
     physics: State
-    """What a physics step changes."""
+    """Quantities that a physics step changes."""
     labels: Labels
-    """What the level says and the engine does not need: roles, bindings, time limit."""
+    """Properties of the level that the engine does not need: roles, bindings, time limit."""
     timestep: Int[Array, ""]
     """Environment steps since the reset."""
     last_distance: Float[Array, ""]

@@ -36,7 +36,7 @@ HELD: Final = 0.25
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Task:
-    """What a search shall solve, and with what."""
+    """The level of a search, and the environment that plays it."""
 
     env: KinetixEnv
     start: EnvState
@@ -46,17 +46,17 @@ class Task:
     """Entries of an action that drive anything."""
     random: np.random.Generator
     wins: Callable[[Int[np.ndarray, "k 6"]], bool]
-    """Whether actions that won in a batch also win alone."""
+    """True where actions that won in a batch also win alone."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Round:
-    """What came of a round of a search."""
+    """Result of one round of a search."""
 
     plans: int
     """Plans played."""
     won: int
-    """How many of them won in the batch."""
+    """Plans that won in the batch."""
     actions: Int[np.ndarray, "k 6"] | None
     """The shortest that also win alone."""
     distance: float
@@ -94,7 +94,7 @@ def _pass(task: Task) -> Round:
 
 
 def _continued(task: Task, plans: Plans) -> Plans:
-    """What each attempt does in the next stretch: something random, some after holding on."""
+    """Draw the next stretch of each attempt: random actions, some after holding on."""
     fresh = random_plans(task.random, BATCH, STRETCH, task.channels)
     if plans.shape[1] == 0:
         return fresh

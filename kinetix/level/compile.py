@@ -78,7 +78,7 @@ class Labels:
     motor_binding: Int[Array, " j"]
     """Action channel of the motor, 0 … 3."""
     motor_auto: Bool[Array, " j"]
-    """Whether the motor is always driven at +1."""
+    """True where the motor is always driven at +1."""
     thruster_binding: Int[Array, " t"]
     """Action channel of the thruster, 0 … 1."""
     max_timesteps: Int[Array, ""]

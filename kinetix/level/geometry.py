@@ -204,7 +204,7 @@ def inverse_mass(body: Body, inertia_model: InertiaModel) -> tuple[float, float]
 
 
 def same_masses(inverses: tuple[float, float], derived: tuple[float, float]) -> bool:
-    """Whether stored inverses (mass, inertia) say what shape and density give, but for rounding."""
+    """Return whether inverse mass and inertia follow from shape and density, but for rounding."""
     return all(
         abs(inverse * value - 1) <= MASS_TOLERANCE
         for inverse, value in zip(inverses, derived, strict=True)
@@ -212,7 +212,7 @@ def same_masses(inverses: tuple[float, float], derived: tuple[float, float]) -> 
 
 
 def same_geometry(a: Geometry, b: Geometry) -> bool:
-    """Whether two arena bodies have the same place and shape, but for rounding."""
+    """Return whether two arena bodies have the same place and shape, but for rounding."""
     return len(a.vertices) == len(b.vertices) and all(
         math.dist(p, q) <= PLACE_TOLERANCE
         for p, q in zip((a.position, *a.vertices), (b.position, *b.vertices), strict=True)
@@ -307,18 +307,18 @@ def signed_distance(body: Body, point: Point) -> float:
 
 
 def contains(body: Body, point: Point) -> bool:
-    """Whether a world point lies in a body."""
+    """Return whether a world point lies in a body."""
     return signed_distance(body, point) <= 0.0
 
 
 def inside_box(body: Body, box: tuple[float, float, float, float]) -> bool:
-    """Whether a body lies wholly in a box (left, bottom, right, top)."""
+    """Return whether a body lies wholly in a box (left, bottom, right, top)."""
     left, bottom, right, top = bounds(body)
     return left >= box[0] and bottom >= box[1] and right <= box[2] and top <= box[3]
 
 
 def touches_box(body: Body, box: tuple[float, float, float, float]) -> bool:
-    """Whether a body and a box (left, bottom, right, top) have a point in common."""
+    """Return whether a body and a box (left, bottom, right, top) have a point in common."""
     left, bottom, right, top = box
     corners = ((right, top), (left, top), (left, bottom), (right, bottom))
     if isinstance(body.shape, Circle):

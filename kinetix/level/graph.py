@@ -25,7 +25,7 @@ def may_push(
     b: tuple[BodyReference, Body],
     component: dict[BodyReference, BodyReference],
 ) -> bool:
-    """Whether two bodies can ever push each other.
+    """Return whether two bodies can ever push each other.
 
     Args:
         a: Reference and body.
@@ -40,6 +40,6 @@ def may_push(
 
 
 def modes_meet(a: Body, b: Body) -> bool:
-    """Whether the collision modes of two bodies let them touch at all."""
+    """Return whether the collision modes of two bodies let them touch at all."""
     modes = {a.collision, b.collision}
     return "always" in modes or modes == {"normal"}

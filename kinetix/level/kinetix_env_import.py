@@ -111,7 +111,7 @@ def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[s
 
 
 def _are_polygons(level: Level) -> bool:
-    """Whether all corners make polygons; what does not is a fault, and has no centre of mass."""
+    """Return whether all corners make polygons; what does not is a fault."""
     shapes = [body.shape for body in level.bodies]
     return not any(isinstance(s, Polygon) and polygon_fault(s.vertices) for s in shapes)
 
@@ -332,7 +332,7 @@ def _import_warnings(document: KinetixEnvDocument) -> list[str]:
 
 
 def _blank(row: KinetixBody | KinetixJoint | KinetixThruster) -> bool:
-    """Whether an unused slot holds what we or an expansion by the peer would write there."""
+    """Return whether an unused slot holds what we or an expansion by the peer would write there."""
     values = msgspec.structs.asdict(row)
     defaults = msgspec.structs.asdict(type(row)())
     return all(

@@ -128,7 +128,7 @@ def common_capacity(levels: Iterable[Level]) -> Capacity:
 
 
 def is_set_file(path: Path) -> bool:
-    """Whether a JSON file is a level set; a file that cannot be read is none."""
+    """Return whether a JSON file is a level set; a file that cannot be read is none."""
     try:
         text = read_text(path, "set")
         if f'"{LEVELSET_FORMAT}"' not in text:  # most files are levels: tell them without parsing

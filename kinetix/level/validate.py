@@ -97,7 +97,7 @@ def validate(level: Level) -> tuple[Issue, ...]:
 
 
 def has_errors(issues: tuple[Issue, ...]) -> bool:
-    """Whether any of the issues is an error."""
+    """Return whether any of the issues is an error."""
     return any(issue.severity == "error" for issue in issues)
 
 

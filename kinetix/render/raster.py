@@ -44,7 +44,7 @@ class Layers:
     box: Float[Array, "l 4"]
     """Left, top, right, bottom [px]."""
     shown: Bool[Array, " l"]
-    """Whether the shape is drawn at all."""
+    """True where the shape is drawn at all."""
     stripes: Float[Array, "l 2 3"] | None = None
     """Two families of stripes: normal·p + offset counts periods; all zero for none."""
     stripe: Float[Array, "l 2"] | None = None

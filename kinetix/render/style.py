@@ -86,9 +86,9 @@ class Style:
     glyph_share: float = 0.42
     """A role glyph is never larger than this share of the body's inscribed radius."""
     glyphs: bool = True
-    """Whether bodies carry their role's glyph."""
+    """True if bodies carry their role's glyph."""
     patterns: bool = False
-    """Whether bodies carry their role's pattern."""
+    """True if bodies carry their role's pattern."""
 
 
 STYLE: Final = Style()

@@ -67,7 +67,7 @@ class SuiteScene:
     name: str
     group: SceneClass
     core: bool
-    """Whether it belongs to the published core."""
+    """True if it belongs to the published core."""
     make_trials: Callable[[], tuple[Trial, ...]]
     """All variants and phases."""
     note: str
@@ -79,7 +79,7 @@ class SuiteScene:
 
     @property
     def counted(self) -> bool:
-        """Whether it counts for the class error: of a class without a core all do."""
+        """True if it counts for the class error: of a class without a core all do."""
         return self.core or self.group == "built"
 
     @property

@@ -174,7 +174,7 @@ class PpoConfig:
 
     @property
     def only_listed(self) -> bool:
-        """Whether nothing but the listed levels is ever played, every entity in its own slot.
+        """True if nothing but the listed levels is ever played, every entity in its own slot.
 
         Then the step is compiled for what these levels have. With `parity` it is left as the peer
         has it.
@@ -202,7 +202,7 @@ class SflConfig(PpoConfig):
     buffer_update_frequency: int = 50
     """Updates between two scorings."""
     learnability_mode: LearnabilityMode = "timesteps"
-    """Whether a level is played for `rollout_steps`, or for `rollout_episodes` first episodes."""
+    """True if a level is played for `rollout_steps`, or for `rollout_episodes` first episodes."""
     rollout_episodes: int = 10
     """Episodes a level in the mode `episodes`."""
     learnability_correction: bool = True

@@ -53,7 +53,7 @@ def join(coordinator: str, *, num_processes: int | None, process_id: int | None)
 
 
 def is_leader() -> bool:
-    """Whether this process writes the run's files."""
+    """Return whether this process writes the run's files."""
     return jax.process_index() == 0
 
 

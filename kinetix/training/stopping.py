@@ -15,7 +15,7 @@ from kinetix.failures import Terminated
 
 
 class StopRequest:
-    """Whether the process was asked to end, and by which signal."""
+    """Return whether the process was asked to end, and by which signal."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
         """Begin without a request.
@@ -39,7 +39,7 @@ class StopRequest:
 
     @property
     def agreed(self) -> bool:
-        """Whether any of the processes that train together was asked; all must call this."""
+        """True if any of the processes that train together was asked; all must call this."""
         own = self.signal is not None
         if jax.process_count() == 1:
             return own

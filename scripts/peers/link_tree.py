@@ -18,7 +18,7 @@ class Link:
 
     @property
     def sign(self) -> int:
-        """Whether its angle counts as the joint's does: as the joint's second body, 1."""
+        """True if its angle counts as the joint's does: as the joint's second body, 1."""
         return 1 if self.joint is None or self.joint["b"] == self.index else -1
 
     @property

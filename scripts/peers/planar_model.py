@@ -88,7 +88,7 @@ def quaternion(angle: float) -> list[float]:
 
 
 def may_meet(first: dict[str, Any], second: dict[str, Any]) -> bool:
-    """Whether two bodies collide by their modes and groups."""
+    """Return whether two bodies collide by their modes and groups."""
     same = first["group"] and first["group"] == second["group"]
     modes = {first["collision"], second["collision"]}
     return not same and ("ghost" not in modes or "always" in modes)

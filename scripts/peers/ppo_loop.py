@@ -111,7 +111,7 @@ def make_env(observation: Any, physics: str) -> Any:
 
 
 def is_ours() -> bool:
-    """Whether this is our own Python."""
+    """Return whether this is our own Python."""
     try:
         importlib.metadata.version(OURS)
     except importlib.metadata.PackageNotFoundError:

@@ -97,7 +97,7 @@ def motors_of(scene: Scene) -> list[dict[str, Any]]:
 
 
 def both_fixed(scene: Scene, joint: dict[str, Any]) -> bool:
-    """Whether a joint holds two fixed bodies, or a body to itself: then it does nothing."""
+    """Return whether a joint holds two fixed bodies, or a body to itself: then it does nothing."""
     masses = scene["bodies"][joint["a"]]["mass"], scene["bodies"][joint["b"]]["mass"]
     return joint["a"] == joint["b"] or not any(masses)
 

@@ -50,9 +50,9 @@ class Tool(abc.ABC):
     hint: ClassVar[str]
     """What to do with it, for the status bar."""
     click_click: ClassVar[bool] = False
-    """Whether click, move, click does the same as press, drag, release."""
+    """True if click, move, click does the same as press, drag, release."""
     creates: ClassVar[bool] = False
-    """Whether it makes things; then Select takes over afterwards unless the tool is kept."""
+    """True if it makes things; then Select takes over afterwards unless the tool is kept."""
 
     @abc.abstractmethod
     def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
@@ -79,7 +79,7 @@ class Driver:
 
     @property
     def active(self) -> bool:
-        """Whether a gesture is under way."""
+        """True if a gesture is under way."""
         return self._gesture is not None
 
     @property

@@ -170,11 +170,11 @@ class NumberField:
     command: Callable[[Change], Command]
     """Makes the edit from a change of the stored value."""
     radians: bool = False
-    """Whether angles are shown in radians."""
+    """True if angles are shown in radians."""
 
     @property
     def mixed(self) -> bool:
-        """Whether the values differ."""
+        """True if the values differ."""
         return not all(alike(value, self.values[-1]) for value in self.values)
 
     @property
@@ -216,7 +216,7 @@ class Editor:
         """Names of the fields of this frame so far, in the order of drawing."""
         self._frame = -1
         self._to_next = False
-        """Whether the next field that is drawn is to be typed into (Tab)."""
+        """True if the next field that is drawn is to be typed into (Tab)."""
         self._wanted: str | None = None
         """The field that is to be typed into."""
         self.ids: Selection = ()

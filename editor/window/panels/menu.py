@@ -41,7 +41,7 @@ class MenuBar:
 
     def __init__(self) -> None:
         self.opened = False
-        """Whether a menu was open in the last frame."""
+        """True if a menu was open in the last frame."""
 
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the window."""

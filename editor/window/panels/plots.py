@@ -38,9 +38,9 @@ class Plot:
     title: str
     series: tuple[Series, ...]
     steps: bool = False
-    """Whether values hold until the next one."""
+    """True if values hold until the next one."""
     agent: bool = False
-    """Whether it needs an agent with a network."""
+    """True if it needs an agent with a network."""
 
 
 def _series(label: str, colour: str, value: _Value) -> Series:

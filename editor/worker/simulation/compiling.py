@@ -168,7 +168,7 @@ class Recipe:
     trace: Callable[[], Any] = dataclasses.field(compare=False)
     """Gives what `jax.jit(…).trace(…)` does."""
     stored: bool = False
-    """Whether JAX's own cache on disk is to keep it."""
+    """True if JAX's own cache on disk is to keep it."""
 
 
 class Programs:

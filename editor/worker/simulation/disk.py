@@ -64,7 +64,7 @@ def _processor() -> str:
 
 
 def has(key: object) -> bool:
-    """Whether a step lies on disk."""
+    """Return whether a step lies on disk."""
     return _file(key).is_file()
 
 

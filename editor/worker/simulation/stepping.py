@@ -51,12 +51,12 @@ class StepKey:
 
     @property
     def tailored(self) -> bool:
-        """Whether it is made for one level alone."""
+        """True if it is made for one level alone."""
         return self.static.features != Features()
 
     @property
     def quick(self) -> bool:
-        """Whether it is the tier that is compiled quickly."""
+        """True if it is the tier that is compiled quickly."""
         return self.tier is QUICK
 
 
@@ -67,9 +67,9 @@ class Stepper:
     env: KinetixEnv
     compiled: Compiled
     tailored: bool
-    """Whether it was made for one level alone."""
+    """True if it was made for one level alone."""
     quick: bool = False
-    """Whether it was compiled quickly."""
+    """True if it was compiled quickly."""
 
     def step(self, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
         """The next state and the environment's `info`, with `reward` and `unified`."""

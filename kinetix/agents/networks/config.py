@@ -34,7 +34,7 @@ class NetworkConfig:
     activation: Activation = "tanh"
     """Activation of encoders and heads."""
     recurrent_model: bool = False
-    """Whether a GRU stands between the embedding and the heads."""
+    """True if a GRU stands between the embedding and the heads."""
     actor_depth: int = 5
     """Hidden layers of the actor."""
     critic_depth: int = 5

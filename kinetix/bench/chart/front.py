@@ -12,7 +12,7 @@ BASELINE: Final = "jax2d"
 
 
 def dominates(first: Point, second: Point) -> bool:
-    """Whether one is at least as fast and as accurate, and better in one of the two."""
+    """Return whether one is at least as fast and as accurate, and better in one of the two."""
     at_least = first.speed >= second.speed and first.error <= second.error
     return at_least and (first.speed, first.error) != (second.speed, second.error)
 

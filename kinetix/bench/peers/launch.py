@@ -40,7 +40,7 @@ class Peer:
     settings: Mapping[str, Any]
     """What its program is told."""
     compiled: bool = False
-    """Whether it steps whole batches in one compiled program, or one world at a call."""
+    """True if it steps whole batches in one compiled program, or one world at a call."""
     own_inertia: bool = False
     """Moments of inertia by kinetix-env's rule instead of the true ones."""
 
@@ -51,7 +51,7 @@ class Peer:
 
     @property
     def installed(self) -> bool:
-        """Whether `make bench-peers` has installed it."""
+        """True if `make bench-peers` has installed it."""
         return self.python.exists()
 
 

@@ -62,7 +62,7 @@ class Contacts:
 
     manifold: Manifold
     pushes: Bool[Array, "q n"]
-    """Whether an impulse may act (the reward looks at `manifold.active` instead)."""
+    """True where an impulse may act (the reward looks at `manifold.active` instead)."""
     bounce: Float[Array, "q n"]
     """Restitution target: approach velocity times restitution [m/s], negative."""
     friction: Float[Array, "q n"]

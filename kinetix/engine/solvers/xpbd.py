@@ -61,7 +61,7 @@ class VelocityContacts:
     approach: Float[Array, "*k n"]
     """Normal speed before the positions were corrected [m/s], negative when closing."""
     pushed: Bool[Array, "*k n"]
-    """Whether the correction pushed."""
+    """True where the correction pushed."""
     least: Float[Array, "*k n"]
     """Contacts that close slower than this do not bounce [m/s]."""
 

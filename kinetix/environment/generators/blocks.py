@@ -52,7 +52,7 @@ NEUTRAL, GREEN, BLUE, RED = range(4)
 
 @pytree
 class Surroundings:
-    """What a new shape must know about the level; one row, to broadcast over proposals."""
+    """Facts about a level that a new shape depends on; one row, to broadcast over proposals."""
 
     polygon_room: Bool[Array, "1 n"]
     circle_room: Bool[Array, "1 n"]
@@ -64,7 +64,7 @@ class Surroundings:
 
 @pytree
 class SizeLimit:
-    """How large new shapes may be."""
+    """Largest size of new shapes."""
 
     limit: Float[Array, "1 n"] | float
     """M [m]."""
@@ -78,7 +78,7 @@ class Proposals:
 
     figure: Figures
     joint: Bool[Array, "q n"]
-    """Whether it comes with a joint."""
+    """True where it comes with a joint."""
     target: Int[Array, "q n"]
     """Row of the body that it is jointed to."""
     target_circle: Bool[Array, "q n"]
@@ -88,7 +88,7 @@ class Proposals:
     target_anchor: Float[Array, "q 2 n"]
     """Attachment in the target's frame [m]."""
     target_first: Bool[Array, "q n"]
-    """Whether the target is body a of the joint."""
+    """True where the target is body a of the joint."""
     valid: Bool[Array, "q n"]
     """False where a jointed shape was asked for and none came about, or one hides the other."""
 
@@ -105,7 +105,7 @@ def look_around(
     circle_room: Bool[Array, " n"],
     joint_room: Bool[Array, " n"],
 ) -> Surroundings:
-    """Which roles are missing, next to what there is room for."""
+    """Return which roles are missing and which slots are free."""
 
     def missing(role: int) -> Bool[Array, "1 n"]:
         return ~jnp.any(figures.active & (figures.role == role), axis=0, keepdims=True)
@@ -402,7 +402,7 @@ def _draw_target(
     around: Surroundings,
     ued: UEDParams,
 ) -> tuple[Bool[Array, "q n"], Int[Array, "q n"], Bool[Array, "q n"]]:
-    """Whom to joint the new shape to: whether it is a circle, which row, whether there is one."""
+    """Draw the partner of a new shape: circle or polygon, its row, and whether there is one."""
     body = movable_rows(figures)
     fixed_weight = jnp.where(figures.fixed, ued.connect_to_fixated_prob_coeff, 1.0)
     some_polygon = jnp.any(body & ~figures.circle, axis=0, keepdims=True)
@@ -433,7 +433,7 @@ def _sticks_out(
     big_anchor: Float[Array, "q 2 n"],
     ued: UEDParams,
 ) -> Bool[Array, "q n"]:
-    """Whether the small body would reach beyond the big one in a full turn about the joint."""
+    """Return whether the small body reaches beyond the big one in a full turn about the joint."""
     away = small.vertices - small_anchor[..., None, :, :]
     squares = away[..., 0, :] ** 2 + away[..., 1, :] ** 2
     real = jnp.stack([has_vertex(small, k) for k in range(VERTICES)], axis=-2)

@@ -18,7 +18,7 @@ PER_THRUSTER = 7
 
 @pytree
 class ShapeDraws:
-    """What one proposal for a new shape is drawn from; all uniform in [0, 1)."""
+    """Uniform numbers in [0, 1) for one proposal of a new shape."""
 
     kind: Float[Array, "q n"]
     role: Float[Array, "q n"]
@@ -26,7 +26,7 @@ class ShapeDraws:
     """Half width of a rectangle, or radius of a circle."""
     size_y: Float[Array, "q n"]
     long: Float[Array, "q n"]
-    """Whether one side is lengthened."""
+    """True where one side is lengthened."""
     long_axis: Float[Array, "q n"]
     corners: Float[Array, "q n"]
     """Triangle or rectangle."""
@@ -37,7 +37,7 @@ class ShapeDraws:
 
 @pytree
 class JointDraws:
-    """What the details of one joint are drawn from."""
+    """Uniform numbers for the details of one joint."""
 
     weld: Float[Array, " n"]
     binding: Float[Array, " n"]
@@ -51,7 +51,7 @@ class JointDraws:
 
 @pytree
 class ThrusterDraws:
-    """What thrusters are drawn from; `t` of them at once."""
+    """Uniform numbers for `t` thrusters."""
 
     body: Float[Array, "t n"]
     place_x: Float[Array, "t n"]

@@ -39,7 +39,7 @@ ACCEL_WEIGHTS: Final[dict[str, float]] = {
     "change_location": 1.0,
     "change_rotation": 1.0,
 }
-"""How often the ACCEL edit draws each mutation, where there is room for it."""
+"""Weight of each mutation in the ACCEL edit, where there is room for it."""
 
 
 def mutate_state(

@@ -27,7 +27,7 @@ class Figures:
     """Shape, place and part of bodies."""
 
     position: Float[Array, "*r 2 n"]
-    """Where the frame's origin is [m]."""
+    """Origin of the body's frame [m]."""
     rotation: Float[Array, "*r n"]
     """Angle [rad]."""
     vertices: Float[Array, "*r 4 2 n"]
@@ -45,7 +45,7 @@ class Figures:
     fixed: Bool[Array, "*r n"]
     """Infinite mass."""
     active: Bool[Array, "*r n"]
-    """Whether there is a body at all."""
+    """True where there is a body at all."""
 
 
 def pick(rows: Array, index: Int[Array, "*q n"]) -> Array:
@@ -69,7 +69,7 @@ def pick(rows: Array, index: Int[Array, "*q n"]) -> Array:
 
 
 def is_arena(figures: Figures) -> Bool[Array, "b 1"]:
-    """Which rows are floor, walls and ceiling: always the first four."""
+    """Mark the floor, the walls and the ceiling: always the first four rows."""
     return (jnp.arange(figures.rotation.shape[0]) < ARENA_BODIES)[:, None]
 
 
@@ -88,7 +88,7 @@ def rotate(
 
 
 def has_vertex(figures: Figures, vertex: int) -> Bool[Array, "*r n"]:
-    """Whether this corner counts."""
+    """Return whether this corner counts."""
     return figures.vertex_count > vertex
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FILTER_STEPS: Final = 64
 """Environment steps that the no-op is given (`level_filter_n_steps`)."""
 SAMPLE_RATIO: Final = 2
-"""How many levels are drawn for each one that is kept (`level_filter_sample_ratio`)."""
+"""Levels drawn for each one that is kept (`level_filter_sample_ratio`)."""
 SOLVED_REWARD: Final = 0.5
 """A level counts as solved when its episode ends with more than this reward."""
 SOLVED_WEIGHT: Final = 0.001
@@ -37,7 +37,7 @@ EVALUATION_LEVELS: Final = 512
 def noop_solved(
     env: "KinetixEnv", states: EnvState, env_params: EnvParams, *, steps: int = FILTER_STEPS
 ) -> Bool[Array, " n"]:
-    """Which levels are won by doing nothing; the arguments are those of `noop_rewards`."""
+    """Mark the levels that are won by doing nothing; the arguments are those of `noop_rewards`."""
     return noop_rewards(env, states, env_params, steps=steps) > SOLVED_REWARD
 
 

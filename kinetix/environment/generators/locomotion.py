@@ -44,9 +44,9 @@ from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree, static
 
 OVERLAP: Final = 0.05
-"""How far inside the end of a limb its joint sits [m]."""
+"""Distance of a limb's joint from the end of the limb, inwards [m]."""
 HIP_ANGLE: Final = math.pi / 8
-"""How far the legs are spread at first, to either side [rad]."""
+"""Initial angle of the legs, to either side [rad]."""
 LIMIT: Final = math.pi / 4
 """Every joint turns this far to either side [rad]."""
 MOTOR_SPEED: Final = 1.0
@@ -54,11 +54,11 @@ MOTOR_POWER: Final = 3.0
 PEER_RANDOM_BINDINGS: Final = 3
 """Q11 and Q12: the bindings that the peer's random motors get."""
 LOWEST, LEFTMOST, RIGHTMOST = 0.5, 0.2, 4.8
-"""Where all corners of the creature start (rotation ignored) [m]."""
+"""Bounds of all corners of the creature at the start (rotation ignored) [m]."""
 GOAL_RADIUS: Final = 0.3
 GOAL_HEIGHT: Final = 1.0
 GOAL_RANGE: Final = (2.0, 4.5)
-"""Where the goal may be along x, before mirroring [m]."""
+"""Range of the goal along x, before mirroring [m]."""
 FLOOR_ODDS: Final = UEDParams(
     floor_prob_normal=0.75, floor_prob_green=0.0, floor_prob_blue=0.0, floor_prob_red=0.25
 )
@@ -79,7 +79,7 @@ class LocomotionParams:
     """
 
     random_motors: bool = static(default=False)
-    """Whether the limbs' channels are drawn; otherwise each limb has its own."""
+    """True if the limbs' channels are drawn; otherwise each limb has its own."""
     body_rotation_range: float = static(default=0.0)
     """The body is turned by up to this much to either side [rad]."""
     body_dim_default: Exclude = static(default=(0.6, 0.2))
@@ -94,7 +94,7 @@ class LocomotionParams:
     add_ankles: bool = static(default=True)
     num_random_legs_min: int = static(default=1)
     num_random_legs_max: int = static(default=1)
-    """How many limbs are added at random, if there is room."""
+    """Limbs added at random, if there is room."""
     friction_default: float = static(default=1.0)
     friction_range: float = static(default=0.0)
     friction_exclude: float | None = static(default=None)
@@ -107,7 +107,7 @@ class LocomotionParams:
     ensure_ankle_dims_equal: bool = static(default=False)
     ensure_limb_thickness_equal: bool = static(default=False)
     fix_goal_position: bool = static(default=False)
-    """Whether the goal is in the middle of its range."""
+    """True if the goal is in the middle of its range."""
     do_permute_state: bool = static(default=False)
     kinetix_quirks: bool = static(default=True)
     inertia_model: InertiaModel = static(default="kinetix")
@@ -119,7 +119,7 @@ class Limb:
     """One rectangle of the creature; all arrays over the worlds."""
 
     row: Row
-    """Where it is listed."""
+    """Row in which the limb is listed."""
     position: Float[Array, "2 n"]
     rotation: Float[Array, " n"]
     size: Float[Array, "2 n"]
@@ -128,7 +128,7 @@ class Limb:
 
 @pytree
 class Trait:
-    """What is drawn for each limb besides its size."""
+    """Random properties of a limb besides its size."""
 
     friction: Float[Array, " n"]
     density: Float[Array, " n"]
@@ -259,7 +259,7 @@ class _Creature:
 
 
 def most_extra_legs(capacity: Capacity, params: LocomotionParams) -> int:
-    """How many limbs can be added at random."""
+    """Count the limbs that can be added at random."""
     ankles = 2 if params.add_ankles else 0
     return max(0, min(capacity.polygons - ARENA_BODIES - 3 - ankles, capacity.joints - 2 - ankles))
 
@@ -448,7 +448,7 @@ def _written(figures: Figures, slots: slice | int, fields: dict[str, Any]) -> Fi
 def _inside(
     position: Float[Array, "b 2 n"], half: Float[Array, "b 2 n"], active: Bool[Array, "b n"]
 ) -> Float[Array, "2 n"]:
-    """How far the creature must move so that all corners, unturned, are inside the arena [m]."""
+    """Return the shift that brings all corners of the creature, unturned, inside the arena [m]."""
     there = active[:, None]
     low = jnp.min(jnp.where(there, position - half, jnp.inf), axis=0)
     high = jnp.max(jnp.where(there, position + half, -jnp.inf), axis=0)

@@ -66,13 +66,13 @@ from kinetix.environment.generators.figures import (
 from kinetix.environment.generators.params import UEDParams
 
 LARGEST_STEP: Final = 0.5
-"""How far a body is moved along each axis at most [m]."""
+"""Largest shift of a body along each axis [m]."""
 LARGEST_TURN: Final = math.pi / 2
-"""How far a body is turned at most [rad]."""
+"""Largest rotation of a body [rad]."""
 MUTATED_GRAVITY: Final = -9.8
 """Gravity that half of the mutated levels get, and the strongest of the others [m/s²]."""
 OFF_CENTRE: Final = 1e-5
-"""How far a frame's origin may be from the centre of mass before it is moved there [m]."""
+"""Largest distance of a frame's origin from the centre of mass that is left alone [m]."""
 NUMBERS: Final = PER_SHAPE + PER_JOINT
 """Uniform numbers that any one mutation uses at most."""
 

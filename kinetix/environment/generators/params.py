@@ -8,7 +8,7 @@ from kinetix.pytree import pytree, short_repr, static
 
 @pytree
 class UEDParams:
-    """How random levels are drawn.
+    """Options of random levels.
 
     Hashable and never traced (all structure, no leaves): another value, another compilation. The
     names, the misspelt one included, are the peer's, so that configurations carry over. Lengths are
@@ -20,19 +20,19 @@ class UEDParams:
     max_shape_size: float = static(default=1.0)
     """Bound M of a shape's size [m]: rectangle diagonals reach M/√2 before the long-side factor."""
     goal_body_opposide_side_chance: float = static(default=0.5)
-    """How often green keeps to the left half, and blue to the right half."""
+    """Probability that green keeps to the left half, and blue to the right half."""
     goal_body_size_factor: float = static(default=1.0)
     """Factor on M for free green and blue bodies."""
     min_rjoints_bias: int = static(default=2)
     """As long as a level has fewer revolute joints than this, joints are revolute."""
     large_rect_dim_chance: float = static(default=0.3)
-    """How often one side of a rectangle is multiplied by `large_rect_dim_scale`."""
+    """Probability that one side of a rectangle is multiplied by `large_rect_dim_scale`."""
     large_rect_dim_scale: float = static(default=2.0)
     generate_triangles: bool = static(default=False)
-    """Whether half of the polygons are triangles."""
+    """True if half of the polygons are triangles."""
     thruster_power_multiplier: float = static(default=2.0)
     thruster_align_com_prob: float = static(default=0.8)
-    """How often a thruster points along the line through the centre of mass."""
+    """Probability that a thruster points along the line through the centre of mass."""
     motor_on_chance: float = static(default=0.8)
     motor_min_speed: float = static(default=0.4)
     motor_max_speed: float = static(default=3.0)
@@ -51,14 +51,14 @@ class UEDParams:
     """A free shape is fixed with probability min(max, min + scale·mass)."""
     fixate_shape_bottom_bias: float = static(default=0.0)
     fixate_shape_bottom_bias_special_role: float = static(default=0.6)
-    """How often a fixed shape (with a role) is moved from the upper half to the lower."""
+    """Probability that a fixed shape with a role moves from the upper half to the lower."""
     circle_max_size_coeff: float = static(default=0.8)
     connect_to_fixated_prob_coeff: float = static(default=0.05)
     """Weight of a fixed body as a partner of a joint."""
     connect_visibility_min: float = static(default=0.05)
-    """How far each of two jointed bodies must reach beyond the other [m]."""
+    """Least reach of each of two jointed bodies beyond the other [m]."""
     connect_no_visibility_bias: float = static(default=10.0)
-    """How many contacts a proposal with a hidden body counts for."""
+    """Contacts that a proposal with a hidden body counts for."""
     add_shape_chance: float = static(default=0.35)
     add_connected_shape_chance: float = static(default=0.35)
     add_no_shape_chance: float = static(default=0.3)
@@ -73,7 +73,7 @@ class UEDParams:
     inertia_model: InertiaModel = static(default="kinetix")
     """Moment of inertia of generated bodies: the peer's (disc m·r²/4) or the true one."""
     legacy_ceiling: bool = static(default=False)
-    """Whether the ceiling has the peer's slanted outer edge (first corner at x = 5)."""
+    """True if the ceiling has the peer's slanted outer edge (first corner at x = 5)."""
 
     __repr__ = short_repr
 

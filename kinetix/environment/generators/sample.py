@@ -66,7 +66,7 @@ SHAPES_AT_FIRST = 3
 
 @pytree
 class Plan:
-    """What one step adds, decided before anything is placed."""
+    """The addition of one step, decided before anything is placed."""
 
     free: Bool[Array, " n"]
     connected: Bool[Array, " n"]
@@ -75,7 +75,7 @@ class Plan:
 
 
 def is_small(capacity: Capacity) -> bool:
-    """Whether levels of this capacity are drawn without proposals, and nothing in them is fixed."""
+    """Return whether levels of this capacity have no proposals and no fixed bodies."""
     return capacity.bodies <= SMALL_BODIES
 
 
@@ -132,7 +132,7 @@ def _plan(
     capacity: Capacity,
     ued: UEDParams,
 ) -> Plan:
-    """What each step adds: two free shapes, one for the motor, then by the chances."""
+    """Plan each step: two free shapes, one for the motor, then by the chances."""
     total = ued.add_connected_shape_chance + ued.add_shape_chance + ued.add_no_shape_chance
     threshold = u * total
     connected = threshold < ued.add_connected_shape_chance

@@ -33,7 +33,7 @@ from kinetix.environment.state import EnvState
 from kinetix.level.sizes import AUTOMATIC, SIZES
 
 LARGE_CHANCE: Final = 0.05
-"""How often a shape of an ACCEL start is drawn with the large limits."""
+"""Probability that a shape of an ACCEL start has the large limits."""
 LARGE: Final = (2.0, 1.0)
 """max_shape_size [m] and goal_body_size_factor of those shapes."""
 SMALL: Final = (0.5, 2.0)

@@ -11,7 +11,7 @@ from kinetix.environment.state import EnvState
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AbstractObservation(abc.ABC):
-    """What an agent is shown of a state: a hashable value that is called on states.
+    """Observation of a state: a hashable value that is called on states.
 
     Observations are written for one world; the environment batches them with the worlds on the last
     axis (unless `worlds_last` says otherwise), so elementwise operations, slices and concatenations
@@ -20,7 +20,7 @@ class AbstractObservation(abc.ABC):
 
     name: ClassVar[str]
     worlds_last: ClassVar[bool] = True
-    """Whether a batch is observed with the worlds on the last axis. Pictures are not: each fills
+    """True if a batch is observed with the worlds on the last axis. Pictures are not: each fills
     the cache by itself, and they have a batched form of their own under `vmap`."""
 
     layout: Layout

@@ -33,16 +33,16 @@ class EntityObservation(NamedTuple):
     thrusters: Float[Array, "t f"]
     """Thruster rows."""
     circle_mask: Bool[Array, " r"]
-    """Which circles are active."""
+    """True for active circles."""
     polygon_mask: Bool[Array, " p"]
-    """Which polygons are active."""
+    """True for active polygons."""
     joint_mask: Bool[Array, " j2"]
-    """Which joints are active, twice."""
+    """True for active joints, each listed twice."""
     thruster_mask: Bool[Array, " t"]
-    """Which thrusters are active."""
+    """True for active thrusters."""
     attention_mask: Bool[Array, "4 b b"] | None
-    """Who may look at whom (row looks at column), bodies in global order: everyone, the same
-    jointed component, joined directly, in contact."""
+    """True where a row's body may attend to a column's, in global order: everyone, the same jointed
+    component, joined directly, in contact."""
     joint_indexes: Int[Array, "j2 2"]
     """From-body and to-body of every joint row; (0, 0) where inactive."""
     thruster_indexes: Int[Array, " t"]
@@ -56,12 +56,12 @@ class EntityObservations(AbstractObservation):
     name: ClassVar[str] = "symbolic_entity"
 
     attention: bool = True
-    """Whether the attention mask is made; networks without attention do not need it."""
+    """True if the attention mask is made; networks without attention do not need it."""
     symmetric_contacts: bool = False
-    """Whether the contact plane holds in both directions (Kinetix.js) or only from the first body
+    """True if the contact plane holds in both directions (Kinetix.js) or only from the first body
     of a candidate pair to the second (Kinetix)."""
     js_anchor_order: bool = False
-    """Whether a joint's anchors stand in Kinetix.js's order, swapped against the indices."""
+    """True if a joint's anchors stand in Kinetix.js's order, swapped against the indices."""
 
     @property
     def space(self) -> Dict:
@@ -168,7 +168,7 @@ def _joint_indexes(state: EnvState) -> Int[Array, "j2 2"]:
 
 
 def _joined(state: EnvState) -> Bool[Array, "b b"]:
-    """Whether two bodies share an active joint; never true of a body with itself.
+    """Return whether two bodies share an active joint; never true of a body with itself.
 
     Joint by joint and elementwise, because a scatter would cost more under vmap.
     """

@@ -68,7 +68,7 @@ class Layout:
 
     @property
     def body(self) -> tuple[Feature, ...]:
-        """What polygons and circles have in common."""
+        """Features that polygons and circles have in common."""
         roles = tuple(
             ROLE_NAMES[index] if index < len(ROLE_NAMES) else str(index)
             for index in range(self.roles)
@@ -145,7 +145,7 @@ class Layout:
 
     @property
     def gravity(self) -> Feature:
-        """What is appended to all forms."""
+        """The gravity feature, which all forms end with."""
         return Feature(name="gravity_y", unit="10 m/s²", meaning="vertical gravity / 10")
 
     def body_columns(self, name: str) -> tuple[Feature, ...]:

@@ -18,7 +18,7 @@ MAX_GRAVITY = 100.0
 
 
 class PixelObservation(NamedTuple):
-    """What `PixelObservations` returns."""
+    """Observation of `PixelObservations`."""
 
     image: Float[Array, "w h 3"]
     """0 … 1, axes x, y, channel, y up; show it with `transpose(1, 0, 2)[::-1]`."""

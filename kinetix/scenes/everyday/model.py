@@ -56,7 +56,7 @@ class EverydayScene:
     watched: tuple[int, ...] = ()
     """Ids in the scene; the twin has the same bodies last, in the same order."""
     compared: bool = True
-    """Whether the end is compared with that of a run with a finer step."""
+    """True if the end is compared with that of a run with a finer step."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -38,7 +38,7 @@ class ReplayState:
     replayed: Int[Array, " n"]
     """The levels of the last replay."""
     just_replayed: Bool[Array, ""]
-    """Whether the last step was a replay."""
+    """True where the last step was a replay."""
 
 
 class Replay:

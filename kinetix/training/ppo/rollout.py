@@ -27,7 +27,7 @@ class Playing:
     observation: Any
     carry: Carry
     begins: Bool[Array, " n"]
-    """Whether an episode has just begun."""
+    """True where an episode has just begun."""
     episode_return: Float[Array, " n"]
     """Reward of the running episode."""
     episode_length: Int[Array, " n"]
@@ -48,13 +48,13 @@ class Trajectory:
     reward: Float[Array, "k n"]
     """As learnt from: with the value of the last state where the time limit cut an episode."""
     begins: Bool[Array, "k n"]
-    """Whether the step was the first of its episode."""
+    """True where the step was the first of its episode."""
     done: Bool[Array, "k n"]
-    """Whether it was the last."""
+    """True where it was the last."""
     solved: Bool[Array, "k n"]
-    """Whether it reached the goal."""
+    """True where it reached the goal."""
     bad: Bool[Array, "k n"]
-    """Whether it ended in numbers that are none."""
+    """True where it ended in numbers that are none."""
     episode_return: Float[Array, "k n"]
     """Reward of the episode so far, this step included."""
     episode_length: Int[Array, "k n"]
@@ -81,7 +81,7 @@ class Game:
     gamma: float
     bootstrap_on_timeout: bool
     masks_controls: bool = True
-    """Whether controls that a level does not have are left out of the policy's log-probabilities
+    """True if controls that a level does not have are left out of the policy's log-probabilities
     and entropies; kinetix-env counts them."""
 
     def live_controls(self, state: EnvState) -> Bool[Array, "n u"]:

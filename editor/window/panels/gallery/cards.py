@@ -33,7 +33,7 @@ class CardGrid:
     def __init__(self, textures: TextureStore) -> None:
         self._thumbs = Thumbs(textures)
         self.missing = False
-        """Whether a picture in sight was not there in the last frame."""
+        """True if a picture in sight was not there in the last frame."""
 
     def begin_frame(self) -> None:
         """Let the next few pictures be uploaded."""

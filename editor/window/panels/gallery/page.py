@@ -39,7 +39,7 @@ class GalleryPage:
         self._revision = -1
 
     def animating(self, session: "Session") -> bool:
-        """Whether the next frame differs: levels are looked for, or pictures are on their way."""
+        """Return whether the next frame differs: levels or pictures are on their way."""
         library = session.library
         return library.busy or self._grid.missing or self._revision != library.revision
 
