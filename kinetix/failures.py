@@ -27,7 +27,7 @@ _UNSAFE: Final = {
     for code in (*range(0x20), *range(0x7F, 0xA0), *range(0x202A, 0x202F), *range(0x2066, 0x206A))
     if chr(code) not in "\n\t"
 }
-"""What a file must not be able to say to a terminal; `plain` escapes the same in sentences."""
+"""Characters that must not reach a terminal from a file; `plain` escapes the same in sentences."""
 _ABSOLUTE: Final = re.compile(r"(?<![\w<.])(?:~|[A-Za-z]:)?(?:[/\\][^/\\\s'\":,;()<>]+){2,}")
 
 

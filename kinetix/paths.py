@@ -1,4 +1,4 @@
-"""Where things are: bundled levels and checkpoints, and the user's own folders."""
+"""Paths of bundled levels and checkpoints, and of the user's own folders."""
 
 from pathlib import Path
 

@@ -35,7 +35,7 @@ from kinetix.bundled import agent_hint, named_agent
 from kinetix.errors import CheckpointError
 
 _TOLD: Final = ("logits", "log_prob", "value", "entropy")
-"""What `Agent.act` tells about an action."""
+"""Facts about an action that `Agent.act` returns."""
 
 
 @dataclasses.dataclass(frozen=True)

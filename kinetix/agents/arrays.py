@@ -18,7 +18,7 @@ Tree = Mapping[str, Any]
 """Nested dictionaries whose leaves are arrays (or shapes and dtypes)."""
 
 _MANY = 3
-"""How many differing tensors a sentence names before it only counts the rest."""
+"""Differing tensors that a sentence names; further ones are only counted."""
 
 
 def flatten(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -237,7 +237,7 @@ def _damaged(directory: Path, error: Exception) -> CheckpointError:
 
 
 def _reason(error: Exception) -> str:
-    """What the system said, out of pages of context, or else the first line."""
+    """Return the system's own message out of pages of context, or else the first line."""
     text = str(error).strip()
     for said in ("No space left on device", "Permission denied", "Read-only file system"):
         if said in text:

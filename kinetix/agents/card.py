@@ -1,4 +1,4 @@
-"""What an agent says about itself: the content of `agent.json`."""
+"""The description of an agent: the content of `agent.json`."""
 
 import dataclasses
 import difflib
@@ -33,7 +33,7 @@ class _Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class ObservationCard(_Part, frozen=True, kw_only=True):
-    """What the agent sees."""
+    """Observations of an agent."""
 
     type: str
     """Name of the observation, e.g. `symbolic_entity`."""
@@ -42,7 +42,7 @@ class ObservationCard(_Part, frozen=True, kw_only=True):
 
 
 class ActionCard(_Part, frozen=True, kw_only=True):
-    """What the agent says."""
+    """Actions of an agent."""
 
     type: str
     """Name of the kind of action, e.g. `multi_discrete`."""
@@ -60,7 +60,7 @@ class CapacityCard(_Part, frozen=True, kw_only=True):
 
     @property
     def sizes(self) -> Capacity:
-        """What the engine makes of it."""
+        """The engine's capacity of these sizes."""
         return Capacity(
             polygons=self.polygons,
             circles=self.circles,
@@ -135,7 +135,7 @@ class _File(AgentCard, frozen=True, kw_only=True):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Inventory:
-    """What a checkpoint's arrays must be."""
+    """Shapes and types that a checkpoint's arrays must have."""
 
     shapes: dict[str, tuple[int, ...]]
     """Shape of every parameter, by its path in the tree."""

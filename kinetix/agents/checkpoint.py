@@ -26,7 +26,7 @@ PARAMS = "params"
 _OLD = ".old"
 """Ends the name of a checkpoint while another takes its place."""
 RUN_CHECKPOINTS = "checkpoints"
-"""Where a training run keeps its checkpoints, one directory a step."""
+"""Folder of a training run's checkpoints, one directory per step."""
 
 
 def write_checkpoint(

@@ -29,7 +29,7 @@ class Contender:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Difference:
-    """How much more often one policy solves than another, on the levels that both play."""
+    """Difference of two policies' solve rates on the levels that both play."""
 
     first: str
     second: str

@@ -29,7 +29,7 @@ rounding depends neither on how many levels are asked for nor on how many device
 
 @pytree
 class LastStep:
-    """What the last step of each episode was like."""
+    """The last step of each episode."""
 
     action: Any
     """The player's own form of action."""
@@ -37,7 +37,7 @@ class LastStep:
     distance: Float[Array, " n"]
     """[m]"""
     info: dict[str, Any]
-    """What the policy says besides; empty for scripted ones."""
+    """Anything else that the policy returns; empty for scripted ones."""
 
 
 @pytree
@@ -52,7 +52,7 @@ class Episodes:
     over: Bool[Array, " n"]
     """Ended, or a row that does not count."""
     ending: Int[Array, " n"]
-    """How each ended, from `outcome_index`; 0 where it goes on."""
+    """From `outcome_index`; 0 while the episode goes on."""
     returns: Float[Array, " n"]
     lengths: Int[Array, " n"]
     last: LastStep

@@ -1,4 +1,4 @@
-"""How good is a player: levels × attempts, in batches of one size, a generator of progress.
+"""Evaluation of a player: levels × attempts, in batches of one size, a generator of progress.
 
 The command `kinetix eval` and the editor call this one function, so they give the same numbers.
 """
@@ -53,7 +53,7 @@ class NamedLevel:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Progress:
-    """Where an evaluation stands."""
+    """Progress of an evaluation."""
 
     done: int
     """Episodes that are over."""
@@ -74,7 +74,7 @@ class Progress:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Settings:
-    """How to evaluate."""
+    """Settings of an evaluation."""
 
     attempts: int = ATTEMPTS
     """Independent episodes a level."""
@@ -177,9 +177,9 @@ class RecordedStep:
     distance: float
     """[m]"""
     reading: Reading | None
-    """What the network said, as numpy arrays; None for scripted players and at the start."""
+    """Output of the network, as numpy arrays; None for scripted players and at the start."""
     result: EpisodeResult | None
-    """How the episode ended, at its last moment."""
+    """Result of the episode, at its last moment."""
 
 
 def record(

@@ -1,4 +1,4 @@
-"""What players are called and known by: of a training run by run and step; by the parameters."""
+"""Names and digests of players: of a training run by run and step; by the parameters."""
 
 from pathlib import Path
 

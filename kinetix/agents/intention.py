@@ -1,4 +1,4 @@
-"""Where an agent leans: its policy's mean action as one number a binding, for overlays."""
+"""An agent's intention: its policy's mean action as one number per binding, for overlays."""
 
 from typing import Any
 

@@ -18,7 +18,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class Thought:
-    """What went on in a player when it chose an action."""
+    """State of a player when it chose an action."""
 
     action: Float[Array, " u"]
     """The unified action that was played: the player's, or the hand's."""
@@ -27,7 +27,7 @@ class Thought:
     intention: Float[Array, " u"]
     """Its expected unified action; the chosen one for scripted players."""
     value: Float[Array, ""]
-    """What it expects of the future; 0 for scripted players."""
+    """Expected future return; 0 for scripted players."""
     entropy: Float[Array, ""]
     """Of its policy over the controls that the level has [nat]; 0 for scripted players."""
     chances: Float[Array, "u 3"]
@@ -89,10 +89,10 @@ def play_step(  # noqa: PLR0913 - everything that one step of a watched episode 
 
 @pytree
 class Reading:
-    """What a network said about one environment, for overlays and records."""
+    """Output of a network for one environment, for overlays and records."""
 
     value: Float[Array, ""]
-    """What it expects of the future."""
+    """Expected future return."""
     entropy: Float[Array, ""]
     """Of its policy over the controls that the level has [nat]."""
     chances: Float[Array, "u 3"]

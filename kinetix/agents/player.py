@@ -1,4 +1,4 @@
-"""What plays: the interface that trained agents and scripted ones share."""
+"""Players: the interface that trained agents and scripted ones share."""
 
 from typing import Any, Protocol
 
@@ -13,7 +13,7 @@ Decision = tuple[Any, Any, dict[str, Any]]
 
 
 class Policy(Protocol):
-    """How actions are chosen: a pure function that is hashable by value.
+    """A way to choose actions: a pure function that is hashable by value.
 
     Two players with equal policies share compiled code; what differs is in their `params`.
     """
@@ -54,17 +54,17 @@ class Player(Protocol):
 
     @property
     def card(self) -> AgentCard:
-        """What it sees, says and was trained for."""
+        """Description of what it observes, how it acts and what it was trained for."""
         ...
 
     @property
     def params(self) -> Any:
-        """What its policy needs, as a pytree of arrays."""
+        """Arguments of its policy, as a pytree of arrays."""
         ...
 
     @property
     def policy(self) -> Policy:
-        """How it chooses."""
+        """The way it chooses actions."""
         ...
 
 

@@ -15,7 +15,7 @@ WILSON_Z: Final = 1.959964
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class EpisodeResult:
-    """How one attempt ended."""
+    """Result of one attempt."""
 
     outcome: Outcome
     total_reward: float
@@ -26,7 +26,7 @@ class EpisodeResult:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class LevelResult:
-    """How a player did on one level. Only the first episode of an attempt counts."""
+    """Result of a player on one level. Only the first episode of an attempt counts."""
 
     level: str
     attempts: int
@@ -59,7 +59,7 @@ class LevelResult:
 
     @property
     def failures(self) -> str:
-        """Why attempts failed, the commonest reason first: "12 timeout, 3 lost"; empty if none."""
+        """Outcomes of failed attempts, the commonest first: "12 timeout, 3 lost"; empty if none."""
         counts = Counter(e.outcome for e in self.episodes if e.outcome != "won")
         return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
 
@@ -105,7 +105,7 @@ class Provenance:
     """Everything that a result depends on, levels aside: equal ones give equal results."""
 
     agent: str
-    """What the player is called."""
+    """Name of the player."""
     digest: str
     """SHA-256 of its parameters; empty for scripted players."""
     physics: str

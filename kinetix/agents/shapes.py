@@ -1,4 +1,4 @@
-"""What parameters an agent must have, found without making any."""
+"""Shapes of an agent's parameters, found without making any."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -44,7 +44,7 @@ def static_env_params_of_card(card: AgentCard, **changes: Any) -> StaticEnvParam
 def observations_of_card(
     card: AgentCard, env_params: EnvParams, static_env_params: StaticEnvParams
 ) -> AbstractObservation:
-    """What the agent sees of an environment, with the agent's own options.
+    """Return the agent's observations of an environment, with the agent's own options.
 
     Args:
         card: The agent's description.

@@ -15,12 +15,12 @@ from kinetix.level.sizes import needed_capacity, smallest_capacity
 from kinetix.scenes import SuiteScene, scenes_named
 
 SIZED: Final = "in its size's step"
-"""What the variants of `SuiteScene.sized` are called."""
+"""Name of the variants of `SuiteScene.sized`."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AccuracySettings:
-    """What to measure."""
+    """Settings of the accuracy suite."""
 
     scenes: str = "core"
     """`core`, `all`, or ids with commas between them."""

@@ -1,4 +1,4 @@
-"""What an engine did with a trial, and what can be read off it: numpy only, for any engine."""
+"""Motion of a trial, and the quantities that follow from it: numpy only, for any engine."""
 
 import dataclasses
 import functools
@@ -43,7 +43,7 @@ class Motion:
 
     @functools.cached_property
     def wild_after(self) -> float | None:
-        """When the run broke: not a number, too far or too fast [s]; None if it never did."""
+        """Time at which the run broke: NaN, too far or too fast [s]; None if it never did."""
         with np.errstate(all="ignore"):
             distance = np.abs(self.position - self.position[0]).max(axis=(1, 2))
             speed = np.abs(self.velocity).max(axis=(1, 2))
@@ -60,7 +60,7 @@ class Motion:
 
     @property
     def free(self) -> Bool[np.ndarray, " b"]:
-        """Which bodies can move."""
+        """True for bodies that can move."""
         return self.masses[:, 0] > 0
 
     def kinetic_energy(self) -> Float[np.ndarray, " k"]:
@@ -74,7 +74,7 @@ class Motion:
         return self.kinetic_energy() + potential
 
     def point(self, body: int, local: tuple[float, float]) -> Float[np.ndarray, "k 2"]:
-        """Where a point of a body is in the world [m].
+        """Return the place of a body's point in the world [m].
 
         Args:
             body: Index into the level's bodies; negative counts from the end.
@@ -83,7 +83,7 @@ class Motion:
         return self.position[:, body] + turned(self.rotation[:, body], np.array(local))
 
     def joint_gap(self) -> Float[np.ndarray, "k j"]:
-        """How far apart the two ends of every joint are [m]."""
+        """Return the gap between the two ends of every joint [m]."""
         gaps = []
         for joint in self.trial.level.joints:
             first = self._attached(joint.a, joint.anchor_a)

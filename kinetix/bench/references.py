@@ -123,7 +123,7 @@ def offset_thrust_tip(dt: float, steps: int) -> Float[np.ndarray, "k 2"]:
 
 
 def stalled_arm_angle(power: float) -> float:
-    """Where a motor that turns at 1 holds a rod of .8×.1 m against its weight [rad].
+    """Return the angle at which a motor of power 1 holds a rod of .8×.1 m against its weight [rad].
 
     The motor gives 900·power·tanh(.1·6) of angular acceleration times the rod's own inertia, as its
     axle is fixed.

@@ -27,12 +27,12 @@ RUNS: Final = 5
 MIN_SECONDS: Final = 0.3
 """A run is made as long as this."""
 DRIFT: Final = 0.002
-"""How far everything moves from frame to frame [m], so that every frame is a new one."""
+"""Shift of everything from frame to frame [m], so that every frame is a new one."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RenderSettings:
-    """What to measure."""
+    """Settings of the measurement."""
 
     size: str = "l"
     """Size of the levels; the bundled ones of that size are cycled over the batch."""

@@ -1,4 +1,4 @@
-"""What the rows of the accuracy suite say together: class errors, counts, tables."""
+"""Summary of the accuracy suite: class errors, counts, tables."""
 
 import collections
 import math
@@ -37,7 +37,7 @@ def class_errors(rows: Iterable[Row]) -> dict[str, float]:
 
 
 def verdict_counts(rows: Iterable[Row]) -> dict[str, int]:
-    """How many scenes are good, ok and fail."""
+    """Count the good, ok and failed scenes."""
     counts = collections.Counter(row["verdict"] for row in rows)
     return {verdict: counts[verdict] for verdict in ("good", "ok", "fail")}
 

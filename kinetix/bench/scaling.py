@@ -16,7 +16,7 @@ TOWER: Final = 4
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ScalingSettings:
-    """What to measure."""
+    """Settings of the measurement."""
 
     bodies: tuple[int, ...]
     worlds: tuple[int, ...]

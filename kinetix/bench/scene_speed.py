@@ -37,7 +37,7 @@ pyramid of ten."""
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rate:
-    """How fast an engine was."""
+    """Speed of an engine."""
 
     steps_per_s: float
     """Of all worlds together."""
@@ -47,7 +47,7 @@ class Rate:
 
 
 def speed_trial(group: str) -> Trial:
-    """What engines are timed on for a class.
+    """Return the trial on which engines are timed for a class.
 
     Raises:
         KeyError: The class has no scene of its own for this.

@@ -64,7 +64,7 @@ class NoObservation(AbstractObservation):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SpeedSettings:
-    """What to measure."""
+    """Settings of the measurement."""
 
     sizes: tuple[str, ...] = ("s", "m", "l")
     batches: tuple[int, ...] = (1, 64, 1024)
@@ -203,7 +203,7 @@ def _draw(actions: Any, key: Array) -> Array:
 
 
 def _devices(batch: int) -> int:
-    """How many devices a batch of this size can be spread over."""
+    """Count the devices over which a batch of this size can be spread."""
     count = jax.local_device_count()
     return count if batch % count == 0 else 1
 

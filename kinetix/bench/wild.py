@@ -34,7 +34,7 @@ JUMP: Final = 10.0
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class WildSettings:
-    """How much to run."""
+    """Settings of the measurement."""
 
     physics: str
     worlds: int = 4096

@@ -60,10 +60,10 @@ class MeasureAccuracy:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class MeasureEveryday:
-    """How often things that people build go wrong, in scenes drawn by a seed."""
+    """Measure how often things that people build go wrong, in scenes that a seed determines."""
 
     count: int = 500
-    """How many scenes."""
+    """Number of scenes."""
     seed: int = 0
     """Of the scenes."""
     physics: str = "balanced"
@@ -129,8 +129,9 @@ class DrawChart:
     results: Path = Path("bench")
     """Folder of the measured rows."""
     physics: str = "stored"
-    """Whose speed is measured: presets and solvers with commas between them, all, none, or stored:
-    those whose errors are in the folder of rows already. Missing errors are measured first."""
+    """Presets and solvers whose speed is measured, with commas between them; or all, none, or
+    stored: those whose errors are in the folder of rows already. Missing errors are measured
+    first."""
     quick: bool = False
     """Measure fast, balanced and accurate only, with many worlds."""
     json: bool = False

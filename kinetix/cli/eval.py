@@ -10,7 +10,7 @@ import tyro
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Eval:
-    """How often a player solves each of some levels."""
+    """Measure how often a player solves each of some levels."""
 
     agent: Annotated[str, tyro.conf.arg(metavar="DIR|noop|random")]
     """Directory of an agent or of a training run, a bundled agent (general), or noop, or random."""

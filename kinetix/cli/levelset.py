@@ -37,7 +37,7 @@ class Build:
     split: float = DEFAULT_SPLIT
     """Share of the levels that go to training."""
     seed: int = 0
-    """What the split is drawn from."""
+    """Seed of the split."""
     inline: bool = False
     """Put the levels themselves into the file."""
 
@@ -61,7 +61,7 @@ class Split:
     source: Annotated[Positional[Path], tyro.conf.arg(metavar="SET")]
     """The set; it is written in place."""
     seed: int
-    """What the split is drawn from."""
+    """Seed of the split."""
     split: float = DEFAULT_SPLIT
     """Share of the levels that go to training."""
 
@@ -117,7 +117,7 @@ def _summary(path: Path, made: LoadedSet, *, doubles: int = 0) -> str:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What `verify` found out about one level."""
+    """Findings of `verify` about one level."""
 
     level: str
     issues: tuple[Issue, ...]
@@ -132,7 +132,7 @@ class Verdict:
 
     @property
     def problems(self) -> list[str]:
-        """Why the level does not pass."""
+        """Reasons for which the level does not pass."""
         found = [f"{i.code} {i.path}: {i.message}" for i in self.issues if i.severity == "error"]
         if self.noop == "won":
             found.append("doing nothing wins it")

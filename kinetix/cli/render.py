@@ -29,7 +29,7 @@ PAGE: Final = ".html"
 SMALLEST, LARGEST = 16, 4096
 """Sides of a picture [px]."""
 TAIL: Final = 15
-"""How often a film repeats its last frame, so that the end can be seen."""
+"""Copies of a film's last frame, so that the end can be seen."""
 FRAME_RATE: Final = 30
 """Environment steps in a second, and pictures of a film."""
 
@@ -43,7 +43,7 @@ class Render:
     out: Annotated[Path, Positional, tyro.conf.arg(metavar="OUT")]
     """Picture (.png), film (.gif, .mp4) or page to play it on (.html) to write."""
     agent: str = "noop"
-    """Who plays: an agent (directory or name), noop, random, or solution (what is recorded)."""
+    """The player: an agent (directory or name), noop, random, or solution (the recorded one)."""
     rival: str | None = None
     """A second player of the same level beside the first, on a page."""
     steps: int | None = None
@@ -69,7 +69,7 @@ class Moment:
     outcome: str
     """See `kinetix.environment.outcome.Outcome`; empty while the episode goes on."""
     value: float | None = None
-    """What the player expected of the future before this step, where it has a network."""
+    """Return that the player expected before this step, where it has a network."""
     entropy: float | None = None
     """Of its policy over the level's controls then [nat]."""
     controls: tuple[int, ...] = ()
@@ -119,11 +119,11 @@ def run(command: Render) -> int:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Showing:
-    """Who plays what, and the episode as far as it is asked for, its start included."""
+    """A level, its player, and the episode as far as it is asked for, its start included."""
 
     level: Level
     slots: "np.ndarray"
-    """Where the level's bodies are in the states."""
+    """Slots of the level's bodies in the states."""
     player: str
     facts: tuple[tuple[str, str], ...]
     moments: Iterator[Moment]
@@ -224,7 +224,7 @@ def _write_page(command: Render) -> None:
 
 
 def _told(env: "KinetixEnv", played: Iterator["EpisodeState"]) -> Iterator[Moment]:
-    """What pictures and pages show of an episode's steps."""
+    """Describe an episode's steps for pictures and pages."""
     import jax
     import numpy as np
 

@@ -21,7 +21,7 @@ class Sample:
     """`s`, `m`, `l`, `locomotion`, or polygons with the arena, circles, joints and thrusters:
     `12,4,6,2`."""
     count: int
-    """How many levels."""
+    """Number of levels."""
     seed: int
     """Any integer."""
 

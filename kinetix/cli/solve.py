@@ -36,7 +36,7 @@ class Solve:
     seed: int = 0
     """Seed of the search."""
     seconds: float = 60.0
-    """How long to search for each level; where there are many, compilation comes on top."""
+    """Time to search for each level [s]; where there are many, compilation comes on top."""
     write: bool = False
     """Record the actions in the level's file; a recorded solution that wins no more is dropped."""
     unsolved: bool = False

@@ -24,7 +24,7 @@ _SUMMARIES = {
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Common:
-    """What every algorithm takes besides its hyper-parameters."""
+    """Options of every algorithm besides its hyper-parameters."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="RUN")]
     """The run's directory: config.toml, metrics, checkpoints."""
@@ -43,9 +43,9 @@ class Common:
     """Train together with other machines: where the first of them is reached, or `auto` under a
     scheduler that tells. Every machine is given the same command and a directory that all share."""
     num_processes: int | None = None
-    """How many processes train together."""
+    """Number of processes that train together."""
     process_id: int | None = None
-    """Which of them this is, from 0."""
+    """Number of this process, from 0."""
     cores: int | None = None
     """Processor cores to use, if they get equal shares (KINETIX_CORES, else all)."""
 
@@ -162,7 +162,7 @@ def _announce(algorithm: str, config: Any, need: Any) -> None:
 
 
 def _like(card: Any) -> dict[str, Any]:
-    """What a fine-tuned agent's own description settles."""
+    """Return the settings that a fine-tuned agent's own description determines."""
     network = dataclasses.asdict(card.network)
     return network | {
         "observation_type": card.observation.type,

@@ -31,7 +31,7 @@ class Validate:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FileReport:
-    """What is wrong with one file."""
+    """Problems of one file."""
 
     file: str
     format: str | None

@@ -27,7 +27,7 @@ DEFAULTS: Final[Mapping[str, Any]] = {
     "recurrent_model": False,
     "activation": "tanh",
 }
-"""What a configuration says where it says nothing."""
+"""Values of a configuration that are not given."""
 _RECORDS: Final = ("env_params", "static_env_params")
 _CUSTOM: Final = "custom"
 

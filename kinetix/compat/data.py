@@ -28,7 +28,7 @@ class TrainAndValData(NamedTuple):
 
 
 class RunnerState(NamedTuple):
-    """Where a training stands."""
+    """State of a training."""
 
     train_state: Any
     update_step: Any
@@ -36,7 +36,7 @@ class RunnerState(NamedTuple):
 
 
 class RunnerStateAndData(NamedTuple):
-    """Where a training stands, and what it learns from next."""
+    """State of a training, and the data it learns from next."""
 
     runner_state: RunnerState
     batch_of_data: Any

@@ -21,7 +21,7 @@ Preprocess = Callable[[Any], Any]
 
 
 class EpisodeMetrics(NamedTuple):
-    """How episodes went, one entry per level."""
+    """Statistics of episodes, one entry per level."""
 
     episode_lengths: Array
     episode_returns: Array
@@ -55,7 +55,7 @@ class RenderMetrics(NamedTuple):
 
 
 class EvalMetrics(NamedTuple):
-    """What an evaluation found."""
+    """Result of an evaluation."""
 
     episode_metrics: EpisodeMetrics
     render_metrics: RenderMetrics | None
@@ -71,7 +71,7 @@ class KinetixVideo(NamedTuple):
 
 
 class Played(NamedTuple):
-    """What `evaluate_rnn` and `general_eval` return; axes time and level.
+    """Result of `evaluate_rnn` and `general_eval`; axes time and level.
 
     Once an episode has ended its reward is 0.
     """

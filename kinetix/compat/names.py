@@ -13,14 +13,14 @@ from typing import Any, Final
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Place:
-    """Where a name of kinetix-env lives here."""
+    """Place of a name of kinetix-env in this package."""
 
     home: str = ""
     """The module that has it; empty where there is no such thing here."""
     name: str = ""
     """Its name there."""
     instead: str = ""
-    """What to use instead: where there is no such thing, or where the name is an old one."""
+    """Replacement, where there is no such thing or where the name is an old one."""
 
     @property
     def old(self) -> bool:

@@ -130,7 +130,7 @@ class EMA(NamedTuple):
 
     value: Any = 0.0
     count: Any = 0
-    """How many values it has seen."""
+    """Number of values seen."""
     beta: float = 0.99
     """Weight of a value relative to the one after it."""
 

@@ -1,4 +1,4 @@
-"""What can be made anew and lies on disk: one table of folders, each with a bound."""
+"""Caches on disk, which can be made anew: one table of folders, each with a bound."""
 
 import contextlib
 import dataclasses
@@ -20,7 +20,7 @@ class CacheBound:
     """One folder below the user's cache folder."""
 
     what: str
-    """What it holds, in words."""
+    """Content, in words."""
     largest: int
     """Of more bytes the files that were used longest ago are deleted."""
 

@@ -25,7 +25,7 @@ class FileLimit:
     largest: int
     """Bytes; larger files are refused unread. Of an archive: of its arrays, unpacked."""
     why: str
-    """How large usual files are."""
+    """Usual size of such files."""
 
 
 LIMITS: Final[dict[Kind, FileLimit]] = {

@@ -98,7 +98,7 @@ _NO_KEY = jax.random.key(0)
 
 
 def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
-    """What a step says, as Python's numbers."""
+    """Return the info of a step as Python numbers."""
     return {
         "solved": bool(info["GoalR"]),
         "distance": float(info["distance"]),

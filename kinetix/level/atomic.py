@@ -15,7 +15,7 @@ _PREFIX: Final = ".kinetix-"
 _ENDING: Final = ".tmp"
 _BACKUP: Final = ".bak"
 _LONGEST_NAME: Final = 255
-"""What file systems take [bytes]."""
+"""Longest name that file systems take [bytes]."""
 _STALE: Final = 3600.0
 """Age at which a temporary file counts as left behind by a run that was killed [s]."""
 

@@ -39,7 +39,7 @@ EMPTY_ARENA: Final = Arena(floor=_GHOST, left_wall=_GHOST, right_wall=_GHOST, ce
 
 
 class BodyFields(typing.TypedDict, total=False):
-    """What every shape can be told besides its place and size."""
+    """Options of every shape besides its place and size."""
 
     angle: float
     """Turn around the centre of mass [rad]."""
@@ -97,22 +97,22 @@ class LevelBuilder:
 
     @property
     def floor(self) -> ArenaName:
-        """What joints call the arena's floor."""
+        """Name of the arena's floor, for joints."""
         return "floor"
 
     @property
     def left_wall(self) -> ArenaName:
-        """What joints call the arena's left wall."""
+        """Name of the arena's left wall, for joints."""
         return "left_wall"
 
     @property
     def right_wall(self) -> ArenaName:
-        """What joints call the arena's right wall."""
+        """Name of the arena's right wall, for joints."""
         return "right_wall"
 
     @property
     def ceiling(self) -> ArenaName:
-        """What joints call the arena's ceiling."""
+        """Name of the arena's ceiling, for joints."""
         return "ceiling"
 
     def rectangle(

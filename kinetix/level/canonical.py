@@ -54,7 +54,7 @@ def level_tree(level: Level) -> dict[str, Any]:
 
 
 def unsayable_paths(tree: Any, path: str = "$") -> Iterator[str]:
-    """Where a tree holds what JSON text cannot: numbers that are not finite, broken Unicode."""
+    """Return the paths that JSON cannot express: numbers that are not finite, broken Unicode."""
     if isinstance(tree, dict):
         for name, value in tree.items():
             yield from unsayable_paths(value, f"{path}.{name}")

@@ -38,17 +38,17 @@ _PERMUTATION = re.compile(r"\.permute\d+")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class LoadedLevel:
-    """What a file held."""
+    """Content of a level file."""
 
     level: Level
     format: LevelFormat
     """The format of the file."""
     warnings: tuple[str, ...] = ()
-    """What the level does not carry of the file, one sentence each."""
+    """Parts of the file that the level does not carry, one sentence each."""
     source: KinetixEnvDocument | None = None
     """The peer's file as it is, slots and leftovers included; None for a native file."""
     path: Path | None = None
-    """Where it was read."""
+    """Path from which it was read."""
 
 
 def resolve_path(name: str | Path) -> Path:

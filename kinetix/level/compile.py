@@ -69,7 +69,7 @@ _NO_LIMITS: Final = Limits(on=False)
 
 @pytree
 class Labels:
-    """What a level says about its entities and the engine does not need."""
+    """Properties of a level's entities that the engine does not need."""
 
     role: Int[Array, " b"]
     """0 none, 1 green, 2 blue, 3 red."""
@@ -308,7 +308,7 @@ def capacity_of_world(world: World) -> Capacity:
 
 
 def features_of(subject: "Level | Scene | World", *, capacity: Capacity | None = None) -> Features:
-    """What a level or compiled world uses, exactly: nothing that it leaves out could ever act.
+    """Return the features that a level or compiled world uses: those left out could never act.
 
     Args:
         subject: A level, a scene or a world (of one level, not a batch).
@@ -431,7 +431,7 @@ def compile_kinetix_env(
 
 
 def _stored_touching(document: KinetixEnvDocument) -> list[bool]:
-    """Which candidate pairs the file says are in contact: snapshots may be taken in mid-episode."""
+    """Mark the candidate pairs in contact in the file: snapshots may be taken in mid-episode."""
     slots = [contact.active for contact in document.polygon_contacts]
     pairs = [first or second for first, second in zip(slots[::2], slots[1::2], strict=True)]
     others = document.circle_polygon_contacts + document.circle_contacts

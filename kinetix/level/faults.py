@@ -1,4 +1,4 @@
-"""What is wrong with a file: coded faults with JSON paths, collected and told in one sentence."""
+"""Faults of a file: codes with JSON paths, collected and told in one sentence."""
 
 import dataclasses
 import json
@@ -20,9 +20,9 @@ class Fault:
     code: str
     """E001 … E013, see README.md."""
     path: str
-    """Where: a JSON path such as `$.bodies[3].friction`."""
+    """JSON path such as `$.bodies[3].friction`."""
     message: str
-    """What was expected and what was found."""
+    """Sentence: what was expected and what was found."""
 
     def __str__(self) -> str:
         return f"{self.path}: {self.message}"

@@ -36,7 +36,7 @@ MIN_VERTEX_DISTANCE: Final = 1e-3
 MIN_AREA: Final = 1e-4
 """A polygon smaller than this is degenerate [m²]."""
 CENTRE_TOLERANCE: Final = 1e-4
-"""How far a free body's centre of mass may lie from the origin of its frame [m]."""
+"""Largest distance of a free body's centre of mass from the origin of its frame [m]."""
 MASS_TOLERANCE: Final = 1e-5
 """Relative difference below which a stored mass is the derived one (rounding stays below 1e-6)."""
 PLACE_TOLERANCE: Final = 1e-6
@@ -53,7 +53,7 @@ STANDARD_ARENA: Final[dict[ArenaName, Geometry]] = {
     ),
     "ceiling": Geometry(position=(2.5, 10.2), vertices=_SLAB),
 }
-"""Where the arena bodies are unless a level says otherwise; vertices counter-clockwise."""
+"""Arena bodies, unless a level places them otherwise; vertices counter-clockwise."""
 
 
 def reverse_winding(vertices: Points) -> tuple[Point, ...]:
@@ -232,7 +232,7 @@ def recentred(body: Body, inertia_model: InertiaModel) -> Body:
 
 
 def polygon_fault(vertices: Points) -> str | None:
-    """Why these corners are no polygon of the format; None when they are one."""
+    """Return why these corners are no polygon of the format; None when they are one."""
     n = len(vertices)
     if n not in (3, 4):
         return f"expected 3 or 4 vertices, got {n}"
@@ -328,7 +328,7 @@ def touches_box(body: Body, box: tuple[float, float, float, float]) -> bool:
 
 
 def overlap_depth(a: Body, b: Body) -> float:
-    """How deep two bodies overlap [m]; 0 when they touch, negative when they are apart.
+    """Return the depth by which two bodies overlap [m]; 0 when they touch, negative when apart.
 
     The depth is the least shift that parts them; apart, its negative is a lower bound of the
     distance. Source: separating axis theorem (Ericson, Real-Time Collision Detection, 5.2.1).

@@ -1,4 +1,4 @@
-"""Which bodies hang together by joints."""
+"""Jointed components of a level."""
 
 from kinetix.level.model import Body, BodyReference, Level
 

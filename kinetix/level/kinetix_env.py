@@ -33,7 +33,7 @@ from kinetix.level.model import (
 )
 
 STANDARD_GRAVITY: Final = (0.0, round_real(-9.81))
-"""What the peer's reader always uses, whatever a file says [m/s²]."""
+"""Gravity that kinetix-env's reader always uses, whatever a file says [m/s²]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,7 +41,7 @@ class KinetixEnvDocument:
     """A file of the peer: its text, byte for byte, and its content slot by slot."""
 
     file: str
-    """Where it came from, for messages."""
+    """Name of the file, for messages."""
     text: str
     """The file as it was read; writing this again changes nothing."""
     polygons: tuple[KinetixBody, ...]
@@ -61,7 +61,7 @@ class KinetixEnvDocument:
 
     @property
     def capacity(self) -> Capacity:
-        """How many slots the file has."""
+        """Slots of the file."""
         return Capacity(
             polygons=len(self.polygons),
             circles=len(self.circles),
@@ -235,7 +235,7 @@ def _check_links(
 
 
 def lost_fields(level: Level, *, stem: str | None = None) -> tuple[str, ...]:
-    """What the peer's file cannot say, or its reader ignores, of a level.
+    """Return the parts of a level that kinetix-env's file cannot hold, or its reader ignores.
 
     Args:
         level: The document.

@@ -140,7 +140,7 @@ _STATIC_RANGES: Final[dict[str, tuple[float, float]]] = {
     "num_motor_bindings": (1, 64),
     "num_thruster_bindings": (1, 64),
 }
-"""What can be stepped and drawn; `screen_dim` has `LARGEST_SCREEN`."""
+"""Ranges that can be stepped and drawn; `screen_dim` has `LARGEST_SCREEN`."""
 _PARAMETER_RANGES: Final[dict[str, tuple[float, float]]] = {
     "dt": (1e-6, 1.0),
     "pixels_per_unit": (1, 10_000),
@@ -232,7 +232,7 @@ def read_vertices(value: Any, path: str, faults: FaultCollector) -> tuple[tuple[
 
 
 def read_size(value: Any, path: str, faults: FaultCollector) -> int:
-    """How many entities there may be."""
+    """Read the numbers of slots."""
     number = read_integer(value, path, faults)
     if not 0 <= number <= MAX_ENTITIES:
         faults.expect("E007", path, f"0 ≤ x ≤ {MAX_ENTITIES}", value)

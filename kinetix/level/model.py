@@ -35,9 +35,9 @@ ARENA_NAMES: Final[tuple[ArenaName, ...]] = ("floor", "left_wall", "right_wall",
 """In the order of polygon slots 0–3."""
 
 MOTOR_BINDINGS: Final = 4
-"""How many action channels there are for motors."""
+"""Number of action channels for motors."""
 THRUSTER_BINDINGS: Final = 2
-"""How many action channels there are for thrusters."""
+"""Number of action channels for thrusters."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
 MAX_NAME: Final = 60

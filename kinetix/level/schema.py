@@ -25,7 +25,7 @@ REQUIRED: Final[dict[type[msgspec.Struct], set[str]]] = {
     Motor: set(Motor.__struct_fields__),
     Limits: set(Limits.__struct_fields__),
 }
-"""What code may leave out and a file may not."""
+"""Fields that code may leave out and a file may not."""
 
 
 @functools.cache

@@ -67,7 +67,7 @@ class LevelSet(Record, frozen=True, kw_only=True):
         Meta(description="Common capacity; none: the largest of each", extra={"optional": True}),
     ] = None
     seed: int = 0
-    """What the split was drawn from."""
+    """Seed of the split."""
     engine_version: Annotated[str, Meta(max_length=120)] = ""
     """The version that wrote the set."""
     levels: Annotated[tuple[SetEntry, ...], Meta(max_length=MAX_LEVELS)] = ()
@@ -78,7 +78,7 @@ class SetLevel:
     """A level that was loaded from a set, a folder or a file."""
 
     name: str
-    """How reports call it: the path below the folder or set, without suffix."""
+    """Name in reports: the path below the folder or set, without suffix."""
     level: Level
     sha256: str
     tags: tuple[str, ...] = ()
@@ -379,7 +379,7 @@ def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> Loa
 
 
 def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, Split]:
-    """Which levels are for training: a draw that depends on hashes and seed alone.
+    """Return the levels for training; the split depends on hashes and seed alone.
 
     Both parts get a level where there are two or more and the share is neither 0 nor 1.
 

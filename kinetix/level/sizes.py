@@ -35,7 +35,7 @@ def smallest_capacity(needed: Capacity) -> Capacity:
 
 
 def hinted_capacity(level: Level) -> Capacity | None:
-    """What the level's own `size` says; None where it says nothing."""
+    """Return the capacity of the level's own `size`; None where it has none."""
     if level.size is None:
         return None
     if isinstance(level.size, SizeHint):

@@ -1,4 +1,4 @@
-"""Which slot an entity of a level gets when it is compiled: the one rule, free of JAX."""
+"""Slots of a level's entities when it is compiled: the one rule, free of JAX."""
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.level.model import ARENA_NAMES, BodyReference, Level, Polygon

@@ -69,7 +69,7 @@ class Issue:
     ids: tuple[BodyReference, ...] = ()
     """The entities that it is about: ids, or names of arena bodies."""
     fix: str = ""
-    """What a button that mends it would say; empty where nothing can be offered."""
+    """Label of the button that mends it; empty where nothing can be offered."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

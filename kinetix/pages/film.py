@@ -1,4 +1,4 @@
-"""What a page plays: poses over time and what there is to say about each moment, packed small."""
+"""Content of a page: poses over time and facts about each moment, packed small."""
 
 import base64
 import dataclasses
@@ -37,7 +37,7 @@ class Film:
 
     level: Level
     title: str
-    """Who plays, or what it is."""
+    """Name of the player or of the scene."""
     seconds: Float[np.ndarray, " k"]
     """[s]"""
     position: Float[np.ndarray, "k b 2"]
@@ -45,9 +45,9 @@ class Film:
     angle: Float[np.ndarray, "k b"]
     """[rad]"""
     actions: Float[np.ndarray, "k 6"] | None = None
-    """What was driven in the step before each moment: −1 … 1 per motor, 0 … 1 per thruster."""
+    """Controls in the step before each moment: −1 … 1 per motor, 0 … 1 per thruster."""
     value: Float[np.ndarray, " k"] | None = None
-    """What the agent expected; NaN where nothing is known."""
+    """Return that the agent expected; NaN where nothing is known."""
     entropy: Float[np.ndarray, " k"] | None = None
     """Of its policy [nat]."""
     outcome: str = ""

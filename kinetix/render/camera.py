@@ -1,4 +1,5 @@
-"""Which part of the world a picture shows. Centre and zoom are traced: panning compiles nothing."""
+"""The part of the world that a picture shows. Centre and zoom are traced: panning compiles
+nothing."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float

@@ -21,7 +21,7 @@ def caption(
     entropy: float | None = None,
     controls: Collection[int] | None = None,
 ) -> str:
-    """What to write on a picture.
+    """Return the caption of a picture.
 
     Args:
         step: Environment steps since the start.

@@ -22,7 +22,7 @@ class Palette:
     name: str
     """Identifier, as in the settings file."""
     label: str
-    """What menus show."""
+    """Name in menus."""
     background: Rgb
     outline: Rgb
     """Edges of bodies and of marks."""

@@ -227,7 +227,7 @@ def pixel_codes(
     thruster_binding: Int[Array, " t"],
     grid: PixelGrid,
 ) -> Int[Array, "x y"]:
-    """What each pixel of the observation shows, as an index into the table of colours.
+    """Return each pixel's index into the table of colours.
 
     Args:
         world: What the level fixes.

@@ -1,4 +1,4 @@
-"""Where things are in the world: what both renderers need to know about a state."""
+"""Poses of a state in the world, for both renderers."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -38,7 +38,7 @@ def world_corners(world: World, state: State) -> Float[Array, "p v 2"]:
 
 
 def joint_anchors(world: World, state: State) -> Float[Array, "j 2"]:
-    """Where the joints are drawn [m].
+    """Return the places at which joints are drawn [m].
 
     The anchor on a fixed body counts; between two moving bodies it is the mean of the two anchors,
     weighted by the inverse masses.
@@ -58,7 +58,7 @@ def joint_anchors(world: World, state: State) -> Float[Array, "j 2"]:
 
 
 def thruster_poses(world: World, state: State) -> tuple[Float[Array, "t 2"], Float[Array, " t"]]:
-    """Where the thrusters sit [m] and the directions in which they push [rad]."""
+    """Return the places of the thrusters [m] and the directions in which they push [rad]."""
     thrusters = world.thrusters
     turn = state.rotation[thrusters.body]
     position = rotated(thrusters.position, turn) + state.position[thrusters.body]

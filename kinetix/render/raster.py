@@ -17,7 +17,7 @@ TILE_WIDTH = 100
 """Size of a tile [px]: small enough to stay in the cache, large enough to hide the loop."""
 
 STRIPE_SHADE = 0.6
-"""How far stripes turn the fill into the outline's colour, 0–1."""
+"""Share of the outline's colour in stripes, 0–1."""
 
 _NOWHERE = 1e9
 """Distance that stands for "no edge here" [px]."""

@@ -13,12 +13,12 @@ from kinetix.render.palette import KINETIX, Palette
 from kinetix.render.style import FIRST_POLYGON, FLOOR, ROLE_PATTERNS, STYLE, Style
 
 _FLOOR_GLYPH_DEPTH = 0.2
-"""How far the floor's glyph sits below its surface [m]: the floor's middle is out of sight."""
+"""Depth of the floor's glyph below its surface [m]: the floor's middle is out of sight."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _View:
-    """What every part of the picture needs to know."""
+    """Facts that every part of the picture needs."""
 
     camera: Camera
     width: int

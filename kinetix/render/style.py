@@ -67,7 +67,7 @@ THRUSTER_FLAME: Final[tuple[Point, ...]] = ((0.02, 0.24), (0.02, -0.24), (-0.5, 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Style:
-    """How pictures for people look. The pixel observation has its own fixed rules (`pixels.py`)."""
+    """Style of pictures for people. The pixel observation has its own fixed rules (`pixels.py`)."""
 
     outline: float = 0.02
     """Thickness of edges, inside the body."""
@@ -92,7 +92,7 @@ class Style:
 
 
 STYLE: Final = Style()
-"""What the app uses unless told otherwise."""
+"""Default style of the app."""
 
 
 def glyph_radius(inscribed: float, style: Style = STYLE) -> float:

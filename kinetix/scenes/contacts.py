@@ -8,7 +8,7 @@ from kinetix.scenes.model import PHASES, STEP, SuiteScene, Trial
 from kinetix.scenes.stage import Stage
 
 BULLET_PHASES = 64
-"""How many places within a step a bullet is tried at."""
+"""Number of places within a step at which a bullet is tried."""
 
 
 def stack(count: int, *, dt: float = STEP, name: str = "", offset: float = 0.0) -> Trial:

@@ -14,7 +14,7 @@ def drop_speed(height: float) -> float:
 
 
 def phase_shift(phase: int, speed: float, phases: int = PHASES) -> float:
-    """How much earlier a body starts so that its impact moves by a part of a step [m]."""
+    """Return the head start of a body that shifts its impact by a part of a step [m]."""
     return phase * speed * STEP / phases
 
 

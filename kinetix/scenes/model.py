@@ -1,4 +1,4 @@
-"""What a scene of the accuracy suite is: levels to run, how to drive them, and for how long."""
+"""Scenes of the accuracy suite: levels to run, their controls, and their duration."""
 
 import dataclasses
 import math
@@ -27,7 +27,7 @@ GRAVITY: Final = 9.81
 STEP: Final = 1 / 60
 """Time step of every engine [s], whatever it does inside."""
 PHASES: Final = 8
-"""How many places within a step an impact is tried at."""
+"""Number of places within a step at which an impact is tried."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -38,9 +38,9 @@ class Trial:
     duration: float
     """Simulated time [s]."""
     name: str = ""
-    """Which variant this is; trials of one name differ in their phase alone."""
+    """Name of the variant; trials of one name differ in their phase alone."""
     phase: int = 0
-    """Which of the `PHASES` places within a step the impact falls on."""
+    """Place of the impact within the step, out of `PHASES`."""
     motor: float = 0.0
     """Action of every motor, −1 … 1."""
     thruster: float = 0.0
@@ -48,13 +48,13 @@ class Trial:
     dt: float = STEP
     """Time step [s]."""
     values: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    """What the reference needs to know beyond the level, such as an angle or a speed."""
+    """Values that the reference needs beyond the level, such as an angle or a speed."""
     inactive: bool = False
     """Every body, joint and thruster is switched off."""
 
     @property
     def steps(self) -> int:
-        """How many steps fill the duration."""
+        """Number of steps in the duration."""
         return math.ceil(self.duration / self.dt - 1e-6)
 
 
@@ -71,7 +71,7 @@ class SuiteScene:
     make_trials: Callable[[], tuple[Trial, ...]]
     """All variants and phases."""
     note: str
-    """What it shows, for people."""
+    """Purpose, for people."""
     sized: bool = False
     """Run with the step of its size too, beside the one that is compiled for it alone."""
     precise: bool = False

@@ -32,7 +32,8 @@ class PpoConfig:
     size: str = "m"
     """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
     level_mode: LevelMode = "random"
-    """Where episodes start: random levels of the size, or of s, m and l; creatures; a list."""
+    """Levels at the start of episodes: random ones of the size, or of s, m and l; creatures; a
+    list."""
     levels: tuple[str, ...] = ()
     """Folders, files, names or sets of levels; implies the mode `list`."""
     physics: str = "balanced"
@@ -48,7 +49,7 @@ class PpoConfig:
     action_type: ActionName = "multi_discrete"
     """Kind of action."""
     observation_type: ObservationName = "symbolic_entity"
-    """What the agent sees."""
+    """Observation of the agent."""
     network: NetworkConfig = _NETWORK
     """The network; its options are flags of their own."""
 
@@ -73,13 +74,13 @@ class PpoConfig:
     num_minibatches: int = 32
     """Parts of a rollout, each of them one gradient step an epoch."""
     update_epochs: int = 8
-    """How often a rollout is learnt from."""
+    """Epochs of learning on each rollout."""
     gamma: float = 0.995
     """Discount of future reward a step."""
     gae_lambda: float = 0.9
     """Decay of the advantage estimate."""
     clip_eps: float = 0.2
-    """How far policy ratio and value may move on one rollout."""
+    """Largest move of policy ratio and value on one rollout."""
     ent_coef: float = 0.01
     """Weight of the entropy bonus."""
     vf_coef: float = 0.5
@@ -101,9 +102,9 @@ class PpoConfig:
     filter_levels: bool = True
     """Leave out random levels that are won by doing nothing, where levels are chosen."""
     level_filter_n_steps: int = 64
-    """How long the filter does nothing [environment steps]."""
+    """Steps for which the filter does nothing [environment steps]."""
     level_filter_sample_ratio: int = 2
-    """How many levels are drawn for each one that the filter keeps."""
+    """Levels drawn for each one that the filter keeps."""
 
     eval_freq: int = 64
     """Updates between two evaluations; 0: none."""
@@ -112,7 +113,7 @@ class PpoConfig:
     eval_num_attempts: int = 20
     """Episodes a level."""
     eval_sampled_levels: int = 0
-    """How many filtered random levels to evaluate on besides."""
+    """Number of filtered random levels to evaluate on besides."""
     checkpoint_save_freq: int = 512
     """Updates between two checkpoints; the last update makes one in any case."""
     wandb_project: str = ""
@@ -194,9 +195,9 @@ class SflConfig(PpoConfig):
     batch_size: int = 16_384
     """Random levels that are scored at once."""
     num_batches: int = 16
-    """How many such batches a scoring takes."""
+    """Number of such batches in a scoring."""
     rollout_steps: int = 512
-    """How long each of them is played [environment steps]."""
+    """Length of each of their rollouts [environment steps]."""
     num_to_save: int = 8192
     """Size of the buffer."""
     buffer_update_frequency: int = 50
@@ -251,19 +252,19 @@ class ReplayConfig(PpoConfig):
     num_edits: int = 2
     """Edits of a mutation."""
     score_function: ScoreFunction = "MaxMC"
-    """What makes a level worth replaying."""
+    """Score that makes a level worth replaying."""
     level_buffer_capacity: int = 4000
     """Size of the buffer."""
     replay_prob: float = 0.5
-    """How often levels are replayed, once the buffer is full enough."""
+    """Probability of a replay, once the buffer is full enough."""
     staleness_coeff: float = 0.3
     """Weight of not having been replayed for long."""
     prioritization: Prioritization = "rank"
-    """How scores become weights."""
+    """Mapping from scores to weights."""
     temperature: float = 1.0
     """Weights are proportional to (1/rank) to the power 1/temperature."""
     topk_k: int = 8
-    """How many of the best share the weight under `topk`."""
+    """Number of the best levels, which share the weight under `topk`."""
     minimum_fill_ratio: float = 0.5
     """Share of the buffer that must be filled before the first replay."""
     exploratory_grad_updates: bool = True
@@ -300,7 +301,7 @@ ALGORITHM_DEFAULTS: dict[str, dict[str, object]] = {
     "accel": {"use_accel": True, "num_edits": 5},
     "dr": {"replay_prob": 0.0},
 }
-"""What differs between algorithms that share a kind of configuration."""
+"""Settings in which algorithms that share a kind of configuration differ."""
 
 
 def algorithm_of(config: PpoConfig) -> str:

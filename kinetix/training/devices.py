@@ -23,11 +23,11 @@ from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig
 
 WHOLE: Final = PartitionSpec()
-"""What every device has all of."""
+"""Placement of arrays that every device holds whole."""
 OWN: Final = PartitionSpec(WORLDS)
-"""What is split along the first axis."""
+"""Placement of arrays that are split along the first axis."""
 OWN_COLUMNS: Final = PartitionSpec(None, WORLDS)
-"""What is split along the second axis, the first being time."""
+"""Placement of arrays that are split along the second axis, the first being time."""
 _MOST_GROUPS: Final = 16
 
 

@@ -1,4 +1,4 @@
-"""Where metrics go: files in the run's own directory, and services where they are asked for."""
+"""Destinations of metrics: files in the run's own directory, and services on request."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""How much memory a training needs, and how many environments fit."""
+"""Memory that a training needs, and the number of environments that fit."""
 
 import dataclasses
 import os

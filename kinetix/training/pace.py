@@ -1,4 +1,4 @@
-"""How long a training takes: updates and evaluations timed apart, compilation left out."""
+"""Duration of a training: updates and evaluations timed apart, compilation left out."""
 
 import collections
 import statistics

@@ -21,7 +21,7 @@ DAMAGED: Final = ".damaged"
 
 
 class StoredProgress(msgspec.Struct, frozen=True, kw_only=True):
-    """What `progress.json` holds."""
+    """Content of `progress.json`."""
 
     updates: int
     seconds: float

@@ -66,14 +66,14 @@ class Trainer(Protocol):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Report:
-    """Where a training stands, for the terminal."""
+    """Progress of a training, for the terminal."""
 
     update: int
     updates: int
     env_steps: int
     steps_per_second: float
     seconds_left: float | None
-    """How long the rest takes, evaluations included [s]; None while that is not known."""
+    """Estimate of the remaining time, evaluations included [s]; None while it is not known."""
     metrics: Mapping[str, float]
 
 
@@ -169,7 +169,7 @@ def _begin(trainer: Trainer, out: Path, say: Say) -> tuple[Any, StoredProgress, 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Run:
-    """What stays the same during a training."""
+    """Constants of a training."""
 
     algorithm: str
     trainer: Trainer

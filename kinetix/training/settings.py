@@ -1,4 +1,4 @@
-"""Where a configuration comes from: preset, TOML file, single values; and back to TOML."""
+"""Sources of a configuration: preset, TOML file, single values; and back to TOML."""
 
 import ast
 import dataclasses
@@ -157,7 +157,7 @@ def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
 
 
 def field_notes(owner: type) -> dict[str, str]:
-    """What is written below each field of a dataclass, its bases' included.
+    """Return the notes below each field of a dataclass, its bases' included.
 
     Args:
         owner: The dataclass; its source must be there.

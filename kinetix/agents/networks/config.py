@@ -1,4 +1,4 @@
-"""What a network is made of: plain numbers and names, free of JAX."""
+"""Configuration of a network: plain numbers and names, free of JAX."""
 
 import dataclasses
 from typing import Literal, get_args
@@ -30,7 +30,7 @@ class NetworkConfig:
     """
 
     kind: Kind = "entity_transformer"
-    """Which network."""
+    """Kind of network."""
     activation: Activation = "tanh"
     """Activation of encoders and heads."""
     recurrent_model: bool = False
@@ -54,7 +54,7 @@ class NetworkConfig:
     full_attention_mask: bool = False
     """Let every head attend to every active body instead of four kinds of neighbour."""
     aggregate_mode: AggregateMode = "dummy_and_mean"
-    """How tokens become one embedding."""
+    """Reduction of the tokens to one embedding."""
     transformer_ffn: bool = False
     """A two-layer block after the attention instead of one linear layer."""
     multilayer_joint_thruster_mixing: bool = False
@@ -74,7 +74,7 @@ class NetworkConfig:
     separate_actor_critic: bool = False
     """Two embeddings, one for the actor and one for the critic (invariant network)."""
     cnn_mode: CnnMode = "impala_fast"
-    """Which convolutional encoder."""
+    """Convolutional encoder."""
 
     def __post_init__(self) -> None:
         """Refuse what no network can be built from.

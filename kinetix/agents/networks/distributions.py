@@ -1,4 +1,4 @@
-"""What an actor says: distributions over the three kinds of action, and the heads that make them.
+"""Outputs of an actor: distributions over the three kinds of action, and the heads that make them.
 
 Log-probabilities and entropies of compound actions are sums over their parts. `restricted` leaves
 out the controls that a level does not have: what is said about those changes nothing.

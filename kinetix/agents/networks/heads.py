@@ -15,7 +15,7 @@ ACTIVATIONS: dict[str, Callable[[Array], Array]] = {"tanh": jnp.tanh, "relu": ja
 """Activations by name."""
 
 Output = tuple[Carry, Distribution, Float[Array, "k n"]]
-"""What a network returns: the next recurrent state, the policy, the value; axes time, batch."""
+"""Output of a network: the next recurrent state, the policy, the value; axes time, batch."""
 
 
 def dense(features: int, *, gain: float = 2**0.5, name: str | None = None) -> nn.Dense:

@@ -167,7 +167,7 @@ class Messages:
         self.mask = mask[..., None].astype(embedding.dtype)
 
     def send(self, x: Float[Array, "*n e f"], message: nn.Module) -> Float[Array, "*n e f"]:
-        """What every token receives: the sum of the messages of its rows."""
+        """Return the sum of the messages that each token receives."""
         read = [body @ x for body in self.bodies]
         delta = message(jnp.concatenate([*read, self.embedding], axis=-1)) * self.mask
         return jnp.swapaxes(self.bodies[0], -1, -2) @ delta
@@ -231,7 +231,7 @@ class EntityTransformer(nn.Module):
         return tokens, active
 
     def _mask(self, observation: Any, active: Bool[Array, "*n e"]) -> Bool[Array, "*n h e e"]:
-        """Who sees whom; head h uses plane ⌊4h/H⌋."""
+        """Return who attends to whom; head h uses plane ⌊4h/H⌋."""
         both = (active[..., :, None] & active[..., None, :])[..., None, :, :]
         if self.full_attention_mask:
             return both

@@ -28,7 +28,7 @@ from kinetix.errors import KinetixError
 from kinetix.scenes import SCENE_CLASSES
 
 QUICK: Final = ("fast", "balanced", "accurate")
-"""What `--quick` measures, with many worlds only."""
+"""Presets that `--quick` measures, with many worlds only."""
 UNTIMED: Final = ("reference",)
 """Presets that only judge others."""
 QUIET: Final = 3.0
@@ -39,14 +39,14 @@ BATCHES: Final = (1, 1024)
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ChartSettings:
-    """What to measure and where to write."""
+    """Settings of the chart."""
 
     out: Path
     """Folder of chart.png and chart.json."""
     results: Path
     """Folder of the measured rows; what is missing there is measured."""
     physics: tuple[str, ...] = ()
-    """Whose speed is measured anew; nobody's if empty. Their errors are measured where missing."""
+    """Presets whose speed is measured anew. Their errors are measured where missing."""
     batches: tuple[int, ...] = BATCHES
 
 

@@ -56,7 +56,7 @@ def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
 
 
 def _height(point: Point) -> float:
-    """Where a point is drawn: what fails as a whole on the top edge."""
+    """Return the height of a point: the top edge for what fails as a whole."""
     if point.group == "robustness":
         return 100 * point.error
     return TOP if point.error >= 1 else max(point.error, LEAST_ERROR)

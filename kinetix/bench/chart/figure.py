@@ -1,4 +1,4 @@
-"""What all charts share: a figure without a window, the small print, the file."""
+"""Common parts of all charts: a figure without a window, the small print, the file."""
 
 import os
 import platform

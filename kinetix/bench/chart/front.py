@@ -1,4 +1,4 @@
-"""Who is dominated, and how far ours is ahead."""
+"""Pareto fronts: which points are dominated, and how far ours is ahead."""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -24,7 +24,7 @@ def pareto_front(points: Sequence[Point]) -> list[Point]:
 
 
 def scalars(points: Sequence[Point]) -> dict[str, Any]:
-    """How far ours is ahead of the baseline in one facet; conservative, as nothing is interpolated.
+    """Return how far ours is ahead of the baseline in one facet, without interpolation.
 
     Returns:
         `speed_ratio`: our fastest point that is no less accurate than the baseline, over its speed;

@@ -1,4 +1,4 @@
-"""What the chart shows: one point an engine, class and batch size, from stored measurements."""
+"""Points of the chart: one per engine, class and batch size, from stored measurements."""
 
 import dataclasses
 import datetime
@@ -43,14 +43,14 @@ class Point:
     error: float
     """Class error; of the class `robustness` the share of verdicts that are failures."""
     failed: int
-    """How many of the core scenes fail."""
+    """Core scenes that fail."""
     scenes: int
-    """How many core scenes there are verdicts for."""
+    """Core scenes that have a verdict."""
     devices: int = 1
     measured: str = ""
     """Day of the measurement of speed."""
     load: float = 0.0
-    """How many processes wanted to run then: well above 1, and the speed is too low."""
+    """Processes that wanted to run then: well above 1, and the speed is too low."""
 
 
 def file_name(name: str) -> str:

@@ -1,4 +1,4 @@
-"""What went wrong in a scene: numbers with limits, from the motion of any engine."""
+"""Faults of a scene: numbers with limits, from the motion of any engine."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -123,7 +123,7 @@ def _seams(scene: EverydayScene, motion: Motion, twin: Motion) -> float:
 
 
 def _outcome(motion: Motion, coarser: Motion, fine: Motion) -> dict[str, float | None]:
-    """How far from the fine run's end this one's is; nothing where the fine runs disagree."""
+    """Return the distance from the fine run's end; nothing where the fine runs disagree."""
     free = motion.free
     if coarser.wild_after is not None or fine.wild_after is not None:
         return {}

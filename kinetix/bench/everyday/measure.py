@@ -1,4 +1,4 @@
-"""How often everyday scenes go wrong, a row a class."""
+"""Share of everyday scenes that go wrong, one row per class."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ PEERS: Final = ("box2d", "pymunk", "jax2d")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class EverydaySettings:
-    """What to run."""
+    """Settings of the everyday measurement."""
 
     count: int = 500
     seed: int = 0

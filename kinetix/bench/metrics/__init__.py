@@ -1,4 +1,4 @@
-"""How each scene is judged: what is measured, and from where on that is good or a failure.
+"""Metrics of the scenes: what is measured, and the bounds of good and of failure.
 
 Names are imported on first use.
 """

@@ -71,7 +71,7 @@ def normalised_error(value: float | None, good: float, fail: float) -> float:
 
 
 Judge = Callable[[Sequence[Motion]], list[Metric]]
-"""What the motions of all trials of a scene are worth."""
+"""Metrics of the motions of all trials of a scene."""
 
 
 def each(judge: Callable[[Motion], Iterable[Metric]]) -> Judge:

@@ -11,7 +11,7 @@ from kinetix.bench.peers.launch import Answer, Peer, ask
 from kinetix.scenes import SuiteScene, scenes_named
 
 UNSAID: Final = "cannot be said"
-"""What stands for the metric of a scene that an engine has no words for."""
+"""Metric of a scene that an engine has no words for."""
 COMPARED: Final = ("I7", "R1", "R2")
 """Scenes whose trials are judged together: all or none."""
 

@@ -102,7 +102,7 @@ def _body_of(level: Level, reference: BodyReference) -> Body:
 
 
 def _groups(level: Level, index: dict[BodyReference, int]) -> list[int]:
-    """Which bodies hang together by joints: a number from 1 on, 0 for those that stand alone."""
+    """Number the jointed components from 1; 0 for bodies that stand alone."""
     group = list(range(len(index)))
     for joint in level.joints:
         a, b = group[index[joint.a]], group[index[joint.b]]

@@ -38,7 +38,7 @@ class Peer:
     program: str
     """File below `PROGRAMS`."""
     settings: Mapping[str, Any]
-    """What its program is told."""
+    """Settings that its program receives."""
     compiled: bool = False
     """True if it steps whole batches in one compiled program, or one world at a call."""
     own_inertia: bool = False
@@ -57,7 +57,7 @@ class Peer:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a peer said to a job."""
+    """Answer of another engine's program to a job."""
 
     told: Mapping[str, Any]
     """The contents of answer.json."""

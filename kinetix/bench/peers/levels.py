@@ -25,7 +25,7 @@ OURS: Final = "kinetix"
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class LevelSettings:
-    """What to measure."""
+    """Settings of the measurement."""
 
     sizes: tuple[str, ...] = ("s", "m", "l")
     batch: int = 1024
@@ -65,7 +65,8 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
 
 
 def ratios(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """How many times as fast ours is, by what, size and batch; of several devices the best."""
+    """Return our speed over the other's by observation, size and batch; of several devices the
+    best."""
     for ours in rows:
         if ours["engine"] != OURS:
             continue

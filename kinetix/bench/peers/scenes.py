@@ -11,7 +11,7 @@ from kinetix.bench.scene_speed import Rate, measure_scenes
 from kinetix.scenes import Trial
 
 PATIENCE: Final = 300.0
-"""How long an engine may take to compile and be timed in a scene [s]: under some versions
+"""Longest time that an engine may take to compile and be timed in a scene [s]: under some versions
 of JAX, MJX hangs."""
 SCENE_STEPS: Final = 256
 """Steps from the start over which engines driven from Python are timed."""

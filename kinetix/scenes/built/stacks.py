@@ -1,4 +1,4 @@
-"""What stands must stand: walls, pyramids, towers, heaps that fill a size, shelves."""
+"""Things that must stand: walls, pyramids, towers, heaps that fill a size, shelves."""
 
 from kinetix.level.builder import LevelBuilder
 from kinetix.scenes.model import SuiteScene, Trial

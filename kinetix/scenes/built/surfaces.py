@@ -16,7 +16,7 @@ SEGMENTS = 14
 
 
 def _slider(b: LevelBuilder, kind: str, x: float, y: float, speed: float, friction: float) -> int:
-    """What slides or rolls: its lowest point at (x, y); .3 m wide."""
+    """Return a body that slides or rolls: its lowest point at (x, y); .3 m wide."""
     velocity = (speed, 0.0)
     if kind == "disc":
         spin = -speed / 0.15 if friction else 0.0

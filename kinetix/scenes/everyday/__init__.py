@@ -1,4 +1,4 @@
-"""What people build: one file per class of things, scenes drawn by a seed. No JAX.
+"""Everyday scenes: one file per class of things that people build. No JAX.
 
 `catalogue` has the table of classes; names are imported from there.
 """

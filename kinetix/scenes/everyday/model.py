@@ -1,4 +1,4 @@
-"""What a scene of everyday building is: a trial, and what must be true of it."""
+"""Everyday scenes: a trial, and what must be true of it."""
 
 import dataclasses
 import random
@@ -17,7 +17,7 @@ WIDTH: Final = 5.0
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Room:
-    """How much a scene may hold; the arena is not counted."""
+    """Numbers of bodies and joints that a scene may hold; the arena is not counted."""
 
     name: str
     """A named size, or `custom`."""

@@ -1,1 +1,2 @@
-"""Which levels to train on: `sfl`, and `replay` for PLR, ACCEL and DR; `buffer` keeps levels."""
+"""Choice of levels to train on: `sfl`, and `replay` for PLR, ACCEL and DR; `buffer` keeps
+levels."""

@@ -202,7 +202,7 @@ def _score_weights(buffer: LevelBuffer, config: ReplayConfig) -> Float[Array, " 
 
 
 def _new_ones(buffer: LevelBuffer, levels: Any, count: int) -> Bool[Array, " n"]:
-    """Which levels are neither in the buffer nor earlier in the same batch."""
+    """Mark the levels that are neither in the buffer nor earlier in the same batch."""
 
     def rows(tree: Any, length: int) -> Array:
         leaves = [x.reshape(length, -1).astype(jnp.float32) for x in jax.tree.leaves(tree)]

@@ -1,4 +1,4 @@
-"""What makes a level worth replaying: scores of rollouts, axes time `k` and environments `n`."""
+"""Scores of rollouts, by which levels are replayed; axes time `k` and environments `n`."""
 
 import jax
 import jax.numpy as jnp

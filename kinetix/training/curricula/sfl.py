@@ -47,12 +47,12 @@ class SflState:
     age: Int[Array, ""]
     """Updates since the buffer was filled."""
     pool: EnvState | None
-    """What all levels are drawn from, where that is a fixed set."""
+    """The fixed set from which all levels are taken, if there is one."""
     playing: Playing
     """The environments: episodes go on over updates, else nothing after the last step of a rollout
     would ever be learnt from."""
     owner: Int[Array, " n"]
-    """Which level of the buffer each environment's episode is on; −1: none that still counts."""
+    """Level of the buffer that each environment's episode is on; −1: none that still counts."""
 
 
 class Sfl:
@@ -195,7 +195,7 @@ class Sfl:
         statistics: Normalisation | None,
         key: Array,
     ) -> Tally:
-        """How often the present policy solves levels."""
+        """Count how often the present policy solves levels."""
         config = self.config
         by_episodes = config.learnability_mode == "episodes"
         return play_tally(

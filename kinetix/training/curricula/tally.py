@@ -1,4 +1,4 @@
-"""How often a policy solves each of many levels; nothing but counts is kept."""
+"""Counts of how often a policy solves each of many levels."""
 
 from typing import Any, Final
 
@@ -106,6 +106,6 @@ def learnability(tally: Tally, *, correction: bool) -> Float[Array, " n"]:
 
 
 def sfl_score(tally: Tally, *, correction: bool) -> Float[Array, " n"]:
-    """What SFL keeps levels by: learnability and a little success rate."""
+    """Return the score by which SFL keeps levels: learnability and a little success rate."""
     p = tally.solved / jnp.maximum(tally.episodes, 1)
     return learnability(tally, correction=correction) + SOLVED_BONUS * p

@@ -36,7 +36,7 @@ class Playing:
 
 @pytree
 class Trajectory:
-    """What happened; axes time and environments."""
+    """Steps of a rollout; axes time and environments."""
 
     observation: Any
     """Before the step, as the environment gave it."""
@@ -74,7 +74,7 @@ class Rollout:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Game:
-    """What stays the same in a training: the environment, the network, two numbers. Hashable."""
+    """Constants of a training: the environment, the network, two numbers. Hashable."""
 
     env: KinetixEnv
     network: nn.Module

@@ -37,7 +37,7 @@ class Batch:
 
 @pytree
 class Learner:
-    """What learning changes."""
+    """State that learning changes."""
 
     params: Any
     """Variables of the network, with the root "params"."""
