@@ -19,7 +19,7 @@ def joint_angle(world: World, state: State) -> Float[Array, "j n"]:
 def motor_fade(
     world: World, angle: Float[Array, "j n"], action: Float[Array, "j n"], parameters: Parameters
 ) -> Float[Array, "j n"]:
-    """How much of its strength a motor has near a limit: 1 away from it, or when leaving it."""
+    """Return a motor's share of strength near a limit: 1 away from it, or when leaving it."""
     joints = world.joints
     band = parameters.motor_joint_limit
     beyond = angle - jnp.clip(angle, joints.limit_min + band, joints.limit_max - band)
@@ -30,7 +30,8 @@ def motor_fade(
 
 
 def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
-    """Which motors act: on, revolute, driven, between active bodies that are not both fixed."""
+    """Mark the motors that act: on, revolute, driven, between active bodies that are not both
+    fixed."""
     joints, bodies = world.joints, world.bodies
     (active_a, mass_a), (active_b, mass_b) = take_pair(
         (bodies.active, bodies.inverse_mass), joints.body_a, joints.body_b
@@ -41,7 +42,7 @@ def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
 
 @pytree
 class Motors:
-    """What the law of the motors needs, poses and velocities aside."""
+    """Inputs of the motor law, poses and velocities aside."""
 
     runs: Bool[Array, "j n"]
     inverse_inertia: Float[Array, "j n"]

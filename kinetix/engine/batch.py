@@ -70,7 +70,7 @@ def worlds_last(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Program:
-    """What the primitive runs: equal ones are the same program."""
+    """Program of the primitive; equal ones are compiled once."""
 
     kernel: Callable[..., Tree]
     effort: Callable[..., Int[Array, " n"]] | None
@@ -216,7 +216,7 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
 
 
 def _count(leaves: Sequence[Any]) -> int:
-    """How many worlds there are; arrays with just one stand for all of them."""
+    """Count the worlds; arrays with just one stand for all of them."""
     return max(x.shape[-1] for x in leaves)
 
 
@@ -236,7 +236,8 @@ def _pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
 
 
 def _group(number: int, dtype: Any, rows: int) -> str:
-    """Which array a leaf is packed into: a large one stays alone, as cutting it out is a copy."""
+    """Return the group a leaf is packed into: a large one stays alone, as cutting it out is a
+    copy."""
     name = str(jnp.dtype(dtype))
     return f"{name} {number}" if rows >= LARGE else name
 

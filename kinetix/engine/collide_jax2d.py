@@ -38,7 +38,7 @@ class Shapes:
     normals: Vec
     """Of the edge that starts at each vertex, (p, v, n)."""
     used: Bool[Array, "p v n"]
-    """Which vertices (and edges) count."""
+    """True for vertices (and edges) that count."""
 
 
 def move_shapes(bodies: Bodies, state: State) -> Shapes:

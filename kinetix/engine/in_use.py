@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @pytree
 class InUse:
-    """How many links (pairs of bodies) of each group any of the worlds uses: always the first ones.
+    """Number of links (pairs of bodies) of each group that any world uses: always the first ones.
 
     Links have one or several rows: first rows of all links of the first group, then their second
     rows …, then the next group.
@@ -45,12 +45,12 @@ class InUse:
 
     @property
     def links(self) -> int:
-        """How many there are, used or not."""
+        """Number of links, used or not."""
         return sum(links for links, _ in self.groups)
 
     @property
     def rows(self) -> int:
-        """How many there are, used or not."""
+        """Number of rows, used or not."""
         return sum(links * rows for links, rows in self.groups)
 
     def one_row_each(self) -> "InUse":
@@ -118,6 +118,6 @@ def _visited(
 
 
 def _last_used(mask: Bool[Array, "c n"]) -> Int[Array, ""]:
-    """How many rows there are up to the last one that any world uses."""
+    """Count the rows up to the last one that any world uses."""
     rows = np.arange(1, mask.shape[0] + 1, dtype=np.int32)
     return jnp.max(jnp.where(jnp.any(mask, axis=1), rows, 0), initial=0)

@@ -1,4 +1,4 @@
-"""What all solvers ask of joints. Worlds on the last axis."""
+"""Facts about joints that all solvers need. Worlds on the last axis."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
@@ -8,7 +8,7 @@ from kinetix.engine.types import World
 
 
 def joint_acts(world: World) -> Bool[Array, "j n"]:
-    """Which joints hold: between two different active bodies that are not both fixed."""
+    """Mark the joints that hold: between two different active bodies that are not both fixed."""
     joints, bodies = world.joints, world.bodies
     (active_a, mass_a), (active_b, mass_b) = take_pair(
         (bodies.active, bodies.inverse_mass), joints.body_a, joints.body_b
@@ -20,7 +20,7 @@ def joint_acts(world: World) -> Bool[Array, "j n"]:
 def nearer_limit(
     world: World, angle: Float[Array, "j n"]
 ) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
-    """Which limit is nearer (+1 the lower, −1 the upper one), and the angle left to it [rad]."""
+    """Return the nearer limit (+1 the lower, −1 the upper one), and the angle left to it [rad]."""
     joints = world.joints
     least = jnp.minimum(joints.limit_min, joints.limit_max)
     most = jnp.maximum(joints.limit_min, joints.limit_max)

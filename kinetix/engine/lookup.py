@@ -105,7 +105,7 @@ def onto(values: T, index: Int[Array, "k n"], rows: int) -> T:
 
 
 def marked(index: Int[Array, "k n"], rows: int) -> Bool[Array, "rows n"]:
-    """Which rows of a table any of the entries names."""
+    """Mark the rows of a table that any of the entries names."""
     table = np.arange(rows, dtype=np.int32)[:, None]
     if takes_whole_batches():
         return jnp.any(table[None] == index[:, None], axis=0)

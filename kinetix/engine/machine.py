@@ -1,4 +1,4 @@
-"""What a step is made for: the one place that tells processors from accelerators.
+"""Kind of machine that a step is made for: the one place that tells processors from accelerators.
 
 A processor wants few worlds at a time, intermediate results stored once and loops over short
 tables. An accelerator wants the whole batch as one program of few and large operations, so there

@@ -32,14 +32,14 @@ def candidate_pairs(capacity: Capacity) -> Int[np.ndarray, "q 2"]:
 
 
 def pair_counts(capacity: Capacity) -> tuple[int, int, int]:
-    """How many candidate pairs there are: polygon–polygon, circle–polygon, circle–circle."""
+    """Count the candidate pairs: polygon–polygon, circle–polygon, circle–circle."""
     polygons, circles = capacity.polygons, capacity.circles
     arena = ARENA_BODIES * (ARENA_BODIES - 1) // 2
     return polygons * (polygons - 1) // 2 - arena, circles * polygons, circles * (circles - 1) // 2
 
 
 def pushing_candidates(capacity: Capacity, features: Features) -> tuple[Int[np.ndarray, " k"], ...]:
-    """Which candidate pairs a scene with these features can have contacts between.
+    """Return the candidate pairs between which a scene with these features can have contacts.
 
     Returns:
         One array for each kind in the order of `pair_counts`, counted within the kind.
@@ -69,7 +69,7 @@ def collision_matrix(
     body_b: Int[np.ndarray, " j"],
     active: Bool[np.ndarray, " j"],
 ) -> Bool[np.ndarray, "b b"]:
-    """Which bodies may push each other: false inside a jointed component and on the diagonal.
+    """Mark the pairs that may push: false inside a jointed component and on the diagonal.
 
     A component may run through fixed and arena bodies, so that everything pinned to one of them
     ignores it and each other.

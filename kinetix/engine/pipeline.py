@@ -42,7 +42,7 @@ def step(
 
 
 def empty_cache(spec: SceneSpec, solver: AbstractSolver) -> Any:
-    """What `State.cache` holds before the first step, for one world, as numpy zeros."""
+    """Return `State.cache` before the first step, for one world, as numpy zeros."""
     return solver.empty_cache(fitted(spec))
 
 

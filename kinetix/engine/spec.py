@@ -9,7 +9,7 @@ ARENA_BODIES: Final = 4
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Capacity:
-    """How many slots of each kind a compiled step has."""
+    """Slots of each kind in a compiled step."""
 
     polygons: int
     """Polygons, the four arena bodies included."""
@@ -63,7 +63,8 @@ class Used:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Features:
-    """What a scene uses; what it does not use is not compiled. The defaults leave everything in."""
+    """Features of a scene; those it does not use are not compiled. The defaults leave everything
+    in."""
 
     pairs: tuple[tuple[int, int], ...] | None = None
     """The pairs (global indices, a < b) that can ever push each other; None: all candidates."""

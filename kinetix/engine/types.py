@@ -17,7 +17,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class Bodies:
-    """What a level fixes about its bodies."""
+    """Constants of a level's bodies."""
 
     inverse_mass: Float[Array, " b"]
     """1/mass [1/kg]; 0 for a fixed body (which still moves if it has a velocity)."""
@@ -34,14 +34,14 @@ class Bodies:
     vertices: Float[Array, "p v 2"]
     """Corners of the polygons in their own frame [m], clockwise; padding beyond the count."""
     vertex_count: Int[Array, " p"]
-    """How many corners count: 3 or 4."""
+    """Number of corners that count: 3 or 4."""
     radius: Float[Array, " r"]
     """Radius of the circles [m]."""
 
 
 @pytree
 class Joints:
-    """What a level fixes about its joints. All angles are of body b relative to body a [rad]."""
+    """Constants of a level's joints. All angles are of body b relative to body a [rad]."""
 
     body_a: Int[Array, " j"]
     """Global index of the first body."""
@@ -73,7 +73,7 @@ class Joints:
 
 @pytree
 class Thrusters:
-    """What a level fixes about its thrusters."""
+    """Constants of a level's thrusters."""
 
     body: Int[Array, " t"]
     """Global index of the body that is pushed."""
@@ -114,17 +114,17 @@ class State:
     angular_velocity: Float[Array, " b"]
     """Angular velocities [rad/s]."""
     touching: Bool[Array, " q"]
-    """Which candidate pairs touched in the last step, in the order of `pairs.candidate_pairs`;
-    all false before the first step. Pairs that never push each other are included."""
+    """Candidate pairs that touched in the last step, in the order of `pairs.candidate_pairs`; all
+    false before the first step. Pairs that never push each other are included."""
     overflow: Bool[Array, ""]
     """True where the last step met more contacts than the solver has room for."""
     cache: Any
-    """What the solver keeps from step to step, such as impulses; a pytree of its own."""
+    """Solver memory from step to step, such as impulses; a pytree of its own."""
 
 
 @pytree
 class Control:
-    """What drives one step."""
+    """Controls of one step."""
 
     motor: Float[Array, " j"]
     """Per joint, −1 … 1; +1 turns body b counter-clockwise relative to body a; 0 is no torque."""

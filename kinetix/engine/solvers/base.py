@@ -21,7 +21,7 @@ class AbstractSolver(abc.ABC):
 
     @abc.abstractmethod
     def empty_cache(self, spec: SceneSpec) -> Any:
-        """What `State.cache` holds before the first step, for one world, as numpy zeros."""
+        """Return `State.cache` before the first step, for one world, as numpy zeros."""
 
     @abc.abstractmethod
     def step(
@@ -35,6 +35,6 @@ class AbstractSolver(abc.ABC):
         """
 
     def effort(self, world: World, state: State) -> Int[Array, " n"]:
-        """How much work each world will be, as far as its state tells, to group worlds by."""
+        """Estimate each world's work from its state, to group worlds by."""
         del world
         return jnp.sum(state.touching, axis=0, dtype=jnp.int32)

@@ -49,7 +49,7 @@ class JointSystem:
     """Impulses that answer the rows' speeds: minus the inverse of the rows' coupling."""
     live: Bool[Array, "k n"]
     error: Float[Array, "k n"]
-    """What the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
+    """Errors that the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
     wanted: Float[Array, "k n"]
     """Speed that a motor wants [rad/s]; 0 for the rest."""
     compliance: Float[Array, "k n"]
@@ -79,7 +79,7 @@ class Held:
 
 @pytree
 class Step:
-    """What stays the same for a whole step."""
+    """Constants of a whole step."""
 
     world: World
     control: Control
@@ -90,7 +90,7 @@ class Step:
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
-    """What the scene uses; the rest is left out."""
+    """Features that the scene uses; the rest is left out."""
 
 
 def joint_links(world: World, features: Features) -> Links:
@@ -109,7 +109,7 @@ def held(
     loose: Float[Array, "j n"],
     store: Store,
 ) -> Held:
-    """What the joints of a step are, wherever their bodies will be.
+    """Return the parts of a step's joints that do not depend on poses.
 
     Args:
         world: The worlds.

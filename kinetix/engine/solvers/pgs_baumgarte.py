@@ -35,7 +35,7 @@ class Impulses:
 
 @pytree
 class PgsBaumgarteCache:
-    """What is kept for the warm start: contacts by kind and slot, and the joints."""
+    """Impulses for the warm start: contacts by kind and slot, and the joints."""
 
     polygons: Impulses
     polygons_second: Impulses
@@ -67,7 +67,7 @@ class Contacts:
     """Restitution target: approach velocity times restitution [m/s], negative."""
     friction: Float[Array, "q n"]
     batch: Int[Array, "q n"]
-    """Which batch solves the pair."""
+    """Batch that solves the pair."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

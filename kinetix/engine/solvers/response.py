@@ -1,4 +1,4 @@
-"""What impulses on contacts and limits do to all bodies, the joints' answer included. Worlds last.
+"""Responses of all bodies to impulses on contacts and limits, through the joints. Worlds last.
 
 A row's *response* is the change of all velocities per unit of its impulse. So a solver need not
 couple rows with rows: room for more contacts costs memory alone, and time goes with the contacts
@@ -41,7 +41,7 @@ class Responses:
 
     @property
     def in_use(self) -> InUse:
-        """Which rows the worlds use."""
+        """Rows that the worlds use."""
         return self.rows.links.in_use
 
     def speed(self, index: Int[Array, ""], motion: Motion) -> Float[Array, " n"]:
@@ -82,7 +82,7 @@ def speed_of_row(rows: Rows, index: Int[Array, ""], motion: Motion) -> Float[Arr
 
 @pytree
 class _Reading:
-    """How the two bodies of a row move."""
+    """Motion of the two bodies of a row."""
 
     apart_x: Float[Array, " n"]
     apart_y: Float[Array, " n"]

@@ -68,7 +68,7 @@ class Links:
         )
 
     def look_up(self, bodies: T) -> tuple[T, T]:
-        """What tables of bodies hold for the two ends of every link in use; 0 for the others.
+        """Look up the two ends of every link in use in tables of bodies; 0 for the others.
 
         Args:
             bodies: Arrays (b, …, n) in any pytree.
@@ -189,7 +189,7 @@ def _picked(rows: Rows, pick: Callable[[Array], Array], links: Links) -> Rows:
 
 
 def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
-    """What links have, repeated for their rows."""
+    """Repeat the values of links for their rows."""
 
     def repeat(x: Shaped[Array, "k n"]) -> Shaped[Array, "m n"]:
         parts, start = [], 0

@@ -66,7 +66,7 @@ from kinetix.pytree import pytree
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Scheme:
-    """How often what is done in a step."""
+    """Numbers of substeps, sweeps and relax sweeps."""
 
     substeps: int
     sweeps: int
@@ -102,14 +102,14 @@ class Parts:
     gap: Float[Array, "c n"]
     """At the start of the step [m]."""
     start: Twist
-    """Where all bodies are at the start of the step."""
+    """Displacement of all bodies at the start of the step."""
     approach: Float[Array, "c n"]
     """Normal speed of the contacts at the start of the step [m/s], negative when closing."""
 
 
 @pytree
 class Drives:
-    """What a solve asks of contacts and joints."""
+    """Targets of a solve for contacts and joints."""
 
     contacts: ContactDrive
     joints: Softness
@@ -117,7 +117,7 @@ class Drives:
 
 @pytree
 class SoftPhase:
-    """What a substep hands to the next."""
+    """State that a substep passes to the next."""
 
     moving: MovingBodies
     joints: SoftJoints
@@ -125,7 +125,7 @@ class SoftPhase:
     contact_impulse: ContactImpulse
     joint_impulse: JointImpulse
     hit: Bool[Array, "c n"]
-    """Which contacts have pushed in any substep."""
+    """True for contacts that have pushed in any substep."""
 
 
 def empty_cache(spec: SceneSpec, room: Slots) -> Any:

@@ -29,7 +29,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class Softness:
-    """How far one visit goes towards satisfying a constraint."""
+    """Share of a constraint's error that one visit corrects."""
 
     rate: Float[Array, "*k n"]
     """Share of the position error to take away per second [1/s]."""
@@ -83,7 +83,7 @@ class Lever:
     inertia_a: Float[Array, "*k n"]
     inertia_b: Float[Array, "*k n"]
     copied: Float[Array, "*k n"]
-    """How much lighter the copies are than their bodies, both of a slot together; 1: whole."""
+    """Factor by which copies are lighter than their bodies, both of a slot together; 1: whole."""
 
     def speed(self, a: Twist, b: Twist) -> Vec:
         """Velocity of b relative to a where they meet."""
@@ -102,7 +102,8 @@ class Lever:
         )
 
     def push(self, impulse: Vec, twist: Float[Array, "*k n"] | float = 0.0) -> tuple[Twist, Twist]:
-        """What an impulse on b, and its opposite on a, changes; `twist` turns without pushing."""
+        """Return the velocity change of an impulse on b and its opposite on a; `twist` only
+        turns."""
         return (
             Twist(
                 x=-self.mass_a * impulse.x,
@@ -163,7 +164,7 @@ class SoftContacts:
 
 @pytree
 class ContactDrive:
-    """What a solve asks of the contacts: changes with the gap and with the kind of solve."""
+    """Targets of a solve for the contacts: change with the gap and with the kind of solve."""
 
     bias: Float[Array, "*k n"]
     """Closing speed that is left (open gaps) or separating speed that is asked for (negative)."""
@@ -318,7 +319,7 @@ class MovingBodies:
 
 @pytree
 class Setting:
-    """What stays the same for a whole step."""
+    """Constants of a whole step."""
 
     world: World
     control: Control
@@ -434,13 +435,13 @@ def push_joint(
 
 
 def contact_push(rows: SoftContacts, impulse: ContactImpulse) -> tuple[Twist, Twist]:
-    """What accumulated impulses change."""
+    """Return the velocity changes of accumulated impulses."""
     across = Vec(x=rows.normal.y, y=-rows.normal.x)
     return rows.lever.push(rows.normal * impulse.normal + across * impulse.tangent)
 
 
 def joint_push(rows: SoftJoints, impulse: JointImpulse) -> tuple[Twist, Twist]:
-    """What accumulated impulses change."""
+    """Return the velocity changes of accumulated impulses."""
     return rows.lever.push(Vec(x=impulse.x, y=impulse.y), impulse.turn + rows.side * impulse.stop)
 
 

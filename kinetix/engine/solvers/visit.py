@@ -40,7 +40,7 @@ class Twist:
 
 @pytree
 class Targets:
-    """What is visited: its bodies, and how many slots share each of them (`together` only)."""
+    """Bodies of a visit, and how many slots share each of them (`together` only)."""
 
     body_a: Int[Array, "k n"]
     body_b: Int[Array, "k n"]

@@ -55,7 +55,7 @@ class PositionContacts:
 
 @pytree
 class VelocityContacts:
-    """What the velocities of contacts have to become after the positions fit."""
+    """Target velocities of contacts after the positions fit."""
 
     rows: SoftContacts
     approach: Float[Array, "*k n"]
@@ -68,7 +68,7 @@ class VelocityContacts:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Passes:
-    """How often what is done in a substep, and how softly."""
+    """Numbers of substeps and iterations, and their softness."""
 
     positions: int
     velocities: int

@@ -12,7 +12,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class Cone:
-    """What impulses are allowed: `c` normal rows, then their `c` tangent rows, then `l` limit rows.
+    """Allowed impulses: `c` normal rows, then their `c` tangent rows, then `l` limit rows.
 
     Normal and limit rows push only; a tangent row is bounded by friction times its normal row.
     """
