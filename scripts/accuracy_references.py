@@ -14,7 +14,7 @@ FILE = Path(references.__file__).with_name("references.json")
 
 
 def car() -> list[float]:
-    """Where the car of D10 is after 3 s [m], and how fast [m/s]: a run with 1/64 of the step.
+    """Return place [m] and speed [m/s] of the car of D10 after 3 s: a run with 1/64 of the step.
 
     There is no formula for it: at the start its wheels slip and the front ones lift.
 

@@ -26,7 +26,7 @@ from scripts.library.grades import MEASURED, Effort, read_efforts, write_efforts
 
 PHYSICS: Final = "balanced"
 PASSES: Final = 4
-"""How often the search goes through a level that no random plan wins."""
+"""Passes of the search through a level that no random plan wins."""
 
 
 def chosen(names: list[str]) -> Iterator[tuple[str, Level]]:

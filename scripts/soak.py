@@ -53,7 +53,7 @@ def resident_mb() -> float:
 
 
 def open_files() -> int:
-    """How many files, pipes and sockets this process has open."""
+    """Count the files, pipes and sockets that this process has open."""
     return len(os.listdir("/proc/self/fd"))
 
 

@@ -1,4 +1,4 @@
-"""What every test shares: strict JAX settings, quick compilation and a persistent compile cache."""
+"""Settings of all tests: strict JAX, quick compilation and a persistent compile cache."""
 
 import collections
 import gc
@@ -20,7 +20,7 @@ os.environ.setdefault("KINETIX_CORES", "1")
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 
 PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
-"""Where the peer's data lies for developers; a user has none."""
+"""Folder of kinetix-env's data, for developers; a user has none."""
 
 
 @pytest.fixture(scope="session")

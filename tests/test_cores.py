@@ -1,4 +1,4 @@
-"""How many cores are used, and who says so."""
+"""Number of cores, and where it is set."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""What the README prints can be run."""
+"""Commands and scripts of the README can be run."""
 
 import glob
 import re

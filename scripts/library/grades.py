@@ -1,4 +1,4 @@
-"""How hard a level is: from what was measured to its tag."""
+"""Difficulty of levels: from measurements to tags."""
 
 import dataclasses
 import json
@@ -9,7 +9,7 @@ from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
 
 MEASURED: Final = Path(__file__).with_name("difficulty.json")
-"""What `scripts.difficulty` measured."""
+"""Measurements of `scripts.difficulty`."""
 STEPS: Final = (4, 16, 64, 512)
 """Plans that levels of the difficulties 1 to 4 need at most; more is 5."""
 TAG: Final = "difficulty-"
@@ -17,14 +17,14 @@ TAG: Final = "difficulty-"
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Effort:
-    """What winning a level takes a search."""
+    """Effort of a search that wins a level."""
 
     level: str
     """Hash of the level that was measured."""
     plans: int
     """Random plans played."""
     lucky: int
-    """How many of them won."""
+    """Plans that won."""
     passes: int
     """Passes of the search after that, each as dear as the random plans; 0 where some won."""
 

@@ -121,7 +121,7 @@ def _record(job: dict[str, Any], say: Say) -> tuple[dict[str, Any], dict[str, np
 
 
 def _kinds(said: dict[int, CompiledScene]) -> Iterator[list[int]]:
-    """Which scenes have the same structure, and shapes of arrays."""
+    """Group the scenes of the same structure and array shapes."""
     groups: list[tuple[Any, list[int]]] = []
     for index, each in said.items():
         shape = jax.tree.structure(each.given), [np.shape(x) for x in jax.tree.leaves(each.given)]

@@ -14,7 +14,7 @@ class Link:
     parent: int | None
     """The body it hangs at, and None for the world."""
     joint: Scene | None
-    """What it hangs by; None where it moves freely in the plane."""
+    """Joint that it hangs by; None where it moves freely in the plane."""
 
     @property
     def sign(self) -> int:
@@ -23,7 +23,7 @@ class Link:
 
     @property
     def origin(self) -> list[float]:
-        """Where the link's frame is, from the body's centre: at the pin."""
+        """Origin of the link's frame, from the body's centre: at the pin."""
         if self.joint is None:
             return [0.0, 0.0]
         return self.joint["anchor_b" if self.sign > 0 else "anchor_a"]
@@ -36,7 +36,7 @@ class Link:
 
     @property
     def pin(self) -> list[float]:
-        """Where it is pinned, on that other body."""
+        """Place of the pin on that other body."""
         assert self.joint is not None
         return self.joint["anchor_a" if self.sign > 0 else "anchor_b"]
 

@@ -13,8 +13,8 @@ from protocol import Scene, UnsaidError, both_fixed
 DEPTH = 0.5
 """Half the thickness of everything [m]."""
 BITS = {"normal": (1, 1 | 2), "always": (2, 1 | 2 | 4), "ghost": (4, 2)}
-"""What a body is, and what it collides with. MuJoCo lets two geoms meet when either wants to, so
-pairs that must not are excluded one by one."""
+"""Collision bits of a body, and of its partners. MuJoCo lets two geoms meet when either wants to,
+so pairs that must not are excluded one by one."""
 
 
 def planar_model(scene: Scene, *, timestep: float) -> mujoco.MjModel:
@@ -48,7 +48,7 @@ def empty_spec(scene: Scene, timestep: float) -> Any:
 
 
 def coordinates(scene: Scene) -> dict[int, int]:
-    """Where the three coordinates of a free body begin, by the body's index."""
+    """Return the index of each free body's first coordinate."""
     free = [index for index, body in enumerate(scene["bodies"]) if body["mass"]]
     return {index: 3 * place for place, index in enumerate(free)}
 

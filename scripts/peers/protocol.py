@@ -1,4 +1,4 @@
-"""What the peers' programs share: the job they read, the answer they write, the law of our motors.
+"""Protocol of the other engines' programs: the job, the answer, the law of our motors.
 
 A program is run by its peer's own Python as `PROGRAM JOB.json FOLDER`. The job has a `task`:
 
@@ -29,9 +29,9 @@ MOTOR_SPEED = 6.0
 MOTOR_POWER = 900.0
 """Angular acceleration that a motor of power 1 gives at most [rad/s²]."""
 MOTOR_DECAY = 0.1
-"""How soon that is reached with growing error of the speed [s/rad]."""
+"""Growth of the torque with the error of the speed [s/rad]."""
 LIMIT_FADE = 0.1
-"""How far from its limits a motor begins to fade [rad]."""
+"""Distance from a limit at which a motor begins to fade [rad]."""
 THRUSTER_POWER = 10.0
 """Force of a thruster of power 1 [N]."""
 
@@ -82,7 +82,7 @@ def motor_law(joint: dict[str, Any], action: float, angle: float, speed: float) 
 
 
 def axial_inertia(a: dict[str, Any], b: dict[str, Any]) -> float:
-    """What resists a motor between two bodies [kg m²]; a fixed body's inertia is infinite."""
+    """Return the inertia against a motor between two bodies [kg m²]; a fixed body's is infinite."""
     inverse = sum(1 / body["inertia"] for body in (a, b) if body["inertia"])
     return 1 / inverse if inverse else 0.0
 

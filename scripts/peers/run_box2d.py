@@ -20,8 +20,8 @@ MASKS = {"normal": 1 | 2, "always": 1 | 2 | 4, "ghost": 2}
 
 
 SKIN = Box2D.b2_polygonRadius - Box2D.b2_linearSlop / 2
-"""How far two polygons stay apart at rest, half of it [m]: by so much theirs are made smaller, so
-that what touches in a scene touches here."""
+"""Half the gap of two polygons at rest [m]: theirs are made smaller by so much, so that bodies that
+touch in a scene touch here."""
 
 
 class Box2dWorld:

@@ -42,7 +42,7 @@ def static_of(scenes: list[Scene], iterations: int) -> StaticSimParams:
 
 
 def _leading_fixed(scene: Scene) -> int:
-    """How many of the first polygons are fixed: those it never pairs with each other."""
+    """Count the first polygons that are fixed: it never pairs them with each other."""
     fixed = [not body["mass"] for body in scene["bodies"] if "vertices" in body]
     return fixed.index(False) if False in fixed else len(fixed)
 

@@ -1,4 +1,4 @@
-"""What was tried, how often, and what went wrong."""
+"""Tally of attacks: inputs tried, and faults found."""
 
 import dataclasses
 import hashlib
@@ -33,7 +33,7 @@ class Row:
     slowest: float = 0.0
     """Most processor time of one input [s]."""
     wrong: list[str] = dataclasses.field(default_factory=list)
-    """What should not have happened, one line each."""
+    """Faults, one line each."""
 
 
 class Tally:

@@ -1,4 +1,4 @@
-"""What has another form here does what it does in kinetix-env."""
+"""Functions of another form do what they do in kinetix-env."""
 
 import json
 

@@ -21,7 +21,7 @@ from kinetix.level.model import Level
 FIRST, SECOND = "first day", "second day"
 DAYS = (FIRST, SECOND)
 OLD = Path(__file__).resolve().parent / "stored" / "0.1.0"
-"""What version 0.1.0 left after two starts: its settings have lost their docks."""
+"""Folders of version 0.1.0 after two starts: its settings have lost their docks."""
 FOLDERS = ("state", "config", "cache", "data", "documents")
 
 

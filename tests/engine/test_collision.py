@@ -1,4 +1,4 @@
-"""Which face bodies meet, and how much room there is for contacts, against plane geometry."""
+"""Faces that bodies meet, and room for contacts, against plane geometry."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -66,7 +66,7 @@ def contacts(kernels, a, b):
 
 
 def closing(normal, velocity_a, velocity_b=(0.0, 0.0)) -> float:
-    """How fast b and a come together along a normal that points from a to b."""
+    """Return the speed at which b and a approach along a normal from a to b."""
     return -sum(n * (vb - va) for n, va, vb in zip(normal, velocity_a, velocity_b, strict=True))
 
 

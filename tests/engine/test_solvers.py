@@ -1,4 +1,4 @@
-"""What every solver must do, and what ours does better. One compilation a solver."""
+"""Requirements of every solver, and of ours above the rest. One compilation per solver."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What actions mean for motors and thrusters."""
+"""Effects of actions on motors and thrusters."""
 
 import jax
 import jax.numpy as jnp

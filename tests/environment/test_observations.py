@@ -1,4 +1,4 @@
-"""What all kinds of observation have in common, and what holds between them."""
+"""Common properties of all kinds of observation, and relations between them."""
 
 import dataclasses
 import functools

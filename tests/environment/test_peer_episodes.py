@@ -83,7 +83,7 @@ def played(recordings: list[Recording]) -> list[Played]:
 
 
 def outcome(done: np.ndarray, goal: np.ndarray, reward: np.ndarray) -> tuple[str, int]:
-    """How an episode ended, and in which step (counted from 1)."""
+    """Return how an episode ended, and in which step (counted from 1)."""
     last = int(np.argmax(done))
     if goal[last]:
         return "won", last + 1

@@ -1,4 +1,4 @@
-"""Where episodes start: options of files, weights of level sets, drawn sizes, walkers."""
+"""Starts of episodes: options of files, weights of level sets, random sizes, walkers."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What lies on disk and can be made anew has bounds, and a command that clears it."""
+"""Caches on disk have bounds, and a command that clears them."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""What was promised when version 1 was published: its files open byte for byte the same for ever.
+"""Promises of version 1: its files open byte for byte the same for ever.
 
 Golden files are never edited and never removed. Where a test here fails, the change is wrong, not
 the file; a new version of a format gets files of its own beside these.

@@ -12,7 +12,7 @@ PARAMS = types.SimpleNamespace(pixels_per_unit=100)
 
 
 def static_params(capacity=(7, 3, 4, 3), downscale=4, screen=(500, 500)):
-    """What the renderer reads of StaticEnvParams."""
+    """Return the fields of StaticEnvParams that the renderer reads."""
     polygons, circles, joints, thrusters = capacity
     return types.SimpleNamespace(
         num_polygons=polygons,

@@ -35,7 +35,7 @@ def test_kinetix_has_the_published_colours():
 
 
 def test_kinetix_alone_cannot_meet_the_rule():
-    """Why glyphs are on by default: green and red are close for deuteranopes."""
+    """Glyphs are on by default because green and red are close for deuteranopes."""
     green, red = KINETIX.roles[1], KINETIX.roles[3]
     difference = ciede2000(lab(green, "deuteranopia"), lab(red, "deuteranopia"))
     assert difference == pytest.approx(8.4, abs=0.05)

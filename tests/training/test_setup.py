@@ -1,4 +1,4 @@
-"""What a configuration is put together to."""
+"""Parts that a configuration is put together from."""
 
 from typing import Any
 

@@ -33,7 +33,7 @@ def clock(monkeypatch):
 
 
 class Compiler:
-    """What the worker is asked for; it may be held up in the middle of a job."""
+    """A worker that can be held up in the middle of a job."""
 
     def __init__(self):
         self.requests = []

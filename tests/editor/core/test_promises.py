@@ -1,4 +1,4 @@
-"""What holds for the core as a whole: no JAX, no toolkit, and fast enough."""
+"""Promises of the core as a whole: no JAX, no toolkit, and fast enough."""
 
 import subprocess
 import sys

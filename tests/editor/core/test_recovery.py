@@ -88,7 +88,7 @@ def copies():
 
 
 def left(start, clock, path):
-    """What a killed run leaves that has moved a shape of a file."""
+    """Leave the files of a killed run that has moved a shape of a file."""
     session = start(path)
     session.execute(MOVE)
     later(session, clock, 4)

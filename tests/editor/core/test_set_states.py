@@ -1,4 +1,4 @@
-"""What a trainer gets from an exported set is what the editor plays, bit for bit."""
+"""A trainer gets from an exported set the states that the editor plays, bit for bit."""
 
 import jax
 import numpy as np

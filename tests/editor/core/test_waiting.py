@@ -1,4 +1,4 @@
-"""What is played waits for nothing else; who waits is told for what, and may stop."""
+"""Playing waits for nothing else; a person who waits is told for what, and may stop."""
 
 import subprocess
 import sys

@@ -140,7 +140,7 @@ class Factory:
 
 @pytest.fixture(scope="session")
 def yesterday(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What a day with the app has left in the user's folders."""
+    """Return the user's folders after a day with the app."""
     home = tmp_path_factory.mktemp("yesterday")
     worker = Worker(perform=refuse)
     days.live_through(home, worker)

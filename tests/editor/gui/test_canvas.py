@@ -1,4 +1,4 @@
-"""What lies on the level: key caps, labels, debug drawings."""
+"""Marks on the level: key caps, labels, debug drawings."""
 
 import itertools
 

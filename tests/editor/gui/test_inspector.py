@@ -1,4 +1,4 @@
-"""What the inspector shows besides fields to edit: names, angles, an arena of the level's own."""
+"""The inspector besides fields to edit: names, angles, an arena of the level's own."""
 
 import math
 

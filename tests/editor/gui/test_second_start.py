@@ -32,7 +32,7 @@ def started(make_gui, layout="", **options):
 
 
 def quit_(gui):
-    """What the app keeps when it ends."""
+    """Quit the app and return what it keeps."""
     gui.host.ui.save_layout()
     return gui.session.settings.layout
 

@@ -1,4 +1,4 @@
-"""What a person does is taken down, and played again it gives the same level."""
+"""Recorded input, played again, gives the same level."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What follows exactly from the rules of the random levels (level_generation.md 3)."""
+"""Exact consequences of the rules of random levels."""
 
 import math
 from typing import Any

@@ -53,7 +53,7 @@ def after(before: Draft) -> dict[str, Draft]:
 
 
 def changed(before: Draft, after: Draft) -> np.ndarray:
-    """Which worlds differ in anything."""
+    """Mark the worlds that differ in anything."""
     differ = [
         (np.asarray(a) != np.asarray(b)).reshape(-1, WORLDS).any(0)
         for a, b in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True)

@@ -37,7 +37,7 @@ SHARES = (
 
 
 def standard_errors(ours: float, theirs: float, n_ours: float, n_theirs: float) -> float:
-    """How many standard errors of their difference two shares are apart."""
+    """Return the difference of two shares in standard errors."""
     pooled = (ours * n_ours + theirs * n_theirs) / (n_ours + n_theirs)
     error = math.sqrt(max(pooled * (1 - pooled), 1e-9) * (1 / n_ours + 1 / n_theirs))
     return (ours - theirs) / error
