@@ -30,8 +30,7 @@ def motor_fade(
 
 
 def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
-    """Mark the motors that act: on, revolute, driven, between active bodies that are not both
-    fixed."""
+    """Mark the motors that act: on, revolute, driven, between bodies not both fixed."""
     joints, bodies = world.joints, world.bodies
     (active_a, mass_a), (active_b, mass_b) = take_pair(
         (bodies.active, bodies.inverse_mass), joints.body_a, joints.body_b

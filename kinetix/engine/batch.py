@@ -236,8 +236,7 @@ def _pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
 
 
 def _group(number: int, dtype: Any, rows: int) -> str:
-    """Return the group a leaf is packed into: a large one stays alone, as cutting it out is a
-    copy."""
+    """Return the group of a leaf: a large one stays alone, as cutting it out is a copy."""
     name = str(jnp.dtype(dtype))
     return f"{name} {number}" if rows >= LARGE else name
 

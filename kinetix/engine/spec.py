@@ -63,8 +63,7 @@ class Used:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Features:
-    """Features of a scene; those it does not use are not compiled. The defaults leave everything
-    in."""
+    """Features of a scene: only those are compiled. The defaults leave everything in."""
 
     pairs: tuple[tuple[int, int], ...] | None = None
     """The pairs (global indices, a < b) that can ever push each other; None: all candidates."""

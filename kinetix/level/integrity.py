@@ -103,8 +103,7 @@ def _shape_faults(level: Level) -> Iterator[Fault]:
 
 
 def centre_fault(body: Body, inertia_model: InertiaModel) -> str | None:
-    """Return why a free polygon is off its centre of mass, and the right place; None when it is
-    not."""
+    """Return why a free polygon is off its centre of mass, and the right place, or None."""
     if body.fixed or not isinstance(body.shape, Polygon):
         return None
     offset = centre_of_mass(body.shape, inertia_model)

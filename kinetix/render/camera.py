@@ -1,5 +1,4 @@
-"""The part of the world that a picture shows. Centre and zoom are traced: panning compiles
-nothing."""
+"""The part of the world in a picture. Centre and zoom are traced: panning compiles nothing."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float

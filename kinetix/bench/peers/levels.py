@@ -65,8 +65,7 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
 
 
 def ratios(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Return our speed over the other's by observation, size and batch; of several devices the
-    best."""
+    """Return our speed over the other's by observation, size and batch."""
     for ours in rows:
         if ours["engine"] != OURS:
             continue

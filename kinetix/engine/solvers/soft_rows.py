@@ -102,8 +102,7 @@ class Lever:
         )
 
     def push(self, impulse: Vec, twist: Float[Array, "*k n"] | float = 0.0) -> tuple[Twist, Twist]:
-        """Return the velocity change of an impulse on b and its opposite on a; `twist` only
-        turns."""
+        """Return the changes by an impulse on b and its opposite on a; `twist` only turns."""
         return (
             Twist(
                 x=-self.mass_a * impulse.x,

@@ -1,2 +1,1 @@
-"""Choice of levels to train on: `sfl`, and `replay` for PLR, ACCEL and DR; `buffer` keeps
-levels."""
+"""Choice of training levels: `sfl`, and `replay` for PLR, ACCEL and DR; `buffer` keeps them."""
