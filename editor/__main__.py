@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from editor.hosts.pygame_host import PygameHost
 
 _TOOLKIT: Final = ("pygame", "imgui_bundle")
-"""What the extra `editor` brings; training and evaluation do without."""
+"""Packages of the extra `editor`; training and evaluation do without."""
 _PARTING_SECONDS: Final = 0.3
-"""How long jobs that were called off get to leave, when the app closes [s]."""
+"""Time that cancelled jobs get to leave when the app closes [s]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -84,19 +84,19 @@ class Toast:
     text: str
     kind: Kind
     until: float
-    """When it goes, on the session's clock [s]."""
+    """Time at which it disappears, on the session's clock [s]."""
     action: str | None = None
     """An action offered as a button (`edit.undo`)."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class View:
-    """What is on show besides the level; the window's panels and actions change it freely."""
+    """View settings besides the level; the window's panels and actions change them freely."""
 
     interface: bool = True
     """Panels and bars; Tab hides them."""
     panels_in_play: bool = False
-    """Whether the panels stay while a level is played; Tab brings them back."""
+    """True if the panels stay while a level is played; Tab brings them back."""
     fullscreen: bool = False
     debug_draw: bool = False
     plots: bool = False
@@ -112,9 +112,9 @@ class View:
     preferences: bool = False
     """The window of all settings."""
     settled: bool = False
-    """Whether the panels stand where they stay: while they are put up, each is in front once."""
+    """True if the panels stand where they stay: while they are put up, each is in front once."""
     edit_arena: bool = False
-    """Whether floor, walls and ceiling can be selected on the canvas."""
+    """True if floor, walls and ceiling can be selected on the canvas."""
     layout: str = ""
     """A layout that the window shall take (`edit`, `play`, `evaluate`, or a kept one's name)."""
     layout_name: str = ""
@@ -128,13 +128,13 @@ class Tab:
     document: Document
     camera: Camera = dataclasses.field(default_factory=Camera)
     fitted: bool = False
-    """Whether the window has fitted the camera to the viewport once."""
+    """True if the window has fitted the camera to the viewport once."""
     moment: Moment | None = None
     """A paused episode of the level that is being changed."""
 
     @property
     def untouched(self) -> bool:
-        """Whether nothing is lost when another level takes the tab."""
+        """True if nothing is lost when another level takes the tab."""
         return self.moment is None and self.document.untouched
 
 
@@ -164,29 +164,29 @@ class Session:
         self.playback = Playback(simulator or WorkerSimulator(self.worker))
         self.playback.physics = self.settings.physics
         self.motion = Motion()
-        """What is shown of the motion between two steps."""
+        """Motion between two steps."""
         self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
         """The agents, and how they are watched."""
         self.trial = Trial(self.evaluator)
-        """What becomes of the level without a plan."""
+        """Findings about the level without a plan."""
         self.quick = False
-        """Whether Play may begin in a step that was compiled quickly; see `play_quickly`."""
+        """True if Play may begin in a step that was compiled quickly; see `play_quickly`."""
         self.touched = 0.0
-        """When the person did something last, on the clock of `time.monotonic` [s]."""
+        """Time of the person's last input, on the clock of `time.monotonic` [s]."""
         self.expected: Job | None = None
         """A job that the person waits for; its result is shown at once when it comes."""
         self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
         self.tab_index = 0
         self.tool: Tool = TOOLS["select"]
         self.tool_kept = False
-        """Whether the tool stays after it has made something (its key was pressed twice)."""
+        """True if the tool stays after it has made something (its key was pressed twice)."""
         self.driver = Driver(self)
         self.view = View()
         self.gallery = GalleryView()
         self.library = library or Library()
         """The levels that the gallery shows."""
         self.results = results or Results()
-        """Who has won which level."""
+        """Results of players on levels."""
         self.autosaves = autosaves or Autosaves(clock=lambda: self.time)
         """Copies of unsaved levels."""
         self.keeper = keeper or SettingsKeeper(self.settings, stored=False)
@@ -198,16 +198,16 @@ class Session:
         self.toasts: list[Toast] = []
         self.log = Journal()
         self.crashes = Crashes()
-        """What went wrong unexpectedly, and what was done before."""
+        """Unexpected errors, and the actions before them."""
         self.capture: Callable[[str], None] | None = None
         """Takes the next chord that is pressed instead of its action (changing keys)."""
         self.held: set[str] = set()
         """Keys that are down."""
         self.cursor: tuple[float, float] | None = None
-        """Where the pointer is over the canvas [m], or None."""
+        """Pointer position over the canvas [m], or None."""
         self.cursor_screen: tuple[float, float] = (0.0, 0.0)
         self.hovered: EntityId | None = None
-        """What is under the pointer."""
+        """Entity under the pointer."""
         self.highlighted: Selection = ()
         """Entities that a panel or menu points at."""
         self.seed = 0
@@ -219,7 +219,7 @@ class Session:
         self.quitting = False
         """Set when the app may end."""
         self.pull: Pull | None = None
-        """What the mouse pulls at in Play."""
+        """Pull of the mouse in Play."""
         self.pan: tuple[Point, Point, bool] | None = None
         """While a button pans: where it began, where it was last [px], whether it has moved."""
         self.noted_episode = -1
@@ -227,7 +227,7 @@ class Session:
         self.recording: int | None = None
         """From which step on what is played is to become a film, or None."""
         self.screenshot: Path | None = None
-        """Where the host shall save a picture of the window; it clears this when done."""
+        """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
         self.modifiers = NO_MODIFIERS
@@ -251,7 +251,7 @@ class Session:
 
     @property
     def camera(self) -> Camera:
-        """Where the canvas looks."""
+        """View of the canvas."""
         return self.tab.camera
 
     @camera.setter
@@ -265,12 +265,12 @@ class Session:
 
     @property
     def editing(self) -> bool:
-        """Whether the document can be changed."""
+        """True if the document can be changed."""
         return self.playback.mode is Mode.EDIT
 
     @property
     def selection(self) -> Selection:
-        """What is selected in the document in front."""
+        """Selected ids of the document in front."""
         return self.document.selection
 
     @selection.setter
@@ -279,7 +279,7 @@ class Session:
 
     @property
     def scene(self) -> Level:
-        """What the canvas draws: the document with a gesture's preview, or the simulated state."""
+        """Level on the canvas: the document with a gesture's preview, or the simulated state."""
         playback = self.playback
         if not playback.active or playback.level is None:
             return self.document.shown
@@ -292,12 +292,12 @@ class Session:
 
     @property
     def marks(self) -> tuple[Mark, ...]:
-        """What the tool wants to be seen on top."""
+        """Marks of the tool on top."""
         return self.driver.feedback.marks if self.editing else ()
 
     @property
     def metres(self) -> float:
-        """What one pixel of the canvas covers [m]."""
+        """Metres per pixel of the canvas."""
         return 1.0 / self.camera.scale
 
     @property
@@ -306,7 +306,7 @@ class Session:
         return math.radians(self.settings.angle_step_deg)
 
     def rules(self, modifiers: Modifiers = NO_MODIFIERS) -> Rules:
-        """Which snaps are on; Ctrl inverts them."""
+        """Active snaps; Ctrl inverts them."""
         smart = self.settings.snap_smart != modifiers.ctrl
         grid = self.settings.snap_grid != modifiers.ctrl
         return Rules(
@@ -317,7 +317,7 @@ class Session:
         )
 
     def targets(self, moving: Collection[EntityId] = ()) -> Targets:
-        """What can be snapped to, hidden and moving bodies left out; kept while nothing changes."""
+        """Points to snap to, hidden and moving bodies left out; kept while nothing changes."""
         level, without = self.document.level, frozenset(moving) | self.document.hidden
         if self._targets is None or self._targets[0] is not level or self._targets[1] != without:
             self._targets = (level, without, targets(level, without))
@@ -325,12 +325,12 @@ class Session:
 
     @property
     def hint(self) -> str:
-        """What to do now, for the status bar."""
+        """Instruction for the status bar."""
         return self.driver.feedback.hint or self.tool.hint
 
     @property
     def action(self) -> tuple[int, ...]:
-        """What the held keys drive."""
+        """Action of the held keys."""
         return controls.action_of(self.held, {**self.control_keys, **controls.PAD})
 
     @property
@@ -476,7 +476,7 @@ class Session:
         self.driver.cancel()
 
     def state_record(self) -> dict[str, Any]:
-        """What a replay's `state` event writes (contract.md)."""
+        """Return the record that a replay's `state` event writes."""
         document, playback = self.document, self.playback
         return {
             "mode": self.mode.value,

@@ -1,4 +1,4 @@
-"""What the viewer does: load agents, let them play, give them draws, compare, take over."""
+"""Actions of the viewer: load agents, let them play, give them seeds, compare, take over."""
 
 import functools
 from collections.abc import Callable
@@ -285,7 +285,7 @@ def take_over(session: Session) -> None:
 
 
 def action_now(session: Session) -> Action | None:
-    """What is played now: the held keys, or None where the agent is to choose."""
+    """Return the action of the next step: the held keys, or None where the agent is to choose."""
     if session.playback.casting is None or session.viewer.by_hand or any(session.action):
         return session.action
     return None

@@ -1,4 +1,4 @@
-"""What a user action is: one row of the table that menus, keys, palette, help and replays share."""
+"""User actions: one row of the table that menus, keys, palette, help and replays share."""
 
 import dataclasses
 import enum
@@ -8,7 +8,7 @@ from editor.session import Session
 
 
 class Context(enum.Enum):
-    """When an action's keys count."""
+    """Mode in which an action's keys count."""
 
     EDIT = "edit"
     PLAY = "play"
@@ -61,7 +61,7 @@ class Action:
     id: str
     """Stable: replays and rebound keys name it."""
     label: str
-    """What the menu says."""
+    """Text in the menu."""
     menu: str
     """Menu it stands in: File, Edit, Tools, Arrange, View, Run, Level, Gallery, Help."""
     keys: tuple[str, ...] = ()
@@ -73,7 +73,7 @@ class Action:
     """Chords that do it in another measure (`shift+left`); `run` sees which through the session."""
     enabled: Callable[[Session], bool] = always
     refusal: str = ""
-    """Why it cannot be done when it is not enabled; empty for `editing`, `playing`, `selecting`."""
+    """Reason why it is disabled; empty for `editing`, `playing`, `selecting`."""
     run: Callable[[Session], None]
     checked: Callable[[Session], bool] | None = None
     """True if it is on, for those that switch something."""

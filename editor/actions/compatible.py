@@ -1,4 +1,4 @@
-"""Which of the known agents can play a level, by what their descriptions say."""
+"""Known agents that can play a level, by their descriptions."""
 
 import functools
 from pathlib import Path
@@ -30,7 +30,7 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
 
 
 def _card_of(folder: Path) -> AgentCard | None:
-    """What an agent says about itself; None where it says nothing that can be read."""
+    """Return an agent's description of itself; None where there is none that can be read."""
     try:
         return _card(folder / _DESCRIPTION, (folder / _DESCRIPTION).stat().st_mtime_ns)
     except OSError:

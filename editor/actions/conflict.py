@@ -1,4 +1,4 @@
-"""What to do when a save would lose what another program has saved meanwhile (IO5)."""
+"""Saving a file that another program has saved meanwhile."""
 
 from collections.abc import Callable
 from pathlib import Path

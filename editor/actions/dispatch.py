@@ -30,11 +30,11 @@ MODIFIER_KEYS: Final = frozenset(
     f"{side} {name}" for side in ("left", "right") for name in ("ctrl", "shift", "alt", "meta")
 )
 SETTINGS_SECONDS: Final = 1.0
-"""How often changed settings are written."""
+"""Interval at which changed settings are written [s]."""
 IDLE: Final = 0.2
 """After a frame that took so long nothing goes on; the next one may be far [s]."""
 OUTSIDE_SECONDS: Final = 2.0
-"""How often the file in front is looked at for changes from outside."""
+"""Interval at which the file in front is checked for changes from outside [s]."""
 
 _ELSEWHERE: Final = {
     Context.EDIT: "Stop playing first: Esc.",
@@ -42,7 +42,7 @@ _ELSEWHERE: Final = {
     Context.LEVEL: "Close the gallery first: Esc.",
     Context.GALLERY: "Open the gallery first: Ctrl+G.",
 }
-"""Why an action of another context cannot be done."""
+"""Messages for actions of another context."""
 
 
 def chords(session: Session, action: Action) -> tuple[str, ...]:

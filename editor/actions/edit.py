@@ -1,4 +1,4 @@
-"""What the Edit and Arrange menus do."""
+"""Actions of the Edit and Arrange menus."""
 
 import math
 from collections.abc import Callable
@@ -21,11 +21,11 @@ from kinetix.level.geometry import bounds
 from kinetix.level.model import MAX_NAME, Body, Level
 
 MIDDLE = (2.5, 2.5)
-"""Where parts go when the pointer is elsewhere [m]."""
+"""Place of new parts when the pointer is elsewhere [m]."""
 PASTE_SHIFT = (0.1, 0.1)
-"""How far a duplicate stands off [m]."""
+"""Offset of a duplicate [m]."""
 NUDGE_FINE = 0.005
-"""What Alt+arrow moves [m]."""
+"""Step of Alt+arrow [m]."""
 NUDGE_COARSE = 10
 """Shift+arrow moves this many steps."""
 

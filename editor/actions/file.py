@@ -1,4 +1,4 @@
-"""What the File menu does: new, open, save, close, quit, and the questions on the way."""
+"""Actions of the File menu: new, open, save, close, quit, and the questions on the way."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the gallery does: open it, open, rename, duplicate and delete levels, put sets together."""
+"""Actions of the gallery: open it, open, rename, duplicate and delete levels, assemble sets."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +22,7 @@ MAX_OPENED: Final = 12
 
 
 def folders(session: Session) -> list[Path]:
-    """What the gallery looks through: the app's levels, the user's, and the folders added."""
+    """Return the folders of the gallery: the app's levels, the user's, and the folders added."""
     found = [levels_dir(), user_levels_dir(), *map(Path, session.settings.gallery_folders)]
     return list(dict.fromkeys(path for path in found if path.is_dir()))
 
@@ -334,7 +334,7 @@ def export_now(session: Session) -> None:
 
 
 def _set_folder(session: Session) -> Path:
-    """Where sets are proposed to go: beside the first level unless that one came with the app."""
+    """Return the proposed folder of a set: beside the first level unless that one is bundled."""
     first = next((Path(path) for path in session.gallery.tray), None)
     if first is not None and not filing.bundled(first):
         return first.parent

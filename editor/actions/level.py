@@ -1,4 +1,4 @@
-"""What the Level menu does: random levels, mutations, neighbours in the folder, quick fixes."""
+"""Actions of the Level menu: random levels, mutations, neighbours in the folder, quick fixes."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What to do when somebody else changes the file of the level in front (IO5)."""
+"""Changes of the file in front by another program."""
 
 from editor.base.prompts import Choice, MenuQuestion
 from editor.base.wording import describe
@@ -90,7 +90,7 @@ def _theirs(session: Session) -> Level:
 
 
 def _differences(mine: Level, theirs: Level) -> list[tuple[int, Level, str]]:
-    """What differs: id, the level that has it, and how the file differs from here."""
+    """Return the differences: id, the level that has it, and how the file differs from here."""
     here = {entity.id: entity for entity in mine.entities()}
     there = {entity.id: entity for entity in theirs.entities()}
     found = [(number, theirs, "new") for number in there if number not in here]
@@ -100,7 +100,7 @@ def _differences(mine: Level, theirs: Level) -> list[tuple[int, Level, str]]:
 
 
 def _summary(session: Session) -> str:
-    """How many of each kind differ."""
+    """Count the differences of each kind."""
     try:
         theirs = _theirs(session)
     except LevelError as error:

@@ -1,4 +1,4 @@
-"""Which physics plays: the preset of the next episode, and another one beside it."""
+"""Choice of the physics: the preset of the next episode, and another one beside it."""
 
 from editor.base.physics import PHYSICS
 from editor.base.prompts import Choice, MenuQuestion

@@ -1,4 +1,4 @@
-"""What the Run menu does: play, pause, step, reset, stop, edit from here."""
+"""Actions of the Run menu: play, pause, step, reset, stop, edit from here."""
 
 from editor.actions import agents, moment
 from editor.documents.commands.level import TakePoses

@@ -1,4 +1,4 @@
-"""What the pointer does on the canvas: pan, zoom, gestures, the stack's menu, pulling bodies."""
+"""The pointer on the canvas: pan, zoom, gestures, the stack's menu, pulling bodies."""
 
 import dataclasses
 import math

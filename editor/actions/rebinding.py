@@ -19,7 +19,7 @@ _TOGETHER: Final[dict[Context, frozenset[Context]]] = {
 
 
 def conflict(session: Session, action: Action, chord: str) -> str:
-    """What a chord means already where the action is used; empty when it is free.
+    """Return the present meaning of a chord where the action is used; empty when it is free.
 
     Args:
         session: The app.
@@ -65,7 +65,7 @@ def changed(session: Session, action: Action) -> bool:
 
 
 def drive_conflict(session: Session, drive: Drive, key: str) -> str:
-    """What a key means already in Play; empty when it is free."""
+    """Return the present meaning of a key in Play; empty when it is free."""
     present = session.control_keys.get(key)
     if present is not None and present != drive:
         return drive_label(present)
@@ -98,7 +98,7 @@ def any_changed(session: Session) -> bool:
 
 
 def drive_label(drive: Drive) -> str:
-    """What a key drives, in words."""
+    """Name the control that a key drives."""
     if drive.channel < 4:
         way = "forwards" if drive.value == 1 else "backwards"
         return f"Motors of group {drive.channel + 1}, {way}"

@@ -1,4 +1,4 @@
-"""What happens to the unsaved work of earlier runs: offered at the start, restored as one edit."""
+"""Recovery of unsaved work of earlier runs: offered at the start, restored as one edit."""
 
 from editor.base.prompts import Choice, Question
 from editor.documents import files, recovery

@@ -13,7 +13,7 @@ from editor.worker.requests import PlaySolution
 from kinetix.level.model import Level, Solution
 
 PLAYER = "recorded solution"
-"""What the recorded solution is called on the screen."""
+"""Name of the recorded solution on the screen."""
 _TOO_CLOSE = (
     "Not kept: played again, these keys just miss. It was won by a hair, and the level's own step "
     "rounds differently from the one that all levels share. Win it with more room to spare."

@@ -1,4 +1,4 @@
-"""What the View and Tools menus do: camera, switches, tools."""
+"""Actions of the View and Tools menus: camera, switches, tools."""
 
 import dataclasses
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What goes on beside the episode: the second player, training runs, what the agent sees."""
+"""Views beside the episode: the second player, training runs, the agent's observation."""
 
 import functools
 from pathlib import Path

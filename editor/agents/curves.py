@@ -9,7 +9,7 @@ from jaxtyping import Float
 from editor.agents.run_watch import RunWatch
 
 STEPS = "timing/num_env_steps"
-"""What metrics are plotted over."""
+"""Horizontal axis of the metrics."""
 _GRID = 200
 """Places at which a band is worked out."""
 

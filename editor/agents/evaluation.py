@@ -20,7 +20,7 @@ COLUMNS: Final[tuple[Column, ...]] = ("level", "solve_rate", "mean_return", "mea
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Plan:
-    """What is to be played."""
+    """Agents, levels and settings of an evaluation."""
 
     agents: tuple[AgentSummary, ...]
     levels: tuple[EvaluatedLevel, ...]
@@ -58,7 +58,8 @@ class Row:
     name: str
     results: tuple[LevelResult | None, ...]
     errors: tuple[str, ...]
-    """Why an agent could not play it; empty where it could, or where nothing is known yet."""
+    """Reasons why an agent could not play it; empty where it could, or where nothing is known
+    yet."""
 
 
 class Evaluation:
@@ -172,7 +173,7 @@ class Evaluation:
         return lines if len(told) == len(self.plan.levels) else lines[:-1]
 
     def _told(self, agent: int) -> list[LevelResult | LevelFailure]:
-        """What is known of an agent, in the order of the levels."""
+        """Return the results of an agent, in the order of the levels."""
         assert self.plan is not None and self.standing is not None
         known: dict[str, LevelResult | LevelFailure] = {
             failure.level: failure for k, failure in self.standing.failures if k == agent

@@ -1,4 +1,4 @@
-"""How a level plays without a plan: what happens by itself, and how often chance wins."""
+"""Outcome of a level without a plan: with no action, and with random ones."""
 
 from typing import Final
 
@@ -21,7 +21,7 @@ class Trial:
         self._report: DynamicsReport | None = None
         self.job: Job | None = None
         self.error = ""
-        """Why it could not be played; empty while all is well."""
+        """Reason why it could not be played; empty while all is well."""
 
     @property
     def running(self) -> bool:

@@ -8,7 +8,7 @@ from editor.worker.jobs import Job, JobState, Worker
 from editor.worker.requests import ReadRun, RunNews
 
 POLL_SECONDS: Final = 2.0
-"""How often the folder is looked at."""
+"""Interval at which the folder is read [s]."""
 
 
 class RunWatch:

@@ -1,4 +1,4 @@
-"""What the agent viewer is set to: the two agents, their draws, the comparison, the evaluation."""
+"""Settings of the agent viewer: two agents, their seeds, the comparison, the evaluation."""
 
 import dataclasses
 from typing import Final, Literal, TypeAlias
@@ -27,13 +27,13 @@ class AgentSlot:
     """A place for an agent."""
 
     path: str = ""
-    """What was asked for; empty: nothing."""
+    """Path or name that was asked for; empty: none."""
     summary: AgentSummary | None = None
     error: str = ""
-    """Why it could not be loaded; one sentence."""
+    """Reason why it could not be loaded; one sentence."""
     loading: bool = False
     job: Job | None = None
-    """What loads it, or has loaded it."""
+    """Job that loads it, or has loaded it."""
 
 
 class Viewer:
@@ -96,7 +96,7 @@ class Viewer:
 
     @property
     def arrangement(self) -> Compare:
-        """How the second episode is shown: another physics always stands beside."""
+        """Arrangement of the second episode: another physics always stands beside."""
         return "side" if self.other_physics else self.compare
 
     @property
@@ -107,7 +107,7 @@ class Viewer:
 
 
 def mismatch(summary: AgentSummary, level: Level) -> str:
-    """Why an agent cannot play a level, or a word of warning; empty when all is well."""
+    """Return why an agent cannot play a level, or a warning; empty when all is well."""
     needs = needed_capacity(level) if summary.any_size else capacity_of(level)
     sizes = dataclasses.astuple(needs)
     trained = summary.capacity

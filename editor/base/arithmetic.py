@@ -47,7 +47,7 @@ _CHANGES: Final[dict[str, Callable[[float, float], float]]] = {
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Change:
-    """What was typed: a value, or how to change the present one."""
+    """Input of a numeric field: a value, or a change of the present one."""
 
     amount: float
     operator: str = ""

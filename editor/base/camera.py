@@ -1,4 +1,4 @@
-"""Where the canvas looks: pan, zoom and the way between level metres and window pixels."""
+"""The view of the canvas: pan, zoom and the way between level metres and window pixels."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""Which keys drive which motors and thrusters."""
+"""Keys that drive motors and thrusters."""
 
 import dataclasses
 from collections.abc import Collection, Mapping
@@ -12,13 +12,13 @@ CHANNEL_NAMES: Final = (
     *(f"motor {k}" for k in range(MOTOR_BINDINGS)),
     *(f"thruster {k}" for k in range(THRUSTER_BINDINGS)),
 )
-"""What the channels are called on the screen."""
+"""Names of the channels on the screen."""
 NOOP: Final[tuple[int, ...]] = (0,) * CHANNELS
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Drive:
-    """What a key does while it is held."""
+    """Effect of a key while it is held."""
 
     channel: int
     """0–3: motor bindings, 4–5: thruster bindings."""
@@ -52,13 +52,13 @@ PAD: Final[Mapping[str, Drive]] = {
     "pad a": Drive(channel=4, value=1),
     "pad b": Drive(channel=5, value=1),
 }
-"""What a gamepad drives: its sticks the motors, as arrows and letters do, A and B the thrusters."""
+"""Controls of a gamepad: sticks drive motors, as arrows and letters do; A and B the thrusters."""
 PAD_ACTIONS: Final[Mapping[str, str]] = {
     "pad start": "run.pause",
     "pad back": "run.stop",
     "pad y": "run.reset",
 }
-"""What else a gamepad does in Play; Start begins it."""
+"""Other functions of a gamepad in Play; Start begins it."""
 
 _GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
@@ -88,6 +88,6 @@ def channel_name(level: Level, channel: int) -> str:
 
 
 def key_caps(channel: int, keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[str, ...]:
-    """What to print on the key caps of a channel, the forward key first: `("←", "→")`."""
+    """Return the labels on the key caps of a channel, the forward key first: `("←", "→")`."""
     driving = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
     return tuple(_GLYPHS.get(key, key.upper()) for _, key in driving)

@@ -1,4 +1,4 @@
-"""What nobody expected to go wrong: one report per fault, with the last actions."""
+"""Unexpected errors: one report per fault, with the last actions."""
 
 import collections
 import traceback
@@ -17,7 +17,7 @@ class Crashes:
 
     def __init__(self) -> None:
         self.actions: collections.deque[str] = collections.deque(maxlen=LAST)
-        """What was done last, the newest at the end; no names of files."""
+        """Last actions, the newest at the end; no names of files."""
         self._told: dict[tuple[str, str, int], str] = {}
         """The sentence for each fault, by kind and place."""
 

@@ -13,7 +13,7 @@ RIGHT: Final = 3
 
 
 class Pointer(enum.Enum):
-    """What the pointer did."""
+    """Kind of a pointer event."""
 
     PRESS = "press"
     MOVE = "move"
@@ -44,9 +44,9 @@ class PointerEvent:
 
     kind: Pointer
     world: Point
-    """Where, in level metres."""
+    """Position in level metres."""
     screen: Point = (0.0, 0.0)
-    """Where, in window pixels."""
+    """Position in window pixels."""
     button: int = LEFT
     """1 left, 2 middle, 3 right; of a move: the button that is held, 0 for none."""
     modifiers: Modifiers = NO_MODIFIERS

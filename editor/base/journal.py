@@ -31,7 +31,7 @@ class Journal:
 
     @property
     def serial(self) -> int:
-        """How many messages ever came; `since` takes it."""
+        """Number of messages that ever came; `since` takes it."""
         return self._serial
 
     @property

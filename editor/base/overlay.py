@@ -1,4 +1,4 @@
-"""What tools want to be seen on the canvas: plain values in level metres; the canvas draws them."""
+"""Marks of tools on the canvas: plain values in level metres; the canvas draws them."""
 
 import dataclasses
 import enum
@@ -8,7 +8,7 @@ Point: TypeAlias = tuple[float, float]
 
 
 class Style(enum.Enum):
-    """What a mark means; the theme gives it colour and thickness."""
+    """Meaning of a mark; the theme gives it colour and thickness."""
 
     PREVIEW = "preview"
     """Something about to be made."""
@@ -33,7 +33,7 @@ class Style(enum.Enum):
 
 
 class HandleKind(enum.Enum):
-    """What dragging a handle does."""
+    """Effect of dragging a handle."""
 
     ROTATE = "rotate"
     SCALE = "scale"
@@ -140,7 +140,7 @@ class Handle:
     kind: HandleKind
     at: Point
     index: int = 0
-    """Which corner, edge or vertex."""
+    """Index of the corner, edge or vertex."""
 
 
 Mark: TypeAlias = Line | Ring | Arc | Outline | Box | Dot | Label | Handle

@@ -1,4 +1,4 @@
-"""What the session asks the user: values that the dialogs draw and answer."""
+"""Questions of the session to the user: values that the dialogs draw and answer."""
 
 import dataclasses
 from collections.abc import Callable
@@ -44,9 +44,9 @@ class TextQuestion:
 
     title: str
     text: str = ""
-    """What stands there at first, selected."""
+    """Initial text, selected."""
     accept: str = "OK"
-    """What the button says."""
+    """Label of the button."""
     answer: Callable[[str | None], None]
 
 
@@ -66,7 +66,7 @@ class FileQuestion:
     """Says what a folder is, for the preview; empty where it is not what is asked for. None: any
     folder will do."""
     wanted: str = ""
-    """What a folder has to be, in words: `an agent or a training run`."""
+    """Requirement on a folder, in words: `an agent or a training run`."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ class MenuQuestion:
     title: str
     choices: tuple[Choice, ...]
     at: tuple[float, float] | None
-    """Where [px]; None: in the middle."""
+    """Position [px]; None: in the middle."""
     answer: Callable[[str | None], None]
 
 

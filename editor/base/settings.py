@@ -1,4 +1,4 @@
-"""What the app remembers about its user between runs: plain values in one JSON file."""
+"""Memory of the app between runs: plain values in one JSON file."""
 
 import contextlib
 import dataclasses
@@ -35,24 +35,24 @@ class Settings:
     snap_grid: bool = True
     grid_visible: bool = True
     key_caps: bool = True
-    """Whether the canvas shows the keys of joints and thrusters."""
+    """True if the canvas shows the keys of joints and thrusters."""
     names: bool = False
-    """Whether the canvas shows the names of shapes, joints and thrusters."""
+    """True if the canvas shows the names of shapes, joints and thrusters."""
     renderer_picture: bool = False
-    """Whether Play shows the renderer's pictures, pixel by pixel as `kinetix render` makes them."""
+    """True if Play shows the renderer's pictures, pixel by pixel as `kinetix render` makes them."""
     minimap: bool = False
-    """Whether the canvas has a small map of the arena in its corner."""
+    """True if the canvas has a small map of the arena in its corner."""
     grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1
     """[m]"""
     angle_step_deg: Annotated[float, Meta(ge=0.1, le=180.0)] = 15.0
     nudge_step: Annotated[float, Meta(ge=1e-4, le=10.0)] = 0.05
-    """What an arrow key moves [m]."""
+    """Step of an arrow key [m]."""
     move_jointed: bool = True
-    """Whether jointed neighbours move with a dragged body."""
+    """True if jointed neighbours move with a dragged body."""
     from_centre: bool = False
-    """Whether rectangles grow from their centre (Alt as a switch)."""
+    """True if rectangles grow from their centre (Alt as a switch)."""
     keep_tool: bool = False
-    """Whether a tool stays after it has made something."""
+    """True if a tool stays after it has made something."""
     physics: str = "balanced"
     restart_automatically: bool = False
     theme: Literal["dark", "light"] = "dark"
@@ -66,7 +66,7 @@ class Settings:
     text_scale: Annotated[float, Meta(ge=0.5, le=2.0)] = 1.0
     """Size of the text besides the interface's: 0.85 to 1.3."""
     radians: bool = False
-    """Whether fields show angles in radians instead of degrees."""
+    """True if fields show angles in radians instead of degrees."""
     reduced_motion: bool = False
     layout: str = ""
     """The dock layout as the toolkit writes it."""
@@ -153,5 +153,5 @@ class SettingsKeeper:
 
 
 def settings_path() -> Path:
-    """Where the settings are kept."""
+    """Return the path of the settings."""
     return config_dir() / "settings.json"

@@ -12,7 +12,7 @@ from kinetix.level.atomic import write_atomically
 
 
 def read_state(path: Path) -> dict[str, Any]:
-    """What a file says; nothing where it is absent, broken or something else than an object."""
+    """Return the content of a file; nothing where it is absent, broken or no JSON object."""
     try:
         tree = parse(read_text(path, "kept"), path)
     except FileError:

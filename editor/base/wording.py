@@ -23,7 +23,7 @@ def shape_name(body: Body) -> str:
 
 
 def kind_name(record: Record) -> str:
-    """What an entity is, in one word."""
+    """Return an entity's kind in one word."""
     if isinstance(record, Body):
         return shape_name(record)
     if isinstance(record, Joint):
@@ -32,7 +32,7 @@ def kind_name(record: Record) -> str:
 
 
 def counts(records: Sequence[Record]) -> str:
-    """How many of each kind: `3 shapes, 1 joint`; nothing for none."""
+    """Count the entities of each kind: `3 shapes, 1 joint`; nothing for none."""
     parts = []
     for kind, noun in _NOUNS.items():
         count = sum(isinstance(record, kind) for record in records)

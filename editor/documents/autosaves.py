@@ -46,9 +46,9 @@ class _Watched:
         """The level in the last frame."""
         self.saves = document.saves
         self.first = self.last = 0.0
-        """When what is not copied yet began to change, and when it changed last [s]."""
+        """Times of the first and the last change that is not copied yet [s]."""
         self.wanted: bytes | None = None
-        """What the thread is to write."""
+        """Bytes that the thread is to write."""
         self.gone = False
         """True if the thread is to remove the copy."""
 

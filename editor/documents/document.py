@@ -19,16 +19,16 @@ Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
 
 _NUMBERS = itertools.count(1)
 _TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
-"""What may change without making a recorded solution invalid."""
+"""Fields that may change without making a recorded solution invalid."""
 
 
 def same_content(a: Level, b: Level) -> bool:
-    """Whether two levels say the same; the id counter does not count."""
+    """Return whether two levels say the same; the id counter does not count."""
     return a is b or a.replace(next_id=b.next_id) == b
 
 
 def same_simulation(a: Level, b: Level) -> bool:
-    """Whether two levels play alike: equal but for names, texts and the recorded solution."""
+    """Return whether two levels play alike, whatever their names, texts and solutions."""
     if a is b:
         return True
     texts = {name: getattr(b, name) for name in _TEXT_FIELDS}
@@ -37,7 +37,7 @@ def same_simulation(a: Level, b: Level) -> bool:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a commit did."""
+    """Result of a commit."""
 
     changed: bool
     """False: the command changed nothing and made no history entry."""
@@ -77,25 +77,25 @@ class Document:
         self.source = source
         """The peer's file as it was read, for writing it back byte for byte."""
         self.stamp: Stamp | None = None
-        """What the file looked like on disk when it was last read or written."""
+        """State of the file on disk when it was last read or written."""
         self.outside = ""
-        """What somebody else has done to the file; empty: nothing."""
+        """Change of the file by another program; empty: none."""
         self.path = path
         self.format: Format = format
         self.warnings = warnings
-        """What the file holds and the document does not, one sentence each."""
+        """Parts of the file that the document does not hold, one sentence each."""
         self.locked: frozenset[EntityId] = frozenset()
         """Entities that picking passes over; editor state, not saved."""
         self.hidden: frozenset[EntityId] = frozenset()
         """Entities that are not drawn in Edit; editor state, not saved."""
         self.autosaved: Level = level
-        """What the autosave last wrote, or the level as opened."""
+        """Level of the last autosave, or as opened."""
         self.autosaved_at: datetime.datetime | None = None
-        """When a copy of unsaved changes was last made; None: there is none."""
+        """Time of the last copy of unsaved changes; None: there is none."""
         self.origin: tuple[Path, ...] = ()
         """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
         self.saves = 0
-        """How often it was saved."""
+        """Number of saves."""
         self._history: History[Level, Selection] = History(level, ())
         self._saved: Level | None = level
         self._next_id = level.next_id
@@ -116,12 +116,12 @@ class Document:
 
     @property
     def shown(self) -> Level:
-        """What the canvas draws: the preview of a gesture, or the committed level."""
+        """Level on the canvas: the preview of a gesture, or the committed level."""
         return self._preview if self._preview is not None else self._history.current.value
 
     @property
     def previewing(self) -> bool:
-        """Whether a preview is on show."""
+        """True if a preview is on show."""
         return self._preview is not None
 
     @property
@@ -136,17 +136,17 @@ class Document:
 
     @property
     def dirty(self) -> bool:
-        """Whether there are changes that no file holds; undoing to the saved state is clean."""
+        """True if there are changes that no file holds; undoing to the saved state is clean."""
         return self._saved is None or not same_content(self._history.current.value, self._saved)
 
     @property
     def untouched(self) -> bool:
-        """Whether nothing is lost with it: no file, no change, nothing to undo."""
+        """True if nothing is lost with it: no file, no change, nothing to undo."""
         return self.path is None and not self.dirty and len(self._history.entries) == 1
 
     @property
     def title(self) -> str:
-        """What the tab says."""
+        """Title of the tab."""
         return self.path.name if self.path else self.level.name
 
     @property
@@ -167,7 +167,7 @@ class Document:
 
     @property
     def selection(self) -> Selection:
-        """What is selected; setting it never changes the level and never clears redo."""
+        """Selected ids; setting them never changes the level and never clears redo."""
         return self._selection
 
     @selection.setter

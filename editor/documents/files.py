@@ -73,7 +73,7 @@ def conflicts(document: Document, path: Path) -> bool:
 
 
 def read_stamp(path: Path) -> Stamp | None:
-    """What a file looks like now, or None when it cannot be read."""
+    """Return the present state of a file, or None when it cannot be read."""
     try:
         return Stamp(modified_ns=path.stat().st_mtime_ns, content=read_bytes(path, "level"))
     except (OSError, FileError):

@@ -18,14 +18,14 @@ class Entry(Generic[T, S]):
     """One state of the document and how it came about."""
 
     label: str
-    """What was done to get here: "Move 2 shapes"."""
+    """Description of the change that led here: "Move 2 shapes"."""
     value: T
     """The document's content."""
     selection: S
-    """What was selected after it."""
+    """Selection after it."""
     merge_key: Hashable | None = None
     time: float = 0.0
-    """When it was made [s]."""
+    """Time at which it was made [s]."""
 
 
 class History(Generic[T, S]):
@@ -52,12 +52,12 @@ class History(Generic[T, S]):
 
     @property
     def undo_label(self) -> str | None:
-        """What undo would take back, or None."""
+        """Change that undo would take back, or None."""
         return self._entries[self._cursor].label if self._cursor > 0 else None
 
     @property
     def redo_label(self) -> str | None:
-        """What redo would do again, or None."""
+        """Change that redo would make again, or None."""
         following = self._cursor + 1
         return self._entries[following].label if following < len(self._entries) else None
 

@@ -1,4 +1,4 @@
-"""What earlier runs left unsaved: read from their copies, to be offered to the user."""
+"""Unsaved work of earlier runs: read from their copies, to be offered to the user."""
 
 import dataclasses
 import datetime
@@ -33,7 +33,7 @@ class Recovery:
     """Copies of still earlier runs that this one began with."""
 
     def summary(self) -> str:
-        """When it was made and how it differs from the file, for the question."""
+        """Return its time and its differences from the file, for the question."""
         when = self.time.astimezone().strftime("%Y-%m-%d %H:%M")
         name = self.path.name if self.path else self.level.name
         return f"{name}, {when}: {self._differences()}"

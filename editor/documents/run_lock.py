@@ -17,7 +17,7 @@ except ImportError:  # not on Windows
     fcntl = None
 
 BEAT: Final = 2.0
-"""How often a run says that it goes on [s]."""
+"""Interval of the heartbeat [s]."""
 SILENCE: Final = 15.0
 """After so long without a beat a run on another system has ended [s]."""
 _NAME: Final = "lock"

@@ -1,4 +1,4 @@
-"""What lies over the level while an agent plays: its actions, its mind, a second player."""
+"""Overlays of a playing agent: its actions, its network's outputs, a second player."""
 
 import dataclasses
 import math
@@ -184,7 +184,7 @@ def most_entropy(controls: Sequence[int]) -> float:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Facts:
-    """What the bars of the plate are measured by."""
+    """Values that the bars of the plate show."""
 
     controls: tuple[int, ...]
     keys: Mapping[str, Drive]

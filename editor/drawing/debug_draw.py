@@ -183,7 +183,7 @@ class _Pen:
                     self.draw.add_text((x + px(6), y - px(16)), u32(COLOURS.bad), words)
 
     def impulses(self, states: tuple[Snapshot, ...]) -> None:
-        """What contacts and joints gave each body in the last step, with its size."""
+        """Draw the impulse of contacts and joints on each body in the last step, with its size."""
         level = self.where.level
         if len(states) < 2 or states[1].step != states[0].step + 1:
             return
@@ -289,7 +289,7 @@ class _Pen:
                     self.draw.add_circle(at, px(9), colour, 0, px(3))
 
     def matrix(self) -> None:
-        """Which bodies can push each other: a table in the corner, a row and a column a body."""
+        """Draw the pairs of bodies that can push each other as a table in the corner."""
         level = self.where.level
         bodies = [(body.id, body) for body in level.bodies]
         count = len(bodies)

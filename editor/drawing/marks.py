@@ -1,4 +1,4 @@
-"""What lies on top of the level: selection, hover, tool marks, handles, key caps."""
+"""Marks on top of the level: selection, hover, tool marks, handles, key caps."""
 
 import dataclasses
 import itertools
@@ -132,7 +132,7 @@ class Room:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class CapPlace:
-    """Where the key caps of a joint or thruster were drawn."""
+    """Place of the key caps of a joint or thruster."""
 
     entity: int
     low: Point

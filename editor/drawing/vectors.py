@@ -90,7 +90,7 @@ def _inscribed(vertices: tuple[Point, ...]) -> float:
 
 
 def poses_of(level: Level) -> list[Pose]:
-    """Where the bodies stand at the start."""
+    """Return the poses of the bodies at the start."""
     return [(body.position[0], body.position[1], body.angle) for body in level.bodies]
 
 
@@ -309,7 +309,7 @@ def joint_colour(joint: Joint, palette: Palette) -> Rgb:
 
 @dataclasses.dataclass(kw_only=True)
 class Placement:
-    """Where everything of a level is at one moment."""
+    """Places of everything of a level at one moment."""
 
     level: Level
     poses: list[Pose]
@@ -335,7 +335,7 @@ class Placement:
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
 
     def joint_point(self, joint: Joint) -> Point:
-        """Where a joint is drawn and picked [m]: on the fixed body, else between both ends."""
+        """Return a joint's place for drawing and picking [m]: on a fixed body, else the middle."""
         points = (self.point(joint.a, joint.anchor_a), self.point(joint.b, joint.anchor_b))
         fixed = (self.fixed(joint.a), self.fixed(joint.b))
         if fixed[0] != fixed[1]:

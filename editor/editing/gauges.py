@@ -39,14 +39,14 @@ POWER_PIXELS: Final = 30.0
 VELOCITY_SECONDS: Final = 0.15
 """A velocity's arrow is as long as the way in this time."""
 CLEAR_PIXELS: Final = 24.0
-"""How far arrows of a body begin outside of it [px]."""
+"""Distance of a body's arrows from its outline [px]."""
 SPIN_SWEEP: Final = math.radians(8.0)
 """Angle of the arc at 1 rad/s [rad]; it begins at the upper left."""
 SPIN_START: Final = math.radians(135.0)
 REST_DIRECTION: Final = math.radians(-45.0)
-"""Where the handle of a body at rest stands [rad]."""
+"""Direction of the handle of a body at rest [rad]."""
 GRAVITY_AT: Final[Point] = (0.5, 4.5)
-"""Where the arrow of gravity begins [m]."""
+"""Start of the arrow of gravity [m]."""
 GRAVITY_METRES: Final = 0.04
 """Its length at 1 m/s² [m]."""
 

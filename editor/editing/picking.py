@@ -1,4 +1,4 @@
-"""What lies under a point or in a box, and the handles of a selection. Plain Python, no toolkit."""
+"""Entities under a point or in a box, and the handles of a selection. Plain Python, no toolkit."""
 
 import math
 from collections.abc import Collection, Iterator
@@ -33,11 +33,11 @@ PICK_PIXELS: Final = 8.0
 HANDLE_PIXELS: Final = 7.0
 """Half the width of a handle's catch area [px]."""
 ROTATE_PIXELS: Final = 28.0
-"""How far the rotation handle stands off [px]."""
+"""Distance of the rotation handle [px]."""
 
 
 def joint_position(level: Level, joint: Joint) -> Point:
-    """Where a joint is drawn: its anchor on the body that is fixed, else the mean of both [m].
+    """Return the place of a joint: its anchor on the body that is fixed, else the mean of both [m].
 
     Raises:
         KeyError: A body is missing.
@@ -50,7 +50,7 @@ def joint_position(level: Level, joint: Joint) -> Point:
 
 
 def thruster_position(level: Level, thruster: Thruster) -> Point:
-    """Where a thruster is attached [m].
+    """Return the place of a thruster [m].
 
     Raises:
         KeyError: Its body is missing.
@@ -145,7 +145,7 @@ def inside(
     touching: bool,
     without: Collection[EntityId] = (),
 ) -> Selection:
-    """What a rubber band takes: what lies wholly inside, or also what it touches."""
+    """Return the entities in a rubber band: those wholly inside, or also those that it touches."""
     test = touches_box if touching else inside_box
     found: list[EntityId] = [b.id for b in level.bodies if test(b, box)]
     for entity_id, place in _places(level):

@@ -43,7 +43,7 @@ class Coordinate:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Targets:
-    """What can be snapped to; made once for a gesture."""
+    """Points and lines to snap to; made once per gesture."""
 
     x: tuple[Coordinate, ...]
     """Sorted by value."""
@@ -58,7 +58,7 @@ class Targets:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Snapped:
-    """Where something snapped to."""
+    """Result of a snap."""
 
     point: Point
     """The snapped point, or the snapped shift of a body [m]."""
@@ -70,7 +70,7 @@ class Snapped:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rules:
-    """Which snaps are on and how far they reach."""
+    """Active snaps and their reach."""
 
     smart: bool
     """Centres, edges, vertices, arena and spacing."""
@@ -161,7 +161,7 @@ def snap_shift(
     available: Targets,
     previous: Snapped | None = None,
 ) -> Snapped:
-    """How far dragged bodies go.
+    """Return the shift of dragged bodies.
 
     Bounding-box edges, centre and vertices of the bodies are drawn to the targets; the grid takes
     the centre of the first body.
@@ -202,7 +202,7 @@ class _Catch:
     shift: float
     value: float
     start: Point | None
-    """Where the guide begins; None for the grid, which needs none."""
+    """Start of the guide; None for the grid, which needs none."""
     feature: Point
     gaps: tuple[Line, ...] = ()
     """Equal gaps, shown instead of the guide."""

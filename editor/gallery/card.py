@@ -1,4 +1,4 @@
-"""What the gallery knows of a level file without keeping the level."""
+"""Facts about a level file that the gallery keeps instead of the level."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from kinetix.level.sizes import capacity_of, describe_capacity, size_name
 from kinetix.level.validate import validate
 
 OTHER_SIZE = "other"
-"""What filters call a capacity without a name."""
+"""Filter's name of a capacity without a name."""
 
 
 class Card(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,7 +42,7 @@ class Card(msgspec.Struct, frozen=True, kw_only=True):
     errors: int = 0
     warnings: int = 0
     fault: str = ""
-    """Why the file cannot be read, in one sentence; empty when it can."""
+    """Reason why the file cannot be read, in one sentence; empty when it can."""
 
     @property
     def file(self) -> Path:

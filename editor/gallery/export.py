@@ -17,7 +17,7 @@ Form = Literal["file", "folder"]
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SetPlan:
-    """How a set is to be written."""
+    """Form in which a set is to be written."""
 
     name: str = "levels"
     form: Form = "file"
@@ -25,7 +25,7 @@ class SetPlan:
     split: float = DEFAULT_SPLIT
     """Share of the levels that go to training."""
     seed: int = 0
-    """What the split is drawn from."""
+    """Seed of the split."""
     size: SizeName | None = None
     """Common capacity; None: the largest of each."""
 

@@ -1,4 +1,4 @@
-"""What happens to level files from the gallery: rename, duplicate, throw away, bring back."""
+"""Level files of the gallery: rename, duplicate, throw away, bring back."""
 
 import dataclasses
 import datetime

@@ -39,11 +39,11 @@ _PICTURES: Final = 320
 _BREATH: Final = 0.002
 """Pause after each file that was read, so that the window gets the processor [s]."""
 _PUBLISH_SECONDS: Final = 0.3
-"""How often new cards are handed over while a look goes on [s]."""
+"""Interval at which new cards are handed over while folders are read [s]."""
 
 
 class _Known(msgspec.Struct, frozen=True, kw_only=True):
-    """What the index holds of a file: a level, a level set, or something else."""
+    """Entry of a file in the index: a level, a level set, or something else."""
 
     kind: Literal["level", "set", "other"]
     card: Card
@@ -144,7 +144,7 @@ class Library:
 
     @property
     def folder(self) -> Path:
-        """Where index and thumbnails are kept."""
+        """Folder of index and thumbnails."""
         return (self._cache or cache_dir()) / "gallery"
 
     def _work(self) -> None:

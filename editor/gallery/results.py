@@ -1,4 +1,4 @@
-"""Who has won which level: what play and evaluations leave behind, by the level's hash.
+"""Results of players on levels, from play and evaluations, by the level's hash.
 
 One JSON file in the user's state folder. The gallery filters and sorts by it; a level that is
 edited has another hash and starts anew.
@@ -20,7 +20,7 @@ MAX_LEVELS: Final = 20_000
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Record:
-    """How one player did on one level."""
+    """Result of one player on one level."""
 
     attempts: int
     solved: int
@@ -34,7 +34,7 @@ class Record:
 
 @dataclasses.dataclass(frozen=True, kw_only=True, order=True)
 class Trial:
-    """Who played, and under what: another one is another result."""
+    """Player and conditions: another trial is another result."""
 
     player: str
     digest: str = ""
@@ -135,7 +135,7 @@ class Results:
 
 
 def _parse(path: Path) -> dict[str, dict[Trial, Record]]:
-    """What the file says; what is broken in it is passed over."""
+    """Return the results in the file; broken entries are left out."""
     levels: dict[str, dict[Trial, Record]] = {}
     for sha256, told in read_state(path).items():
         rows = _rows(told)

@@ -1,4 +1,4 @@
-"""Which cards are wanted, and in which order: words, tags, sizes, switches."""
+"""Search and order of cards: words, tags, sizes, switches."""
 
 import dataclasses
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ SIZE_ORDER: Final = ("s", "m", "l", "locomotion", "other")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Wish:
-    """What is to be shown. Every condition must hold; an empty one always does."""
+    """Conditions of a search. Every condition must hold; an empty one always does."""
 
     words: str = ""
     """Each word must occur in name, file name, description or tags."""
@@ -37,7 +37,7 @@ class Wish:
 
     @property
     def filters(self) -> int:
-        """How many conditions besides the words are set."""
+        """Number of conditions besides the words."""
         switches = (self.thruster, self.problems, self.solution)
         set_switches = sum(value is not None for value in switches)
         return (

@@ -1,4 +1,4 @@
-"""What the gallery shows at the moment: wish, folder, selection, the set being put together."""
+"""State of the gallery: search, folder, selection, the set being assembled."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -33,9 +33,9 @@ class GalleryView:
     tray: dict[str, float] = dataclasses.field(default_factory=dict)
     """Paths of the set being put together, with their weights."""
     plan: SetPlan | None = None
-    """How the set is to be exported, while that is being asked."""
+    """Form of the export, while that is being asked."""
     thrown: tuple[Trashed, ...] = ()
-    """What was deleted last, to bring it back."""
+    """Last deleted files, to bring them back."""
     _shown: tuple[tuple[object, ...], list[Card]] | None = None
 
     def shown(self, library: Library, results: Results) -> list[Card]:

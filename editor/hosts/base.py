@@ -1,4 +1,4 @@
-"""What every host shares: a Dear ImGui context, the input feeder, one frame after the other."""
+"""Common parts of the hosts: a Dear ImGui context, the input feeder, one frame after the other."""
 
 import abc
 import time
@@ -22,7 +22,7 @@ _HOPELESS = 120
 
 
 class Renderer(TextureStore, Protocol):
-    """Where finished frames go."""
+    """Destination of finished frames."""
 
     def new_frame(self) -> None:
         """Before `imgui.new_frame`."""

@@ -395,7 +395,7 @@ def _until(host: OffscreenHost, done: Callable[[], bool], seconds: float = 300) 
 
 
 def _first_seconds() -> list[Row]:
-    """What a person meets on the first day, with nothing compiled, and on the second."""
+    """Measure the first seconds with an empty cache, and those of the second start."""
     rows = []
     days = first_seconds.measure()
     for day, told, space in zip(("cold", "warm"), days, ("8 s", "1 s"), strict=True):

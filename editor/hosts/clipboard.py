@@ -19,7 +19,7 @@ class Clipboard:
             self._system = False
 
     def get(self) -> str:
-        """What is on the clipboard, or nothing."""
+        """Return the content of the clipboard, or nothing."""
         if not self._system or not pygame.scrap.contains(_TEXT):
             return self._own
         data = pygame.scrap.get(_TEXT)

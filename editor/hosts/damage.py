@@ -1,4 +1,4 @@
-"""Which parts of the window a frame changes: only they are drawn again.
+"""Parts of the window that a frame changes: only they are drawn again.
 
 Dear ImGui describes every frame anew, whole. In software OpenGL filling all those pixels takes
 longer than everything else together, and most frames differ from the one before by a highlight and
@@ -40,7 +40,7 @@ class DrawnList:
 
     @property
     def clip(self) -> Rect:
-        """What all its commands stay within."""
+        """Union of its commands' clip rectangles."""
         return union([command[0] for command in self.commands])
 
 
@@ -90,7 +90,7 @@ def union(rects: Sequence[Rect]) -> Rect:
 
 
 def intersection(a: Rect, b: Rect) -> Rect:
-    """What two rectangles share; empty (with no width or height) where they share nothing."""
+    """Return the intersection of two rectangles; without width or height where there is none."""
     left, top = max(a[0], b[0]), max(a[1], b[1])
     return left, top, max(min(a[2], b[2]), left), max(min(a[3], b[3]), top)
 
@@ -106,7 +106,7 @@ def damage(
     size: tuple[int, int],
     touched: Collection[int] = (),
 ) -> list[Rect] | None:
-    """What of the window has to be drawn again.
+    """Return the part of the window that has to be drawn again.
 
     Args:
         before: The last frame.
@@ -137,7 +137,7 @@ def damage(
 
 
 def _changed(old: DrawnList, new: DrawnList, touched: Collection[int]) -> list[Rect]:
-    """Where one window differs."""
+    """Return the part in which one window differs."""
     rects = [
         _box(_used(new, command), command[0]) for command in new.commands if command[1] in touched
     ]
@@ -160,7 +160,7 @@ def _changed(old: DrawnList, new: DrawnList, touched: Collection[int]) -> list[R
 
 
 def _agreement(a: np.ndarray, b: np.ndarray) -> int:
-    """How many rows are equal from the start."""
+    """Count the rows that are equal from the start."""
     differing = (a != b).any(axis=1)
     return int(differing.argmax()) if differing.any() else len(a)
 

@@ -1,4 +1,4 @@
-"""Where windows can be seen: SDL draws into memory by itself where no display answers."""
+"""Displays on which windows can be seen: SDL draws into memory by itself where none answers."""
 
 from typing import Final
 

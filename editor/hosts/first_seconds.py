@@ -23,7 +23,7 @@ _LEAST: Final = 6.0
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FirstSeconds:
-    """What a person meets after starting the app."""
+    """Times that a person waits after starting the app."""
 
     window: float
     """From the start of the process to the first frame [s]."""
@@ -38,7 +38,7 @@ class FirstSeconds:
     frame_longest: float
     """[ms]"""
     compiling: float
-    """How long the rest took [s]."""
+    """Duration of the rest [s]."""
 
 
 def main() -> None:

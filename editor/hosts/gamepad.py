@@ -49,7 +49,7 @@ class Gamepads:
             controller.init()
 
     def translate(self, event: pygame.event.Event) -> list[events.InputEvent]:
-        """What an event of a pad means; nothing for all others."""
+        """Return the input event of a pad's event; nothing for all others."""
         if event.type == pygame.CONTROLLERDEVICEADDED:
             with contextlib.suppress(pygame.error):
                 self._open[event.device_index] = controller.Controller(event.device_index)

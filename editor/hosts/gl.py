@@ -131,7 +131,7 @@ class Canvas:
         self.unbind()
 
     def pixels(self) -> np.ndarray:
-        """What it shows: uint8[height, width, 3], top row first."""
+        """Return the picture: uint8[height, width, 3], top row first."""
         self.bind()
         pixels = read_pixels(*self.size)
         self.unbind()

@@ -15,7 +15,7 @@ from editor.base import events
 from editor.toolkit import keys
 
 FAR = (-3.4e38, -3.4e38)
-"""Where the pointer is when it has left the window (Dear ImGui's sign for "nowhere")."""
+"""Position of a pointer that has left the window (Dear ImGui's sign for "nowhere")."""
 
 _BUTTONS = {1: 0, 2: 2, 3: 1, 6: 3, 7: 4}
 """Our button numbers (pygame's) to Dear ImGui's; 4 and 5, the wheel's legacy twins, are dropped."""

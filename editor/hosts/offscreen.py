@@ -13,7 +13,7 @@ ENVIRONMENT = {
     # One thread of the software rasteriser: pictures are the same everywhere, JAX keeps its cores.
     "LP_NUM_THREADS": "1",
 }
-"""What has to stand in the environment before the window opens."""
+"""Environment variables that must be set before the window opens."""
 
 
 class OffscreenHost(PygameHost):

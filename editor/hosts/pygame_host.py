@@ -136,7 +136,7 @@ class PygameHost(Host):
         return new
 
     def poll(self, timeout: float = 0.0) -> list[events.InputEvent]:
-        """What happened; waits up to `timeout` seconds for something to happen."""
+        """Return the events; wait up to `timeout` seconds for one."""
         raw: list[pygame.event.Event] = []
         if timeout > 0:
             first = pygame.event.wait(int(timeout * 1000))

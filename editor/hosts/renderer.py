@@ -97,7 +97,7 @@ class GlRenderer:
         return True
 
     def _differences(self, data: imgui.ImDrawData, size: tuple[int, int]) -> list[Rect] | None:
-        """Where this frame differs from the one before; None: everywhere."""
+        """Return the differences from the frame before; None: everything."""
         # Textures that are not there yet have no number that could be compared.
         complete = all(
             texture.status != imgui.ImTextureStatus.want_create
@@ -153,7 +153,7 @@ class GlRenderer:
 
     @property
     def texture_count(self) -> int:
-        """How many pictures are kept."""
+        """Number of pictures kept."""
         return len(self._slots)
 
     def shutdown(self) -> None:

@@ -185,7 +185,7 @@ class Replayer:
         self._session.choose_tool(event["id"])
 
     def _place(self, event: Event) -> tuple[float, float]:
-        """Where an event is [px]; where the pointer was when it does not say."""
+        """Return the position of an event [px]; by default where the pointer was."""
         if "world" in event:
             x, y = event["world"]
             return self._session.camera.to_screen((float(x), float(y)))
@@ -351,7 +351,7 @@ def _compiled(session: Session) -> bool:
 
 
 _PLAYED: Final = frozenset({"playing", "ended"})
-"""What can only come while the app is out of Edit."""
+"""States that only come while the app is out of Edit."""
 _CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
     "playing": _playing,
     "compiled": _compiled,

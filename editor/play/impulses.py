@@ -1,4 +1,4 @@
-"""What bodies were given by contacts and joints in a step: from momentum, whatever the solver."""
+"""Impulses of contacts and joints on bodies in a step: from momentum, whatever the solver."""
 
 from collections.abc import Sequence
 

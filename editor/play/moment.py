@@ -15,14 +15,14 @@ class Moment:
 
     document: Document
     snapshot: Snapshot
-    """When it was; the episode goes on from its step and return."""
+    """Snapshot of the moment; the episode continues from its step and return."""
     casting: Casting | None = None
     """The agent that plays on; None: a person."""
     player: str = ""
 
     @property
     def changed(self) -> bool:
-        """Whether anything is different from what was simulated."""
+        """True if anything is different from what was simulated."""
         return self.document.dirty
 
     @property

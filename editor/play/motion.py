@@ -19,7 +19,7 @@ _MOST_BEHIND: Final = 1.5
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Moment:
-    """Where the bodies are between two steps; rows in the order of `level.bodies`."""
+    """Poses of the bodies between two steps; rows in the order of `level.bodies`."""
 
     position: np.ndarray
     angle: np.ndarray
@@ -49,7 +49,7 @@ class Motion:
 
     def __init__(self) -> None:
         self.moment: Moment | None = None
-        """What is shown instead of the snapshot; None: the snapshot itself."""
+        """Poses shown instead of the snapshot's; None: the snapshot itself."""
         self._at = 0.0
         self._episode = -1
 

@@ -23,13 +23,13 @@ from kinetix.level.model import Level
 SPEEDS: Final = tuple(2.0**exponent for exponent in range(-4, 4))
 """1/16 … 8 times real time."""
 BACKLOG_SECONDS: Final = 0.25
-"""How far the simulation may fall behind before time is given up: then it runs in slow motion."""
+"""Largest lag of the simulation; beyond it, playback runs in slow motion [s]."""
 OUTSTANDING_SECONDS: Final = 0.1
-"""How far ahead steps are asked for: more would delay the keys."""
+"""Time for which steps are asked for in advance: more would delay the keys [s]."""
 
 
 class Mode(enum.Enum):
-    """What the app does with the level; the values stand in the record of a `state` event."""
+    """Mode of the app; the values stand in the record of a `state` event."""
 
     EDIT = "edit"
     PLAYING = "playing"
@@ -39,7 +39,7 @@ class Mode(enum.Enum):
 
 
 class Simulator(Protocol):
-    """What playback asks of the simulation; answers may come in later frames."""
+    """Interface of the simulation to playback; answers may come in later frames."""
 
     keep_contacts: bool
     """True if the snapshots to come carry contact points (debug drawing, plots)."""
@@ -105,11 +105,11 @@ class Playback:
         self.level: Level | None = None
         """The level being played."""
         self.snapshot: Snapshot | None = None
-        """What is on show."""
+        """Snapshot on the screen."""
         self.casting: Casting | None = None
         """The agent that plays, or None when a person does."""
         self.player = ""
-        """What the agent is called."""
+        """Name of the agent."""
         self.episode = 0
         """Rises with every episode that starts."""
         self.running = False
@@ -120,7 +120,7 @@ class Playback:
         self.perturbed = False
         """True if the mouse pulled at a body, or a person drove instead of the agent."""
         self.failure = ""
-        """Why the last episode could not start or go on; empty while all is well."""
+        """Reason why the last episode could not start or continue; empty while all is well."""
         self._actions: list[Action] = []
         self._sent: list[Action | None] = []
         self._starting = False
@@ -134,7 +134,7 @@ class Playback:
         self._branch: Snapshot | None = None
         self._since: Snapshot | None = None
         self.suspended = False
-        """Whether a paused episode waits while its level is changed."""
+        """True if a paused episode waits while its level is changed."""
 
     @property
     def active(self) -> bool:
@@ -153,7 +153,7 @@ class Playback:
 
     @property
     def outcome(self) -> Outcome | None:
-        """How the episode ended, or None."""
+        """Outcome of the episode, or None."""
         return self.snapshot.outcome if self.snapshot else None
 
     @property
@@ -173,12 +173,12 @@ class Playback:
 
     @property
     def step_share(self) -> float:
-        """How much of the time until the next step has passed, 0 … 1."""
+        """Share of the time until the next step that has passed, 0 … 1."""
         return self._accumulator / self.step_seconds
 
     @property
     def replay_index(self) -> int:
-        """Which moment of the trace is on show: the last one unless it is a replay."""
+        """Index of the moment on the screen: the last one unless it is a replay."""
         if self.mode is Mode.REPLAY:
             return self._replay_index
         return max(len(self.ring) - 1, 0)
@@ -208,7 +208,7 @@ class Playback:
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What was done in every step of the episode so far."""
+        """Actions of every step of the episode so far."""
         return self._replay.actions if self._replay is not None else tuple(self._actions)
 
     @property

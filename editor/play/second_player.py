@@ -20,7 +20,7 @@ _AT_ONCE = 8
 
 
 Mirror: TypeAlias = Callable[[], Sequence[Action]]
-"""What has been done in the first episode so far, step by step."""
+"""Actions of the first episode so far, step by step."""
 
 
 class Follower:
@@ -30,9 +30,9 @@ class Follower:
         self.simulator = simulator
         self.level: Level | None = None
         self.player = ""
-        """What who plays is called; empty: nobody."""
+        """Name of the player; empty: none."""
         self.failure = ""
-        """Why it could not start or go on."""
+        """Reason why it could not start or continue."""
         self.snapshots: list[Snapshot] = []
         self._starting = False
         self._mirror: Mirror | None = None

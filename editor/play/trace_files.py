@@ -21,7 +21,7 @@ SUFFIX: Final = ".npz"
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Recorded:
-    """What a file holds."""
+    """Content of a file."""
 
     level: Level
     trace: Trace

@@ -1,4 +1,4 @@
-"""What the app looks like, as values: colours, fonts and icons. `theme.py` applies them."""
+"""Appearance of the app, as values: colours, fonts and icons. `theme.py` applies them."""
 
 import dataclasses
 from typing import Final
@@ -34,7 +34,7 @@ class Colours:
     muted: Rgba
     """Labels, hints, units."""
     faint: Rgba
-    """What matters least: groups, numbers that rarely count."""
+    """Colour of the least important text: groups, numbers that rarely count."""
     accent: Rgba
     """Selection, focus, what is on."""
     accent_strong: Rgba

@@ -78,7 +78,7 @@ MODIFIERS: Final[dict[str, imgui.Key]] = {
         ("meta", imgui.Key.mod_super),
     )
 }
-"""Which modifier a key stands for. On macOS Dear ImGui itself swaps Cmd and Ctrl."""
+"""Modifier of each modifier key. On macOS Dear ImGui itself swaps Cmd and Ctrl."""
 
 _LABELS: Final = {
     "left": "\u2190",

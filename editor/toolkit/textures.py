@@ -1,4 +1,4 @@
-"""Where panels put pictures to show them; hosts keep them as textures."""
+"""Store of pictures that panels show; hosts keep them as textures."""
 
 from typing import Protocol
 

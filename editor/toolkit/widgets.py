@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 ROW_LABEL: Final = 0.33
 """Share of a property row's width that its label gets."""
 MIXED: Final = "—"
-"""What a field shows when the selected things differ."""
+"""Text of a field when the selected things differ."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Probe:
-    """Where a widget was drawn."""
+    """Place of a widget."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -357,7 +357,7 @@ def row(label: str, detail: str = "") -> None:
 
 
 def empty_state(icon: str, title: str, hint: str) -> None:
-    """What a panel says when it has nothing to show: what it is for and how to fill it."""
+    """Draw the text of a panel that has nothing to show: its purpose and how to fill it."""
     space = imgui.get_content_region_avail()
     imgui.dummy((0, max(min(space.y * 0.18, px(40)), px(6))))
     for words, size, colour in (

@@ -205,7 +205,7 @@ class FileBrowser:
         imgui.end_child()
 
     def _about_folder(self) -> None:
-        """What the folder on show is, where something certain is asked for."""
+        """Describe the folder on the screen, where a certain kind is asked for."""
         if self._question.describe is None:
             return
         told = self._question.describe(self._folder)

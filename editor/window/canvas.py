@@ -72,7 +72,7 @@ class Canvas:
         self._mouse = (0.0, 0.0)
         self._before_split: Camera | None = None
         self._cause: object = None
-        """What the view has to do with; when it changes, an arena shown whole is fitted anew."""
+        """Inputs of the fit; when they change, an arena shown whole is fitted anew."""
         self._refits = 0
         """For how many frames yet an arena shown whole is fitted to the viewport."""
         self._followed: dict[int, Camera] = {}
@@ -83,7 +83,7 @@ class Canvas:
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
         self.caps: tuple[CapPlace, ...] = ()
-        """Where the key caps of the last frame stand."""
+        """Places of the key caps of the last frame."""
 
     def interact(self, session: "Session") -> None:
         """Lay out the canvas in the current window and take the mouse."""
@@ -324,7 +324,7 @@ class Canvas:
     def _players(
         self, session: "Session", painter: Painter, where: Placement, *, split: bool
     ) -> None:
-        """What the agents do: the second one as a ghost or in its own half, and their actions."""
+        """Draw the agents: the second one as a ghost or in its own half, and their actions."""
         playback, rival = session.playback, session.viewer.rival
         snapshot, level = playback.snapshot, playback.level
         other = rival.shown(playback.engine_step) if rival.active else None

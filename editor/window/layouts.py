@@ -1,4 +1,4 @@
-"""Where the panels are: three arrangements that come with the app, and those that users keep."""
+"""Arrangements of the panels: three that come with the app, and those that users keep."""
 
 import dataclasses
 import re
@@ -13,7 +13,7 @@ from editor.window.panels.base import Panel
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Arrangement:
-    """How the window is divided, and what is in front where several panels share a place."""
+    """Division of the window, and the panel in front where several share a place."""
 
     label: str
     left: float = 250.0
@@ -67,7 +67,7 @@ _COLUMNS: Final = {
     "agents": "right",
     "eye": "right",
 }
-"""Where panels belong; all others share the lower row."""
+"""Places of panels; all others share the lower row."""
 _ELSE_BELOW: Final = frozenset({"history", "controls"})
 """Panels that go to the lower row where there is no left column: the right one has enough."""
 

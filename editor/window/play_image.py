@@ -117,7 +117,7 @@ class PlayImage:
 
 
 def _key(session: "Session", level: Level, side: int) -> _Key:
-    """What a drawing function is compiled for."""
+    """Return the key for which a drawing function is compiled."""
     settings = session.settings
     return capacity_of(level), side, settings.palette, settings.glyphs, settings.patterns
 

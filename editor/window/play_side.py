@@ -1,4 +1,4 @@
-"""What stands beside the arena in Play: mode, step, result at the left; the keys under them.
+"""The column beside the arena in Play: mode, step, result; the keys under them.
 
 Where there is no room beside the arena the same lines stand over its upper left corner, on plates.
 """

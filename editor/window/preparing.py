@@ -115,7 +115,7 @@ class Preparation:
         )
 
     def _tasks(self) -> Iterator[_Task]:
-        """What is still to be had, the most urgent first; what runs counts as not had."""
+        """Return the tasks that remain, the most urgent first; running ones included."""
         running = self._task.key if self._task is not None else None
         for task in self._candidates():
             if task.key == running or task.key not in self._asked:
@@ -153,7 +153,7 @@ class Preparation:
         return _Task(key=key, request=request, title="Preparing Play", goes_on=True)
 
     def _comforts(self, level: Level, size: str, physics: str, *, settled: bool) -> Iterator[_Task]:
-        """What is had while nothing else goes on."""
+        """Return the tasks for an idle worker."""
         session = self._session
         if self._unkept and time.monotonic() - session.touched >= UNTOUCHED_SECONDS:
             yield _Task(key="keep", request=KeepPrograms(), title="Keeping what was compiled")

@@ -155,7 +155,7 @@ class Ui:
 
     @property
     def window_title(self) -> str:
-        """What the window manager shows."""
+        """Title of the window."""
         document = self.session.document
         mark = "● " if document.dirty else ""
         return f"{mark}{document.title} - Kinetix"

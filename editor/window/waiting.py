@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from editor.worker.jobs import Job
 
 _PATIENCE: Final = 0.2
-"""What is over sooner is not worth a card [s]."""
+"""Shortest wait that gets a card [s]."""
 _WIDTH: Final = 340.0
 _ROUND_SECONDS: Final = 1.6
-"""How long the light takes through a bar that cannot tell how far it is."""
+"""Period of the light in a bar without a known fraction [s]."""
 
 
 def awaited(session: "Session") -> tuple[str, "Job"] | None:
-    """What the person waits for, in words, and the job that does it; None where nobody waits."""
+    """Return the reason for the wait, in words, and its job; None where nobody waits."""
     playback, expected = session.playback, session.expected
     job = getattr(playback.simulator, "job", None)
     if playback.waiting and job is not None:
@@ -68,7 +68,7 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
 
 
 def _bar(draw: imgui.ImDrawList, low: Point, right_and_height: Point, job: "Job") -> None:
-    """How far it is; where nobody knows, a light that moves on."""
+    """Draw the progress; where it is unknown, a light that moves on."""
     right, tall = right_and_height
     wide = right - low[0]
     draw.add_rect_filled(low, (right, low[1] + tall), u32(COLOURS.raised), tall / 2)

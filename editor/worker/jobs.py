@@ -46,7 +46,7 @@ from kinetix.level.model import Level
 
 
 class JobState(enum.Enum):
-    """Where a job is."""
+    """State of a job."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -61,16 +61,16 @@ class Job:
     def __init__(self, request: Request, title: str) -> None:
         self.request = request
         self.title = title
-        """What the status bar says: "Compiling the simulator"."""
+        """Text in the status bar: "Compiling the simulator"."""
         self.since = time.monotonic()
-        """When it was asked for, on the clock of `time.monotonic` [s]."""
+        """Time at which it was asked for, on the clock of `time.monotonic` [s]."""
         self.state = JobState.QUEUED
         self.fraction: float | None = None
-        """How far it is, 0 … 1, or None when unknown."""
+        """Progress, 0 … 1, or None when unknown."""
         self.message = ""
-        """What it does at the moment."""
+        """Present activity."""
         self.partial: Any = None
-        """What is known so far, where the job tells."""
+        """Partial result, where the job gives one."""
         self.result: Any = None
         self.error = ""
         """One sentence, when it failed."""

@@ -1,4 +1,4 @@
-"""How much of the processor a thread gets beside the others."""
+"""Priority of a thread on the processor."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""What a simulation leaves behind: snapshots of it, a ring to step back in, traces of episodes."""
+"""Records of a simulation: snapshots, a ring to step back in, traces of episodes."""
 
 import collections
 import dataclasses
@@ -38,14 +38,14 @@ class ContactPoint:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Mind:
-    """What went on in an agent in the step before."""
+    """Outputs of an agent in the step before."""
 
     intention: tuple[float, ...]
     """Expected action: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     own_action: tuple[float, ...]
-    """What it chose, whether or not a person drove."""
+    """Action that it chose, whether or not a person drove."""
     value: float
-    """What it expects of the future."""
+    """Expected return."""
     entropy: float
     """Of its policy over the controls that the level has [nat]."""
     chances: tuple[tuple[float, float, float], ...] = ()
@@ -71,9 +71,9 @@ class Snapshot:
     angular_velocity: Float[np.ndarray, " b"]
     """[rad/s]"""
     motor: Float[np.ndarray, " j"]
-    """What drove the motors in the step before, −1 … 1."""
+    """Drives of the motors in the step before, −1 … 1."""
     thruster: Float[np.ndarray, " t"]
-    """What drove the thrusters, 0 … 1."""
+    """Drives of the thrusters, 0 … 1."""
     touching: tuple[tuple[int | str, int | str], ...] = ()
     """Pairs of bodies that touch (ids, arena names); only where somebody asked."""
     contacts: tuple[ContactPoint, ...] = ()
@@ -92,17 +92,17 @@ class Snapshot:
     penetration: float = 0.0
     """Deepest overlap of bodies that may touch [m]."""
     outcome: Outcome | None = None
-    """How the episode ended, or None while it runs."""
+    """Outcome of the episode, or None while it runs."""
     milliseconds: float = 0.0
-    """What the step took to compute."""
+    """Duration of the step's computation."""
     tailored: bool = False
     """True if that was the step compiled for this level alone, not the one of its size."""
     quick: bool = False
     """True if that step was compiled quickly: the other tier rounds differently."""
     action: tuple[float, ...] = ()
-    """What was played in the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
+    """Action of the step before: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     mind: Mind | None = None
-    """What the agent thought; None where none plays, and at the start."""
+    """Outputs of the agent; None where none plays, and at the start."""
     frame_skip: int = FRAME_SKIP
     """Engine steps in one environment step of this episode."""
     state: Any = None
@@ -168,7 +168,7 @@ class Trace:
     actions: tuple[Action, ...]
     """One a step: `actions[k]` led from `snapshots[k]` to `snapshots[k + 1]`."""
     player: str = ""
-    """Who played: an agent's name, or empty for a person."""
+    """Name of the agent, or empty for a person."""
     seed: int = 0
     """Of the agent's draws, with `attempt` and `deterministic`."""
     attempt: int = 0

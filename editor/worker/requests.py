@@ -1,4 +1,4 @@
-"""What the app asks of the background worker: plain frozen values, and what comes back."""
+"""Requests of the app to the background worker: plain frozen values, and their results."""
 
 import dataclasses
 from collections.abc import Callable
@@ -37,9 +37,9 @@ class Pull:
     body: int
     """Id of the body."""
     anchor: tuple[float, float]
-    """Where it was grabbed, in the body's frame [m]."""
+    """Grabbed point, in the body's frame [m]."""
     target: tuple[float, float]
-    """Where the mouse is [m]."""
+    """Mouse position [m]."""
     teleport: bool = False
     """Put the body there instead of pulling (while paused)."""
 
@@ -50,12 +50,12 @@ SCRIPTED: Final = ("noop", "random")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AgentRef:
-    """Which agent is meant."""
+    """Reference to an agent."""
 
     path: str
     """Its folder or training run, or the name of a scripted one."""
     stamp: str = ""
-    """Which state of the folder was loaded; another stamp is another agent."""
+    """State of the folder that was loaded; another stamp is another agent."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -74,7 +74,7 @@ class Casting:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AgentSummary:
-    """What the window shows of an agent."""
+    """Facts about an agent for the window."""
 
     ref: AgentRef
     name: str
@@ -88,16 +88,16 @@ class AgentSummary:
     capacity: tuple[int, int, int, int] | None
     """Polygons with the arena, circles, joints, thrusters that it was trained with."""
     any_size: bool
-    """Whether it plays levels of any size."""
+    """True if it plays levels of any size."""
     physics: str
-    """What it was trained under."""
+    """Physics it was trained under."""
     frame_skip: int
     steps: int | None
     """Environment steps of training, where it says."""
     training: str
     """Algorithm and the like, one line."""
     folder: str
-    """Where its arrays are: of a training run the newest checkpoint."""
+    """Folder of its arrays: of a training run the newest checkpoint."""
     digest: str = ""
     """SHA-256 of its parameters; empty for scripted ones."""
 
@@ -144,7 +144,7 @@ class Evaluate:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Score:
-    """How an agent did on a level."""
+    """Result of an agent on a level."""
 
     agent: int
     """Index into the agents that were asked for."""
@@ -153,7 +153,7 @@ class Score:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Standing:
-    """How far an evaluation is."""
+    """Progress of an evaluation."""
 
     done: int
     """Episodes."""
@@ -216,13 +216,13 @@ class PlaySolution:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Observe:
-    """What an agent is shown of a moment. Gives an `AgentView`."""
+    """Ask for an agent's observation of a moment. Gives an `AgentView`."""
 
     level: Level
     state: Any
     """A snapshot's `state`, or None for the first state of the level."""
     agent: AgentRef | None
-    """Whose form of observation; None: the entity form."""
+    """Agent whose form of observation is used; None: the entity form."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -233,7 +233,7 @@ class ViewTable:
     columns: tuple[tuple[str, str, str], ...]
     """Name, unit, meaning."""
     rows: tuple[str, ...]
-    """What each row is about."""
+    """Subject of each row."""
     values: Float[np.ndarray, "r c"]
     active: tuple[bool, ...]
 
@@ -259,7 +259,7 @@ class ReadRun:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RunNews:
-    """What is new in a training run."""
+    """News of a training run."""
 
     rows: tuple[dict[str, float], ...]
     """Metrics, one row an update."""
@@ -320,15 +320,15 @@ class StartEpisode:
     level: Level
     physics: str
     keep_contacts: bool = False
-    """Whether snapshots carry contact points (debug drawing)."""
+    """True if snapshots carry contact points (debug drawing)."""
     casting: Casting | None = None
-    """Who plays; None: hands alone, through `Advance`."""
+    """The player; None: hands alone, through `Advance`."""
     slot: str = "a"
     """Episodes of different slots run beside each other."""
     quick: bool = False
-    """Whether a step that was compiled quickly will do where no better one is ready."""
+    """True if a step that was compiled quickly will do where no better one is ready."""
     since: Snapshot | None = None
-    """How far the episode had come when its level was changed; None: it begins."""
+    """Snapshot at which the level of the episode was changed; None: it begins."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -390,7 +390,7 @@ class Mutate:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class CheckDynamics:
-    """What the no-op and random play do with a level (I301, I302). Gives a `DynamicsReport`."""
+    """Play the no-op and random actions in a level (I301, I302). Gives a `DynamicsReport`."""
 
     level: Level
     physics: str = "balanced"
@@ -466,7 +466,7 @@ class Image:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class DynamicsReport:
-    """How a level plays without a plan."""
+    """Outcome of a level without a plan."""
 
     noop_outcome: Outcome
     """See `kinetix.environment.outcome.Outcome`."""
@@ -481,7 +481,7 @@ class Cancelled(Exception):
 
 
 class Progress(Protocol):
-    """How a running job tells what it does and learns that nobody waits for it any more."""
+    """Channel in which a running job reports, and learns that it was cancelled."""
 
     def report(self, fraction: float | None, message: str) -> None:
         """Say how far it is (0 … 1, or None when unknown) and what it does.

@@ -1,4 +1,4 @@
-"""What of a level decides which step is compiled for it alone; free of JAX, so cheap to look at."""
+"""The parts of a level that decide which step is compiled for it alone; free of JAX."""
 
 from collections.abc import Hashable
 

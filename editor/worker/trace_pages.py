@@ -45,5 +45,5 @@ def film_of_trace(trace: Trace, level: Level) -> Film:
 
 
 def _thinking(moment: Snapshot) -> Mind | None:
-    """What a network thought; None where none plays."""
+    """Return a network's outputs; None where none plays."""
     return None if moment.mind is None or moment.mind.scripted else moment.mind

@@ -81,4 +81,4 @@ SWITCHES: Final = tuple(
         ),
     )
 )
-"""What is otherwise done by holding a key, or not at all, as switches."""
+"""Switches for functions that otherwise need a held key, or that have none."""

@@ -8,7 +8,7 @@ from kinetix.level.model import Level
 EntityId: TypeAlias = int | str
 """The id of a body, joint or thruster, or the name of an arena body (`"floor"`)."""
 Selection: TypeAlias = tuple[EntityId, ...]
-"""What is selected, in the order of selecting; the last one is the primary one."""
+"""Selected ids, in the order of selecting; the last one is the primary one."""
 
 
 class Command(Protocol):
@@ -20,7 +20,7 @@ class Command(Protocol):
 
     @property
     def label(self) -> str:
-        """What it does, for the menu and the history panel: "Rotate 3 shapes"."""
+        """Description for the menu and the history panel: "Rotate 3 shapes"."""
         ...
 
     @property

@@ -15,7 +15,7 @@ PLACE_DECIMALS: Final = 6
 
 
 class Poses(Protocol):
-    """Where the bodies of a level are at some moment; rows in the order of `level.bodies`."""
+    """Poses of a level's bodies at some moment; rows in the order of `level.bodies`."""
 
     @property
     def position(self) -> np.ndarray:

@@ -20,7 +20,7 @@ VERSION: Final = 1
 
 
 class Clip(Record, frozen=True, kw_only=True):
-    """What was copied: bodies, the joints between them (and to the arena), their thrusters."""
+    """Content of the clipboard: bodies, joints between them or to the arena, thrusters."""
 
     format: Literal["kinetix-clip"] = FORMAT
     version: Annotated[int, msgspec.Meta(ge=1, le=VERSION)] = VERSION
@@ -94,7 +94,7 @@ class Paste:
 
     clip: Clip
     shift: Point
-    """How far from where they were copied [m]."""
+    """Distance from the place where they were copied [m]."""
     verb: str = "Paste"
     merge_key: Hashable | None = None
 

@@ -16,7 +16,7 @@ from kinetix.errors import CommandError
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
 
 _ABSENT: Final[dict[str, Record]] = {"motor": Motor(on=False), "limits": Limits(on=False)}
-"""What an absent part counts as."""
+"""Values of absent parts."""
 _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
@@ -341,4 +341,4 @@ PROPERTIES: Final = {
     "Joint": ("kind", "motor", "limits"),
     "Thruster": ("power", "binding"),
 }
-"""What pasting properties copies."""
+"""Properties that pasting copies."""

@@ -14,7 +14,7 @@ HOVER_POWER = 0.981
 
 
 def default_power(body: Body, inertia_model: InertiaModel) -> float:
-    """What a new thruster of a body gets: twice what lets the body hover, 1 on a fixed body."""
+    """Return the power of a new thruster: twice what lets the body hover, 1 on a fixed body."""
     if body.fixed:
         return 1.0
     mass, _ = body_mass(body, inertia_model)
@@ -33,9 +33,9 @@ class AddThruster:
 
     body: int
     point: Point
-    """Where it is attached, in the world [m]."""
+    """Place of attachment, in the world [m]."""
     direction: float
-    """Where the body is pushed, in the world [rad]."""
+    """Direction of the push on the body, in the world [rad]."""
     merge_key: Hashable | None = None
 
     @property

@@ -1,4 +1,4 @@
-"""What a tool is, and the one driver of all gestures.
+"""Tools, and the one driver of all gestures.
 
 A gesture is a generator: it is started by a press, yields what to show, is sent the following
 pointer events and returns the command to commit (or None). Everything a gesture remembers is a
@@ -27,7 +27,7 @@ DRAG_PIXELS: Final = 3.0
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Feedback:
-    """What a tool shows at one moment."""
+    """Marks and words of a tool at one moment."""
 
     command: Command | None = None
     """Previewed on the committed level."""
@@ -48,7 +48,7 @@ class Tool(abc.ABC):
     id: ClassVar[str]
     label: ClassVar[str]
     hint: ClassVar[str]
-    """What to do with it, for the status bar."""
+    """Instruction for the status bar."""
     click_click: ClassVar[bool] = False
     """True if click, move, click does the same as press, drag, release."""
     creates: ClassVar[bool] = False
@@ -59,7 +59,7 @@ class Tool(abc.ABC):
         """Start a gesture at a press of the left button; None when there is nothing to do."""
 
     def hover(self, session: "Session", event: PointerEvent) -> Feedback:
-        """What to show while the pointer only moves."""
+        """Return the feedback while the pointer only moves."""
         del session, event
         return Feedback(cursor=Cursor.CROSS)
 
@@ -75,7 +75,7 @@ class Driver:
         self._floating = False
         self._typed = ""
         self.feedback = NOTHING
-        """What the gesture, or else the tool under the pointer, shows now."""
+        """Feedback of the gesture, or else of the tool under the pointer."""
 
     @property
     def active(self) -> bool:

@@ -17,7 +17,7 @@ RADIUS_MIN: Final = 0.02
 RADIUS_MAX: Final = 5.0
 """The format's limits [m]."""
 RADIUS_STEP: Final = 0.05
-"""What Shift rounds the radius to [m]."""
+"""Step of the radius with Shift [m]."""
 
 
 class CircleTool(Tool):

@@ -22,7 +22,7 @@ AIM_PIXELS: Final = 6.0
 
 
 def aimed(body: Body, point: Point, pointer: Point, *, step: float | None) -> float:
-    """Where a thruster at `point` pushes when dragged to `pointer` [rad].
+    """Return the direction of a thruster at `point` when dragged to `pointer` [rad].
 
     Args:
         body: The body that is pushed.

@@ -166,6 +166,6 @@ class AgentsPanel(Panel):
 
 
 def agent_label(session: "Session", slot: SlotName) -> str:
-    """What an agent is called on the screen."""
+    """Return an agent's name on the screen."""
     summary = session.viewer.slots[slot].summary
     return summary.name if summary is not None else ""

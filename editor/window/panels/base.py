@@ -1,4 +1,4 @@
-"""What a panel is: a titled window that reads the session and queues what it wants done."""
+"""Panels: titled windows that read the session and queue commands."""
 
 import abc
 from typing import TYPE_CHECKING, ClassVar

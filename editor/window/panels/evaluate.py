@@ -50,7 +50,7 @@ _ATTEMPTS: Final = 250.0
 
 @dataclasses.dataclass(kw_only=True)
 class _Form:
-    """What the panel's fields say."""
+    """Content of the panel's fields."""
 
     source: str = "this"
     paths: tuple[str, ...] = ()
@@ -94,7 +94,7 @@ def _columns(agents: int) -> tuple[Column, ...]:
 
 
 def _label(words: str) -> None:
-    """What the next field is."""
+    """Draw the label of the next field."""
     widgets.beside(170, gap=12)
     imgui.align_text_to_frame_padding()
     widgets.muted(words)
@@ -352,7 +352,7 @@ class EvaluatePanel(Panel):
             self._differences(session)
 
     def _differences(self, session: "Session") -> None:
-        """How far the best is ahead of the others, on equal draws."""
+        """Draw how far the best is ahead of the others, on equal seeds."""
         contenders = session.viewer.evaluation.contenders()
         first, *others = leaderboard(contenders)
         by_label = {contender.label: contender for contender in contenders}

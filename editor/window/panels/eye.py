@@ -1,4 +1,4 @@
-"""What the agent sees of the moment on show: the picture, and the numbers with their names."""
+"""The agent's observation of the moment on the screen: the picture, and the named numbers."""
 
 from typing import TYPE_CHECKING, Final
 

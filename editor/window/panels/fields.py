@@ -42,7 +42,7 @@ DEGREES: Final = 180.0 / math.pi
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FieldInfo:
-    """What the model says about a number."""
+    """The model's facts about a number."""
 
     unit: str
     low: float
@@ -87,7 +87,7 @@ def _inner_record(hint: Any, name: str) -> Any:
 
 @functools.cache
 def field_info(cls: type[Record], path: str) -> FieldInfo:
-    """What the model says about a dotted numeric field.
+    """Return the model's facts about a dotted numeric field.
 
     Raises:
         KeyError: There is no such field.
@@ -220,7 +220,7 @@ class Editor:
         self._wanted: str | None = None
         """The field that is to be typed into."""
         self.ids: Selection = ()
-        """What the fields of the selection edit; a panel sets it before it draws them."""
+        """Ids that the fields of the selection edit; a panel sets it before it draws them."""
 
     def begin(self, session: "Session") -> None:
         """Begin a frame: what was typed into a field that is gone is committed."""

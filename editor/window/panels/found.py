@@ -1,4 +1,4 @@
-"""What the command palette finds besides actions and files: settings, fields, single drawings."""
+"""Entries of the command palette besides actions and files: settings, fields, single drawings."""
 
 import dataclasses
 from collections.abc import Callable
@@ -61,7 +61,7 @@ _FIELDS: Final[tuple[tuple[type[Record], str, str], ...]] = (
     (Thruster, "Thruster power", "power"),
     (Thruster, "Thruster direction", "angle"),
 )
-"""What has the field, the words, and the dotted name."""
+"""Record type, words and dotted name of each field."""
 _WANTED: Final[dict[type[Record], str]] = {
     Body: "Select a shape first.",
     Circle: "Select a circle first.",
@@ -78,12 +78,12 @@ class Entry:
     group: str
     keys: str = ""
     refusal: str = ""
-    """Why it cannot be done now; empty when it can."""
+    """Reason why it is disabled; empty when it is not."""
     run: Callable[[], None]
 
 
 def score(words: str, typed: str) -> float | None:
-    """How well letters match in order; None when they do not. Less is better."""
+    """Return how well letters match in order; None when they do not. Less is better."""
     at, total, lower = -1, 0.0, words.lower()
     for letter in typed.lower().replace(" ", ""):
         following = lower.find(letter, at + 1)

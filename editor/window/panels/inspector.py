@@ -239,7 +239,7 @@ class Inspector(Panel):
         widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
 
     def _own_geometry(self, session: "Session", records: list[Record]) -> None:
-        """Where an arena part stands that a level brings with it: to be read only."""
+        """Draw the geometry of an arena part that a level brings with it: to be read only."""
         only = records[0] if len(records) == 1 else None
         geometry = only.geometry if isinstance(only, ArenaBody) else None
         if geometry is None or not widgets.section("Own geometry"):

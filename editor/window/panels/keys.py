@@ -76,7 +76,7 @@ class KeysWindow:
         imgui.dummy((0, px(4)))
 
     def _message(self, session: "Session") -> None:
-        """What to do now, or the question about a key that is taken."""
+        """Draw the instruction, or the question about a key that is taken."""
         if self._clash is not None:
             clash = self._clash
             imgui.align_text_to_frame_padding()

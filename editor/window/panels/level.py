@@ -128,7 +128,7 @@ class LevelPanel(Panel):
 
 
 def _counter(label: str, used: int, limit: int) -> None:
-    """How many of so many, as words and a bar."""
+    """Draw a count and its maximum, as words and a bar."""
     full = used > limit
     with widgets.font(None, SMALL):
         widgets.muted(label)

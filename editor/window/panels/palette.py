@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _ROWS: Final = 12
 _REFUSED: Final = 3.0
-"""What cannot be done now stands below what matches nearly as well."""
+"""Penalty of disabled entries: they stand below entries that match nearly as well."""
 
 
 class CommandPalette:

@@ -34,7 +34,7 @@ class Row:
     detail: str = ""
     options: tuple[tuple[Any, str], ...] = ()
     take: Callable[["Session", Any], None] | None = None
-    """What a choice does besides, where writing the field is not enough."""
+    """Effect of a choice besides writing the field."""
 
 
 PAGES: Final[dict[str, tuple[Row, ...]]] = {
@@ -172,7 +172,7 @@ def _row(session: "Session", row: Row) -> None:
 
 
 def _files(session: "Session") -> None:
-    """Where things are, and what may be forgotten."""
+    """Draw the paths of files, and buttons that clear them."""
     for label, path in (
         ("Settings", settings_path()),
         ("Copies of unsaved levels", session.autosaves.folder.parent),

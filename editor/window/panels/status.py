@@ -78,7 +78,7 @@ class StatusBar:
         return words + "…" if words else ""
 
     def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
-        """What stands at the right: words and their colour, from left to right."""
+        """Return the words at the right and their colours, from left to right."""
         c = COLOURS
         parts = []
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]

@@ -66,7 +66,7 @@ class DocumentTabs:
             session.queue(lambda: session.show_tab(front))
 
     def _warnings(self, session: "Session") -> None:
-        """What the file held and the document does not: said once, until it is closed."""
+        """Draw the parts of the file that the document does not hold: once, until it is closed."""
         document = session.document
         if not document.warnings:
             return
@@ -77,7 +77,7 @@ class DocumentTabs:
                 session.queue(lambda: setattr(document, "warnings", ()))
 
     def _moment(self, session: "Session") -> None:
-        """That a paused episode is being changed, and what can become of it."""
+        """Draw the notice that a paused episode is being changed, and its choices."""
         moment = session.tab.moment
         if moment is None or not session.editing:
             return
@@ -97,7 +97,7 @@ class DocumentTabs:
                     widgets.tooltip(action.label, action.tooltip)
 
     def _outside(self, session: "Session") -> None:
-        """That somebody else has changed the file, and what can be done."""
+        """Draw the notice that another program has changed the file, and its choices."""
         if not (session.editing and session.document.outside):
             return
         with _strip("outside"):

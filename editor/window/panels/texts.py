@@ -29,7 +29,7 @@ class _Typed:
 
 
 class TextFields:
-    """What is being typed into the texts of one panel."""
+    """Text being typed into the fields of one panel."""
 
     def __init__(self) -> None:
         self._typed: dict[str, _Typed] = {}

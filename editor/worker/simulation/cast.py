@@ -89,7 +89,7 @@ def load(path: str) -> AgentSummary:
 
 
 def _folder(path: str) -> Path | None:
-    """Where an agent's arrays lie: of a training run its newest checkpoint."""
+    """Return the folder of an agent's arrays: of a training run its newest checkpoint."""
     if path in SCRIPTED:
         return None
     folder = Path(path)
@@ -123,7 +123,7 @@ def _training(card: AgentCard) -> str:
 
 @pytree
 class Step:
-    """What one environment step gave."""
+    """Result of one environment step."""
 
     state: EnvState
     info: dict[str, Array]
@@ -180,7 +180,7 @@ class AgentDriver:
         self._play: Callable[..., Any] = PROGRAMS.obtain(recipe, progress)
 
     def _recipe(self, level: Level, *, quick: bool) -> Recipe:
-        """What is compiled for a step."""
+        """Return the recipe of a compiled step."""
         player, tier = self._player, QUICK if quick else FULL
         deterministic = self._casting.deterministic
 
@@ -196,7 +196,7 @@ class AgentDriver:
         return Recipe(key=key, tier=tier, trace=trace, stored=not quick)
 
     def _arguments(self, state: EnvState, step: int, hand: Action | None) -> tuple[Any, ...]:
-        """What the compiled step takes."""
+        """Return the arguments of the compiled step."""
         width = self.env.actions.motor_bindings + self.env.actions.thruster_bindings
         driven = np.zeros(width, np.float32)
         if hand is not None:
@@ -213,7 +213,7 @@ class AgentDriver:
 
     @property
     def memory(self) -> Any:
-        """What the agent remembers, as numpy arrays."""
+        """Memory of the agent, as numpy arrays."""
         return jax.device_get(self._carry)
 
     def remember(self, memory: Any) -> None:

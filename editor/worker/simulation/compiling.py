@@ -22,14 +22,14 @@ from editor.worker.yielding import without_pauses
 KEPT: Final = 24
 """Programs that are kept in memory, the last ones used: each holds some megabytes."""
 BACKGROUND_NICENESS: Final = 10
-"""What nobody waits for leaves the processor to the window and to what is played."""
+"""Niceness of background work: it leaves the processor to the window and to playing."""
 _LOOK_SECONDS: Final = 0.05
-"""How often who waits looks whether it is called off."""
+"""Interval at which a waiting thread checks for cancellation [s]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Tier:
-    """How much the compiler does, and how long that takes."""
+    """Optimisation level of the compiler."""
 
     name: str
     options: tuple[tuple[str, int], ...]
@@ -49,7 +49,7 @@ _TRACING: Final = 0.18
 
 
 class Pace:
-    """How long tracing and lowering took the last time: what is to come is foretold from it."""
+    """Duration of tracing and lowering the last time, from which the next is estimated."""
 
     seconds = 1.5
 
@@ -75,7 +75,7 @@ class Compilation:
         """
         self.recipe = recipe
         self.waiting = 1
-        """How many wait for it; the lock guards it."""
+        """Number of waiting threads; the lock guards it."""
         self._lock = lock
         self.given_up = False
         self.result: Any = None
@@ -89,7 +89,7 @@ class Compilation:
 
     @property
     def fraction(self) -> float:
-        """How far it is; inside a stage as far as one can tell from how long stages take."""
+        """Progress; inside a stage estimated from the usual duration."""
         shares = self._shares()
         expected = shares[self._stage] * Pace.seconds * (1 + self.recipe.tier.compiling)
         inside = min((time.monotonic() - self._since) / max(expected, 1e-3), 0.95)
@@ -97,7 +97,7 @@ class Compilation:
 
     @property
     def message(self) -> str:
-        """What it does at the moment."""
+        """Present activity."""
         return ("Reading the physics", "Writing the program", "Compiling")[self._stage]
 
     def _shares(self) -> tuple[float, float, float]:
@@ -160,7 +160,7 @@ class _Turn:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """What a program is and how it is made."""
+    """Key of a program and the function that makes it."""
 
     key: Hashable
     """Equal keys mean the same program."""
@@ -179,7 +179,7 @@ class Programs:
         self._coming: dict[Hashable, Compilation] = {}
         self._lock = threading.Lock()
         self.fresh: list[tuple[Hashable, Any]] = []
-        """What was compiled and has not been written to disk."""
+        """Programs that were compiled and have not been written to disk."""
 
     def get(self, key: Hashable) -> Any | None:
         """A program that is ready, or None."""
@@ -243,7 +243,7 @@ class Programs:
                 self.fresh = [*self.fresh, (key, compilation.result)][-KEPT:]
 
     def taken_fresh(self) -> list[tuple[Hashable, Any]]:
-        """What was compiled since the last call."""
+        """Return the programs compiled since the last call."""
         with self._lock:
             fresh, self.fresh = self.fresh, []
         return fresh

@@ -1,4 +1,4 @@
-"""Where bodies touch, for debug drawing: plain geometry of a snapshot, no engine internals."""
+"""Contact points for debug drawing: plain geometry of a snapshot, no engine internals."""
 
 import math
 

@@ -26,7 +26,7 @@ _SUFFIX: Final = ".step"
 
 
 def folder() -> Path:
-    """Where the steps lie."""
+    """Return the folder of the steps."""
     return cache_folder("steps")
 
 
@@ -37,7 +37,7 @@ def _file(key: object) -> Path:
 
 @functools.cache
 def _stamp() -> str:
-    """What a compiled step depends on besides its parameters."""
+    """Return the dependencies of a compiled step besides its parameters."""
     package = Path(str(importlib.resources.files("kinetix")))
     sources = hashlib.sha256()
     for path in [*sorted(package.rglob("*.py")), Path(__file__).with_name("stepping.py")]:
@@ -54,7 +54,7 @@ def _stamp() -> str:
 
 
 def _processor() -> str:
-    """What the processor is and can do."""
+    """Return the processor's name and features."""
     listed = Path("/proc/cpuinfo")
     if listed.is_file():
         told = listed.read_text(encoding="utf-8", errors="replace").splitlines()

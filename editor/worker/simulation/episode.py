@@ -328,7 +328,7 @@ class LevelView:
 
 
 def motor_drives(level: Level, unified: np.ndarray) -> np.ndarray:
-    """What drives each joint's motor, −1 … 1; 0 where there is none."""
+    """Return the drive of each joint's motor, −1 … 1; 0 where there is none."""
     drives = np.zeros(len(level.joints), np.float32)
     for k, joint in enumerate(level.joints):
         if joint.kind == "revolute" and joint.motor is not None and joint.motor.on:
@@ -337,7 +337,7 @@ def motor_drives(level: Level, unified: np.ndarray) -> np.ndarray:
 
 
 def thruster_drives(level: Level, unified: np.ndarray) -> np.ndarray:
-    """What drives each thruster, 0 … 1."""
+    """Return the drive of each thruster, 0 … 1."""
     first = len(unified) - THRUSTER_BINDINGS
     return np.array([unified[first + t.binding] for t in level.thrusters], np.float32)
 

@@ -214,7 +214,7 @@ class _Recorder:
 
 
 def read_run(request: ReadRun) -> RunNews:
-    """What is new in a training run.
+    """Return the news of a training run.
 
     Raises:
         KinetixError: There is no such folder.

@@ -74,7 +74,7 @@ def check_dynamics(request: CheckDynamics, progress: Progress) -> DynamicsReport
 def _random_play(
     env: KinetixEnv, state: EnvState, attempts: int, limit: Int[Array, ""] | int
 ) -> Bool[Array, " n"]:
-    """Which of many random plays of a level win."""
+    """Mark the random plays of a level that win."""
     keys = jax.random.split(jax.random.key(0), attempts)
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (attempts, *x.shape)), state)
     no = jnp.zeros(attempts, bool)

@@ -1,4 +1,4 @@
-"""What an agent is shown of a moment: the picture, and the numbers with the names of columns."""
+"""Observations of a moment: the picture, and the numbers with the names of columns."""
 
 import functools
 from typing import Any
@@ -123,7 +123,7 @@ def _head(head: tuple[str, str, str]) -> str:
 
 
 def _row_names(kind: str, count: int, level: Level) -> list[str]:
-    """What the rows are about; empty slots have their number only."""
+    """Return the subjects of the rows; empty slots have their number only."""
     bodies = level.bodies
     names: list[str]
     if kind == "circles":

@@ -46,11 +46,11 @@ from kinetix.level.sizes import parse_capacity
 from kinetix.paths import cache_dir
 
 SWITCH_SECONDS: Final = 1e-3
-"""How long this thread may keep the interpreter while it traces: the window needs its share."""
+"""Longest time for which this thread keeps the interpreter while it traces [s]."""
 
 
 class _Bridge:
-    """What lasts between requests: the episodes that are being played, by slot."""
+    """State between requests: the episodes that are being played, by slot."""
 
     def __init__(self) -> None:
         sys.setswitchinterval(SWITCH_SECONDS)

@@ -148,7 +148,7 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
 
 
 def _about(request: ExportFilm) -> str:
-    """What was played, by whom, under what."""
+    """Describe the episode: level, player, physics."""
     films = [film_of_trace(t, request.level) for t in (request.trace, request.rival) if t]
     return "; ".join(f"{what}: {told}" for film in films for what, told in film.facts)
 

@@ -36,7 +36,7 @@ MOVING: Final = ("physics", "timestep", "last_distance")
 """Fields of a state that a step changes. The others, which the level fixes, are neither returned by
 a compiled step nor fetched after it: that would take about as long as the physics of one world."""
 _TOLD: Final = ("GoalR", "distance", "terminated", "truncated", "nan")
-"""What is wanted of the environment's `info`."""
+"""Entries of the environment's `info` that are kept."""
 
 Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str, Array]]]
 """From a state and a multi-discrete action to the fields that moved and the step's `info`."""
@@ -44,7 +44,7 @@ Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class StepKey:
-    """Which compiled step is meant."""
+    """Key of a compiled step."""
 
     static: StaticEnvParams
     tier: Tier

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 SPEED_STEP: Final = 0.05
 POWER_STEP: Final = 0.05
 VELOCITY_STEP: Final = 0.1
-"""What velocities are rounded to [m/s]."""
+"""Step of velocities [m/s]."""
 SPIN_STEP: Final = 0.1
-"""What spins are rounded to [rad/s]."""
+"""Step of spins [rad/s]."""
 GRAVITY_STEP: Final = 0.1
-"""What gravity is rounded to [m/s²]; Ctrl leaves all as they are dragged."""
+"""Step of gravity [m/s²]; with Ctrl there are no steps."""
 MOTOR_MOST: Final = 3.4
 """Beyond this speed the arc would cover its own beginning."""
 

@@ -168,7 +168,7 @@ def begin_drag(session: "Session", press: PointerEvent, taken: EntityId) -> Gest
 
 
 def under_pointer(session: "Session", event: PointerEvent) -> Selection:
-    """What can be selected under the pointer, the uppermost first."""
+    """Return the selectable entities under the pointer, the uppermost first."""
     document = session.document
     return stack(
         document.level,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 FINE_STEP: Final = math.radians(1.0)
-"""What Shift rounds to."""
+"""Step of the angle with Shift."""
 
 
 def rotate_bodies(session: "Session", press: PointerEvent) -> Gesture:

@@ -24,7 +24,7 @@ _SIDE: Final = 148.0
 _CAPTION: Final = 44.0
 _PAD: Final = 7.0
 PAYLOAD: Final = "level"
-"""What cards carry while they are dragged."""
+"""Payload of dragged cards."""
 
 
 class CardGrid:

@@ -21,7 +21,7 @@ SIZE_LABELS: Final = {
     "locomotion": "Locomotion",
     "other": "Other",
 }
-"""What the classes of size are called."""
+"""Names of the classes of size."""
 
 
 def draw_head(session: "Session", count: int) -> None:

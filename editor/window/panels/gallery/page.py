@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _LEFT: Final = 214.0
 _RIGHT: Final = 300.0
 _LOOK_SECONDS: Final = 5.0
-"""How often the folders are looked through while the gallery is open."""
+"""Interval at which the folders are read while the gallery is open [s]."""
 _FLAGS: Final = (
     imgui.WindowFlags_.no_decoration.value
     | imgui.WindowFlags_.no_move.value

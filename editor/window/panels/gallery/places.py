@@ -107,7 +107,7 @@ _COUNTS: Final[dict[int, dict[str, int]]] = {}
 
 
 def _folder_counts(cards: tuple[Card, ...]) -> dict[str, int]:
-    """How many levels lie below each folder; worked out once for each list of cards."""
+    """Count the levels below each folder; once for each list of cards."""
     found = _COUNTS.get(id(cards))
     if found is None:
         found = {}

@@ -32,7 +32,7 @@ class Side:
         self._tray.dialog(session)
 
     def draw(self, session: "Session") -> None:
-        """What is chosen, and the set being put together."""
+        """Draw the selection, and the set being assembled."""
         with widgets.coloured(tab=COLOURS.surface, tab_selected=COLOURS.field):
             self._tabs(session)
         if imgui.get_drag_drop_payload_py_id() is not None:
