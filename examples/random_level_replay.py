@@ -1,11 +1,11 @@
 """Draw a random level, play it with random actions, and save the film as a GIF."""
 
 import argparse
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from PIL import Image
 
 from kinetix import (
     EnvParams,
@@ -14,6 +14,7 @@ from kinetix import (
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
 )
+from kinetix.render.film import write_film
 
 
 def main() -> None:
@@ -46,8 +47,8 @@ def main() -> None:
     _, (pictures, rewards, dones) = jax.jit(lambda s, k: jax.lax.scan(step, s, k))(state, keys)
 
     # Pictures have the axes x, y, channel with y up; image files want rows from the top.
-    frames = [Image.fromarray(p.transpose(1, 0, 2)[::-1]) for p in np.asarray(pictures)]
-    frames[0].save(arguments.out, save_all=True, append_images=frames[1:], duration=33, loop=0)
+    frames = [picture.transpose(1, 0, 2)[::-1] for picture in np.asarray(pictures)]
+    write_film(Path(arguments.out), frames, kind=".gif", per_second=30)
     print(f"{arguments.out}: return {rewards.sum():.3f}, {int(dones.sum())} episodes ended")
 
 

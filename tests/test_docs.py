@@ -60,6 +60,23 @@ def test_configurations_can_be_read():
             assert tomllib.loads(block)
 
 
+def test_the_files_and_names_of_the_architecture_exist():
+    text = (ROOT / "ARCHITECTURE.md").read_text()
+    paths = set(re.findall(r"\b((?:kinetix|editor)(?:/\w+)+(?:\.py|\.md)?)", text))
+    assert len(paths) > 40
+    assert [path for path in sorted(paths) if not (ROOT / path).exists()] == []
+    # `file` (`name`, `Class.method` …): the file defines them.
+    named = re.findall(r"`([\w/]+\.py)`\s+\(`([^)`]+)`(?:, `([^)`]+)`)*\)", text)
+    assert len(named) > 10
+    missing = []
+    for path, *names in named:
+        source = (ROOT / path).read_text()
+        for part in ".".join(filter(None, names)).split("."):
+            if not re.search(rf"^ *(?:def|class) {part}\b", source, re.MULTILINE):
+                missing.append(f"{path}: {part}")
+    assert missing == []
+
+
 def test_generated_parts_are_up_to_date():
     from scripts.reference_docs import documents
 

@@ -8,8 +8,13 @@ import numpy as np
 from PIL import Image
 
 from kinetix.level.atomic import replacing
+from kinetix.render.film import gif_picture, write_gif
 
 _WIDTH_MAX: Final = 960
+_COLOURS: Final = 256
+"""Colours of a picture: a window has more than a level."""
+_FRAME_RATE: Final = 60
+"""Frames per second of the offscreen clock."""
 
 
 class Film:
@@ -28,24 +33,13 @@ class Film:
             if picture.width > _WIDTH_MAX:
                 height = round(picture.height * _WIDTH_MAX / picture.width)
                 picture = picture.resize((_WIDTH_MAX, height), Image.Resampling.LANCZOS)
-            self._pictures.append(
-                picture.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-            )
+            self._pictures.append(gif_picture(np.asarray(picture), _COLOURS))
         self._count += 1
 
     def save(self) -> None:
-        """Write the GIF; its folder is made if need be. Nothing filmed, nothing written."""
+        """Write the GIF and make its folder; write nothing where nothing was filmed."""
         if not self._pictures:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        first, *rest = self._pictures
         with replacing(self._path) as temporary:
-            first.save(
-                temporary,
-                format="GIF",
-                save_all=True,
-                append_images=rest,
-                duration=round(1000 * self._every / 60),
-                loop=0,
-                optimize=True,
-            )
+            write_gif(temporary, self._pictures, per_second=_FRAME_RATE / self._every)

@@ -54,7 +54,7 @@ class SearchProgress:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Outcome:
+class PlanResults:
     """Results of a batch of plans."""
 
     won: Bool[np.ndarray, " n"]
@@ -200,7 +200,7 @@ def _best(plans: Plans, scores: Float[np.ndarray, " n"]) -> tuple[Plans, Float[n
     return plans[order], scores[order]
 
 
-def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Outcome:
+def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> PlanResults:
     """Play a batch of plans from the start.
 
     Args:
@@ -213,7 +213,7 @@ def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Out
     padded = jnp.asarray(np.pad(plans, ((0, 0), (0, missing), (0, 0))))
     played = _rollout(task.env, all_to_the_end, task.start, padded)
     won, lost, steps, distance = (np.asarray(x) for x in played)
-    return Outcome(won=won, steps=steps, score=distance + LOST * lost)
+    return PlanResults(won=won, steps=steps, score=distance + LOST * lost)
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1))

@@ -21,7 +21,7 @@ FILM_SUFFIXES: Final = (".gif", ".mp4")
 _MOST_COMMENT: Final = 255
 """Bytes of a block of a GIF."""
 _COLOURS: Final = 64
-"""Of a GIF's pictures: levels have few, and half the bytes of 256."""
+"""Colours of a GIF's picture: levels have few, and the file half the bytes of 256."""
 
 
 def write_film(
@@ -60,7 +60,29 @@ def ffmpeg() -> str:
 
 
 def _write_gif(path: Path, frames: Frames, per_second: float, comment: str) -> None:
-    first, *rest = (Image.fromarray(frame).quantize(_COLOURS) for frame in frames)
+    write_gif(path, map(gif_picture, frames), per_second=per_second, comment=comment)
+
+
+def gif_picture(frame: UInt8[np.ndarray, "h w 3"], colours: int = _COLOURS) -> Image.Image:
+    """Return a picture in a palette of its own, as GIF files hold it: a third of the bytes."""
+    return Image.fromarray(frame).quantize(colours)
+
+
+def write_gif(
+    path: Path, pictures: Iterable[Image.Image], *, per_second: float, comment: str = ""
+) -> None:
+    """Write pictures from `gif_picture` as a film that repeats for ever.
+
+    Args:
+        path: The file, whatever it is called.
+        pictures: At least one.
+        per_second: Pictures per second.
+        comment: Kept in the file.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    first, *rest = pictures
     # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
     moments = [round(100 * k / per_second) for k in range(len(rest) + 2)]
     durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
