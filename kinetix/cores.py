@@ -31,7 +31,7 @@ def wanted_cores(variables: Mapping[str, str] = os.environ) -> int:
         variables: The variables of the process.
 
     Raises:
-        KinetixError: That is no number of cores.
+        KinetixError: It is not a number of cores.
     """
     text = variables.get(CORES, "").strip()
     return available_cores() if not text else _checked(text, CORES)

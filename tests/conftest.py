@@ -25,9 +25,9 @@ PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
 
 @pytest.fixture(scope="session")
 def peer() -> Path:
-    """Folder of the peer's data; tests that need it are skipped where it is absent."""
+    """Folder of kinetix-env's data; tests that need it are skipped where it is absent."""
     if not PEER.is_dir():
-        pytest.skip("the peer's data is not here")
+        pytest.skip("kinetix-env's data is not here")
     return PEER
 
 

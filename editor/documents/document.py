@@ -75,7 +75,7 @@ class Document:
         self.number = next(_NUMBERS)
         """Tells the documents of one run apart."""
         self.source = source
-        """The peer's file as it was read, for writing it back byte for byte."""
+        """kinetix-env's file as it was read, for writing it back byte for byte."""
         self.stamp: Stamp | None = None
         """State of the file on disk when it was last read or written."""
         self.outside = ""

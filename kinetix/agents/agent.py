@@ -157,7 +157,7 @@ def _decide(policy: NetworkPolicy, *arguments: Any, deterministic: bool) -> Deci
 
 
 def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None = None) -> Agent:
-    """Load an agent: ours, the peer's, or the newest of a training run.
+    """Load an agent: ours, kinetix-env's, or the newest of a training run.
 
     Args:
         directory: A directory with `agent.json` and `params/`, or with `params.safetensors` and
@@ -193,7 +193,7 @@ def save_agent(
     Args:
         agent: The agent.
         directory: Where to; an agent that is there is replaced.
-        format: "kinetix-agent" (ours) or "kinetix-env" (the peer's form).
+        format: "kinetix-agent" (ours) or "kinetix-env" (kinetix-env's form).
 
     Raises:
         CheckpointError: It cannot be written, or the format cannot say it.

@@ -1,4 +1,4 @@
-"""The peer's released agents: `params.safetensors` + `config.json`. Its pickles are never read."""
+"""Released agents of kinetix-env: `params.safetensors` + `config.json`; never its pickles."""
 
 import dataclasses
 import json
@@ -44,14 +44,14 @@ _OUR_ONLY = ("name", "description", "model", "observation_type", "action_type")
 
 
 def is_peer_checkpoint(directory: Path) -> bool:
-    """Return whether a directory holds an agent in the peer's form."""
+    """Return whether a directory holds an agent in kinetix-env's form."""
     return (directory / TENSORS).is_file() and (directory / CONFIG).is_file()
 
 
 def read_peer_checkpoint(
     directory: Path, accept: Callable[[AgentCard], None] | None = None
 ) -> tuple[AgentCard, dict[str, Any]]:
-    """Read an agent in the peer's form.
+    """Read an agent in kinetix-env's form.
 
     Args:
         directory: Holds the two files.
@@ -85,7 +85,7 @@ def read_peer_checkpoint(
 
 
 def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str, Any]) -> None:
-    """Write an agent in the peer's form.
+    """Write an agent in kinetix-env's form.
 
     Args:
         directory: Made if need be; the two files in it are replaced.

@@ -1,4 +1,4 @@
-"""The peer's contact conventions, for the preset `jax2d` only: one depth, no clipping.
+"""kinetix-env's contact conventions, for the preset `jax2d` only: one depth, no clipping.
 
 Worlds are on the last axis. Contacts of a kind are listed in the order of `pairs.candidate_pairs`.
 """

@@ -13,7 +13,7 @@ from kinetix.engine.spec import ARENA_BODIES, Capacity, Features
 def candidate_pairs(capacity: Capacity) -> Int[np.ndarray, "q 2"]:
     """All pairs of slots that can touch, as global indices.
 
-    The order is the peer's: polygon–polygon (i < j, without the pairs inside the arena), then
+    The order is kinetix-env's: polygon–polygon (i < j, without the pairs inside the arena), then
     circle–polygon (for each circle, each polygon; listed circle first), then circle–circle (i < j).
     """
     polygons, circles = capacity.polygons, capacity.circles

@@ -27,7 +27,7 @@ def step(
     Args:
         world: What the level fixes.
         state: What changes; its cache must come from the same solver and spec.
-        control: One value a joint and a thruster.
+        control: One value per joint and per thruster.
         parameters: Numbers that do not force a new compilation.
         spec: Sizes and features (static).
         solver: The method and its settings (static).

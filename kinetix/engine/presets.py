@@ -11,7 +11,7 @@ PRESETS: dict[str, AbstractSolver] = {
     "accurate": Direct(substeps=4, block=Pgs(iterations=16)),
     "reference": Direct(substeps=64, block=Pgs(iterations=60)),
 }
-"""`jax2d` is the peer's engine; `reference` is meant for float64 (`JAX_ENABLE_X64=1`) and never for
+"""`jax2d` is kinetix-env's engine; `reference` is meant for float64 (`JAX_ENABLE_X64=1`), never for
 training."""
 
 DEFAULT = "balanced"

@@ -412,7 +412,7 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
         create_dummy_env: Whether stepping shall do nothing, to debug training code quickly.
         keep_terminal_observation: Whether `info["terminal_observation"]` keeps what auto-reset
             replaces.
-        parity: `"kinetix-3"` for the physics and touch rules of the peer.
+        parity: `"kinetix-3"` for the physics and touch rules of kinetix-env.
 
     Raises:
         KinetixError: An argument names nothing known; the message lists what is.

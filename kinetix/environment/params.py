@@ -213,7 +213,7 @@ def static_env_params_from_size(size: str, return_dict: bool = False, **changes:
 
 
 def with_parity(static_env_params: StaticEnvParams, parity: Parity | None) -> StaticEnvParams:
-    """The same sizes under the physics of the peer when parity is asked for.
+    """The same sizes under the physics of kinetix-env when parity is asked for.
 
     Raises:
         KinetixError: For any other value than `"kinetix-3"` and None.

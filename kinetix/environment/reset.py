@@ -46,7 +46,7 @@ ResetFunction = Callable[[Array], EnvState]
 """Draws the state in which an episode starts from a key; works under jit and vmap."""
 
 Source = Literal["file", "fixed"]
-"""True if a number comes from the file or is the one that the peer always uses."""
+"""True if a number comes from the file or is the one that kinetix-env always uses."""
 
 LevelLike = str | Path | Level | EnvState
 """A level in any form: file, bundled name, document, state."""
@@ -65,7 +65,7 @@ def load_from_json_file(
 ) -> tuple[EnvState, StaticEnvParams, EnvParams]:
     """A level file, ready for the environment.
 
-    A file of the peer keeps its slots, gaps and stored inverse masses; a native file is compiled
+    A file of kinetix-env keeps its slots, gaps and stored inverse masses; a native file is compiled
     without gaps.
 
     Args:
@@ -74,7 +74,7 @@ def load_from_json_file(
         gravity: `"fixed"`: (0, −9.81) whatever the file says.
         time_limit: `"fixed"`: 256 steps whatever the file says.
         physics: Physics preset of the result; by default that of `static_env_params`.
-        parity: `"kinetix-3"`: everything as the peer does (physics `jax2d`, both `"fixed"`).
+        parity: `"kinetix-3"`: everything as kinetix-env does (physics `jax2d`, both `"fixed"`).
 
     Returns:
         The state at the start, and the parameters that fit it.

@@ -1,4 +1,4 @@
-"""Searching for actions that win a level, in two ways by turns.
+"""Search for actions that win a level: it alternates two searches.
 
 *Whole plans* (here) plays many random plans from the start, keeps those that came closest, and
 replaces their ends: good where few actions decide. *Stretches* (`stretches.py`) goes on from where

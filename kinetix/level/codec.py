@@ -1,4 +1,4 @@
-"""Reading and writing level files: our format and the peer's, told apart by content. No JAX."""
+"""Reading and writing level files: our format and kinetix-env's, told apart by content. No JAX."""
 
 import contextlib
 import dataclasses
@@ -46,7 +46,7 @@ class LoadedLevel:
     warnings: tuple[str, ...] = ()
     """Parts of the file that the level does not carry, one sentence each."""
     source: KinetixEnvDocument | None = None
-    """The peer's file as it is, slots and leftovers included; None for a native file."""
+    """kinetix-env's file as it is, slots and leftovers included; None for a native file."""
     path: Path | None = None
     """Path from which it was read."""
 
@@ -91,7 +91,7 @@ def load_document(path: str | Path) -> LoadedLevel:
 
 
 def load_level(path: str | Path) -> Level:
-    """Read a level file, ours or the peer's, told apart by content.
+    """Read a level file, ours or kinetix-env's, told apart by content.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
@@ -103,7 +103,7 @@ def load_level(path: str | Path) -> Level:
 
 
 def loads_document(text: str, file: str = "text") -> LoadedLevel:
-    """Like `load_document`, from text; the stem of `file` names a level of the peer.
+    """Like `load_document`, from text; the stem of `file` names a level of kinetix-env.
 
     Raises:
         LevelError: The text is bad; one sentence with file and JSON path.
@@ -204,13 +204,13 @@ def dumps(
 
     Args:
         level: The document.
-        format: `kinetix-level`: our canonical text. `kinetix-env`: the peer's.
-        source: The peer's file that the level was read from. Where the level still equals it, the
-            peer's text comes out byte for byte, unused slots and all.
+        format: `kinetix-level`: our canonical text. `kinetix-env`: kinetix-env's JSON.
+        source: The file of kinetix-env that the level was read from. Where the level still equals
+            it, its text comes out byte for byte, unused slots and all.
 
     Raises:
-        LevelError: The peer's format cannot hold the level, or JSON cannot (a number is not finite,
-            a text is no Unicode); whatever else is wrong with a level can be saved.
+        LevelError: The format of kinetix-env cannot hold the level, or JSON cannot (a number is not
+            finite, a text is no Unicode); whatever else is wrong with a level can be saved.
     """
     tree = level_tree(level)
     for path in unsayable_paths(tree):

@@ -97,8 +97,8 @@ class Scene:
 def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
     """A scene with every slot inactive, as writable numpy arrays, for builders to fill.
 
-    Inactive slots hold what the peer's files hold there: friction 1, density 1, collision mode 1,
-    vertex count 4, all else 0.
+    Inactive slots hold what kinetix-env's files hold there: friction 1, density 1, collision mode
+    1, vertex count 4, all else 0.
     """
     size = spec.capacity
     b, p, r, j, t = size.bodies, size.polygons, size.circles, size.joints, size.thrusters
@@ -389,7 +389,7 @@ def compile_kinetix_env(
     gravity: Literal["file", "fixed"] = "file",
     time_limit: Literal["file", "fixed"] = "file",
 ) -> Scene:
-    """A file of the peer as the engine's arrays: slots, gaps, leftovers and masses as stored.
+    """A file of kinetix-env as the engine's arrays: slots, gaps, leftovers and masses as stored.
 
     Slots beyond the file's own hold what `empty_scene` says; indices of circles move with them.
 
@@ -398,8 +398,8 @@ def compile_kinetix_env(
         solver: Provides the empty warm-start cache; stored impulses are not carried over. Which
             contacts are active is, unless the capacity is larger than the file's own.
         spec: Capacity to compile to; by default the file's own.
-        gravity: `fixed`: (0, −9.81) whatever the file says, as the peer's reader does.
-        time_limit: `fixed`: 256 steps whatever the file says, as the peer's reader does.
+        gravity: `fixed`: (0, −9.81) whatever the file says, as kinetix-env's reader does.
+        time_limit: `fixed`: 256 steps whatever the file says, as kinetix-env's reader does.
 
     Raises:
         LevelError: The file does not fit the capacity.

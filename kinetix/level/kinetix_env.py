@@ -1,4 +1,4 @@
-"""The peer's level JSON (kinetix-env 3): what a file says, slot by slot.
+"""kinetix-env's level JSON (kinetix-env 3): what a file says, slot by slot.
 
 With the modules `kinetix_env_*` beside it, the only code that knows this format.
 """
@@ -38,7 +38,7 @@ STANDARD_GRAVITY: Final = (0.0, round_real(-9.81))
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class KinetixEnvDocument:
-    """A file of the peer: its text, byte for byte, and its content slot by slot."""
+    """A file of kinetix-env: its text, byte for byte, and its content slot by slot."""
 
     file: str
     """Name of the file, for messages."""
@@ -76,7 +76,7 @@ class KinetixEnvDocument:
 
 
 def parse_kinetix_env(text: str, file: str = "text") -> KinetixEnvDocument:
-    """Read a level of the peer, checking keys, types, lengths, finiteness and indices.
+    """Read a level of kinetix-env, checking keys, types, lengths, finiteness and indices.
 
     Args:
         text: The JSON text.

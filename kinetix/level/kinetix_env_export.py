@@ -1,4 +1,4 @@
-"""From our documents to the peer's level JSON; README.md says what gets lost."""
+"""From our documents to kinetix-env's level JSON; README.md says what gets lost."""
 
 import json
 from collections.abc import Sequence
@@ -73,19 +73,19 @@ def joint_position(a: JointEnd, b: JointEnd) -> tuple[float, float]:
 
 
 def dump_tree(tree: Any) -> str:
-    """A tree as JSON text the way the peer writes it: one line, no newline at the end."""
+    """A tree as JSON text the way kinetix-env writes it: one line, no newline at the end."""
     return json.dumps(tree)
 
 
 def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str, ...]]:
-    """The peer's JSON text for a level, and what that text cannot say.
+    """kinetix-env's JSON text for a level, and what that text cannot say.
 
     Args:
         level: The document.
-        stem: The file's name without suffix, which is all the name that the peer knows.
+        stem: The file's name without suffix, which is all the name that kinetix-env knows.
 
     Returns:
-        The text, and the names of the fields that the peer loses.
+        The text, and the names of the fields that kinetix-env loses.
 
     Raises:
         LevelError: The level does not fit its own size, or refers to a missing body.
@@ -93,12 +93,12 @@ def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str
     capacity = capacity_of(level)
     faults = [fault for fault in level_faults(level) if fault.code in ("E009", "E011", "E013")]
     if faults:
-        raise LevelError(f"level {level.name!r} cannot be written for the peer: {faults[0]}")
+        raise LevelError(f"level {level.name!r} cannot be written for kinetix-env: {faults[0]}")
     return dump_tree(_export_tree(level, capacity)), lost_fields(level, stem=stem)
 
 
 def _keyed(values: Sequence[Any]) -> dict[str, Any]:
-    """An array in the peer's form: an object with decimal keys."""
+    """An array in kinetix-env's form: an object with decimal keys."""
     return {
         str(k): _keyed(value) if isinstance(value, (tuple, list)) else value
         for k, value in enumerate(values)

@@ -1,4 +1,4 @@
-"""From the peer's level JSON to our documents; README.md says what is not carried."""
+"""From kinetix-env's level JSON to our documents; README.md says what is not carried."""
 
 import contextlib
 import math
@@ -56,7 +56,7 @@ _CACHE_TOLERANCE: Final = 1e-3
 """Difference above which a cached anchor is no mere rounding [m]."""
 
 
-# Native names of fields (in paths of faults) and what the peer calls them.
+# Native names of fields (in paths of faults) and what kinetix-env calls them.
 _PEER_NAMES: Final = {
     "angle": "rotation",
     "reference_angle": "rotation",
@@ -80,7 +80,7 @@ _PEER_NAMES: Final = {
 
 
 def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[str, ...]]:
-    """A document of ours from a file of the peer.
+    """A document of ours from a file of kinetix-env.
 
     Args:
         document: What was read.
@@ -273,7 +273,7 @@ def _import_arena(document: KinetixEnvDocument, faults: FaultCollector) -> Arena
 
 
 def _peer_path(path: str, places: dict[str, str]) -> str:
-    """The place in the peer's file that a path in the imported level came from."""
+    """The place in kinetix-env's file that a path in the imported level came from."""
     for ours, theirs in places.items():
         if path == ours or path.startswith(f"{ours}."):
             field = path[len(ours) + 1 :]
@@ -332,7 +332,7 @@ def _import_warnings(document: KinetixEnvDocument) -> list[str]:
 
 
 def _blank(row: KinetixBody | KinetixJoint | KinetixThruster) -> bool:
-    """Return whether an unused slot holds what we or an expansion by the peer would write there."""
+    """Return whether an unused slot holds what we or kinetix-env write there."""
     values = msgspec.structs.asdict(row)
     defaults = msgspec.structs.asdict(type(row)())
     return all(

@@ -1,4 +1,4 @@
-"""The schema of the peer's level JSON: records, blocks and the checks of reading (no meaning).
+"""The schema of kinetix-env's level JSON: records, blocks and the checks of reading (no meaning).
 
 Everything is a table: the order of the keys is the order in published files.
 """
@@ -276,7 +276,7 @@ _RECORDS: dict[type[Any], tuple[dict[str, Reader], frozenset[str]]] = {
         (KinetixContact, ()),
     )
 }
-# Parameters are reals there wherever the peer computes with them, even where a file says 15.
+# Parameters are reals there wherever kinetix-env computes with them, even where a file says 15.
 _PARAMETER_READERS: Final = {
     **_readers(dict.fromkeys(ENV_PARAMS, 0.0)),
     "num_shape_roles": read_integer,

@@ -177,8 +177,8 @@ class PpoConfig:
     def only_listed(self) -> bool:
         """True if nothing but the listed levels is ever played, every entity in its own slot.
 
-        Then the step is compiled for what these levels have. With `parity` it is left as the peer
-        has it.
+        Then the step is compiled for what these levels have. With `parity` it is left as in
+        kinetix-env.
         """
         shuffled = self.permute_state_during_training
         return self.level_mode == "list" and not shuffled and self.parity is None

@@ -105,7 +105,7 @@ def test_scalars_compare_with_the_peer_at_its_defaults():
 
 def test_scalars_without_a_comparable_point_are_none():
     theirs = point("jax2d", 10, 0.5, family="jax2d")
-    # Our own preset of that name is not the peer.
+    # Our own preset of that name is not kinetix-env.
     slow_and_wrong = [point("jax2d", 5, 0.9), theirs]
     assert scalars(slow_and_wrong) == {
         "speed_ratio": None,

@@ -1,4 +1,4 @@
-"""The preset `jax2d` against recordings of the peer's engine (60 steps a level, two scripts)."""
+"""The preset `jax2d` against recordings of kinetix-env's engine (60 steps a level, two scripts)."""
 
 import jax
 import jax.numpy as jnp

@@ -24,7 +24,7 @@ from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thru
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Recording:
-    """A level of the peer with what the peer recorded on it."""
+    """A level of kinetix-env with what kinetix-env recorded on it."""
 
     name: str
     state: EnvState
@@ -34,7 +34,7 @@ class Recording:
 
 @pytest.fixture(scope="session")
 def recordings(peer: Path) -> list[Recording]:
-    """All levels of the peer that come with recordings, under the peer's physics."""
+    """All levels of kinetix-env that come with recordings, under kinetix-env's physics."""
     found = []
     for file in sorted((peer / "fixtures").glob("*__*.npz")):
         name = file.stem.replace("__", "/", 1)

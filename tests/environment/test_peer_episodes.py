@@ -1,4 +1,4 @@
-"""Whole episodes against the peer's recordings, under the preset `jax2d`."""
+"""Whole episodes against kinetix-env's recordings, under the preset `jax2d`."""
 
 import dataclasses
 
@@ -114,7 +114,7 @@ def test_outcomes_and_their_steps(played: list[Played]) -> None:
 @pytest.mark.peer
 @pytest.mark.slow
 def test_dense_reward_follows_from_the_distance(played: list[Played]) -> None:
-    """In the peer's recordings and in our runs alike; sparse rewards aside."""
+    """In kinetix-env's recordings and in our runs alike; sparse rewards aside."""
     for run in played:
         for reward, distance, done in (
             (run.reward, run.distance, run.done),

@@ -1,4 +1,4 @@
-"""Initial observations of the peer's levels, number by number."""
+"""Initial observations of kinetix-env's levels, number by number."""
 
 import json
 from pathlib import Path

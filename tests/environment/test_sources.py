@@ -44,7 +44,7 @@ def native_moon(folder: Path) -> Path:
 
 
 def foreign_moon(folder: Path) -> Path:
-    """The same two numbers in a file of the peer's format."""
+    """The same two numbers in a file of kinetix-env's format."""
     tree = json.loads((FIXTURES / "kinetix_env" / "gaps.json").read_text())
     tree["env_state"]["gravity"] = {"0": MOON[0], "1": MOON[1]}
     tree["env_params"]["max_timesteps"] = 40

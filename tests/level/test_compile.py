@@ -244,7 +244,7 @@ def test_the_way_back_gives_the_level():
     assert not any(body.mass_properties for body in back.bodies)
 
 
-# --- files of the peer
+# --- files of kinetix-env
 
 
 def test_files_of_the_peer_keep_their_slots():

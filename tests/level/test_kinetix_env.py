@@ -1,4 +1,4 @@
-"""The peer's format: both array forms, the dialect of Kinetix.js, round trips, bad files."""
+"""kinetix-env's format: both array forms, the dialect of Kinetix.js, round trips, bad files."""
 
 import json
 import math
@@ -137,7 +137,7 @@ def test_gaps_between_slots_are_told(published):
     assert told == {"h9_morph_direction", "h10_morph_direction_2", "hard_lunar_lander"}
 
 
-# --- our own files in the peer's format
+# --- our own files in kinetix-env's format
 
 
 def test_both_array_forms_and_the_dialect_say_the_same():

@@ -239,11 +239,11 @@ class AgentDriver:
         """A thought for the window.
 
         Raises:
-            KinetixError: The network said something that is no number.
+            KinetixError: The network's output is NaN.
         """
         if not bool(thought.sane):
             raise KinetixError(
-                f"The agent {self._player.card.name!r} gave something that is no number at step "
+                f"The agent {self._player.card.name!r} gave NaN at step "
                 f"{step}: its parameters, or what it was shown, are broken."
             )
         return mind_of(

@@ -132,7 +132,7 @@ class Episode:
         """Play steps until the episode ends; a snapshot each.
 
         Raises:
-            KinetixError: The agent, or the physics under it, gave something that is no number.
+            KinetixError: The agent's output is NaN.
         """
         snapshots, pull = [], request.pull
         self._contacts = request.keep_contacts

@@ -38,7 +38,8 @@ def measure_everyday(settings: EverydaySettings) -> Iterator[dict[str, Any]]:
     """Yield a row per class as soon as it is known.
 
     Raises:
-        KinetixError: A name is unknown, a number makes no sense, or the peer is not installed.
+        KinetixError: A name is unknown, a number makes no sense, or the engine is not
+            installed.
     """
     _check(settings)
     engine = settings.peer or settings.physics

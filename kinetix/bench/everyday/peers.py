@@ -13,10 +13,10 @@ from kinetix.scenes.model import Trial
 
 
 def record_peer(scenes: Sequence[EverydayScene], peer: Peer) -> list[Recorded]:
-    """Run those of the scenes that a peer can say.
+    """Run the scenes that another engine has words for.
 
     Raises:
-        KinetixError: The peer is not installed or its program failed.
+        KinetixError: The engine is not installed or its program failed.
     """
     trials = {str(k): scene.trial for k, scene in enumerate(scenes)}
     twins = {

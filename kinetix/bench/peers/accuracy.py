@@ -19,15 +19,15 @@ COMPARED: Final = ("I7", "R1", "R2")
 def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
     """One row a scene, as our own engine's (`kinetix.bench.accuracy.row_of`).
 
-    Scenes that the peer cannot say, and those whose levels are drawn by our own generator, have no
-    value and no verdict.
+    Scenes that the engine has no words for, and those of our own generator's levels, have no value
+    and no verdict.
 
     Args:
         peer: Which engine.
         scenes: `core`, `all`, or ids with commas between them.
 
     Raises:
-        KinetixError: A scene is unknown, the peer is not installed or its program failed.
+        KinetixError: A scene is unknown, the engine is not installed or its program failed.
     """
     inertia = "kinetix" if peer.own_inertia else "exact"
     # A class at a time: whoever waits sees how far it is, and a failure loses little.
@@ -44,10 +44,10 @@ def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
 
 
 def judged(scene: SuiteScene, answer: Answer) -> Sequence[Metric]:
-    """The metrics of a scene from what the peer answered.
+    """The metrics of a scene from the engine's answer.
 
-    A scene some of whose trials the peer cannot say is judged by the others, unless its judge
-    compares trials with each other.
+    A scene of which the engine has no words for some trials is judged by the others, unless its
+    judge compares trials with each other.
     """
     if scene.id not in JUDGES:
         return [Metric(name="not run on other engines", unit="1", value=None)]

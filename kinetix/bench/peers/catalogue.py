@@ -64,7 +64,7 @@ KINETIX_ENV: Final = Peer(
     program="run_kinetix_env.py",
     settings={},
 )
-"""The peer's environment: levels only."""
+"""The engine's environment: levels only."""
 NATIVE: Final = (_BOX2D, _PYMUNK)
 """Engines in C or C++ that are driven from Python, one world at a time."""
 

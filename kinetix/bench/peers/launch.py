@@ -1,4 +1,4 @@
-"""Runs a peer's program with the peer's own Python and reads what it wrote."""
+"""Runs another engine's program with its own Python and reads what it wrote."""
 
 import dataclasses
 import json
@@ -76,7 +76,7 @@ def ask(
 
     Args:
         peer: Which.
-        job: See scripts/peers/protocol.py; the peer's settings are added.
+        job: See scripts/peers/protocol.py; the engine's settings are added.
         variables: Of the process's environment, beyond this process's own.
         seconds: How long it may take; without end where none are given.
 
@@ -90,7 +90,7 @@ def ask(
         folder = Path(name)
         file = folder / "job.json"
         file.write_text(json.dumps({**job, "settings": peer.settings}))
-        # Its program must find the peer's own packages, of which one is called as ours is, and is
+        # Its program must find its own packages, of which one is called as ours is, and is
         # measured as its users have it: our options of the compiler are not theirs.
         ours = ("PYTHONPATH", "XLA_FLAGS")
         own = {key: value for key, value in os.environ.items() if key not in ours}

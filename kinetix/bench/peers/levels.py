@@ -34,7 +34,7 @@ class LevelSettings:
     levels: Path | None = None
     """Folder of levels; the bundled ones by default."""
     devices: tuple[int, ...] = (1, 2)
-    """Host devices of our own runs, and of the peer's."""
+    """Host devices of our own runs, and of the other engine's."""
 
 
 def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:

@@ -21,7 +21,7 @@ def measure_peer_scenes(peer: Peer, batches: tuple[int, ...]) -> Iterator[dict[s
     """Rows as `measure_scenes` gives them; engines driven from Python have one world only.
 
     Raises:
-        KinetixError: The peer is not installed or its program failed.
+        KinetixError: The engine is not installed or its program failed.
     """
     if not peer.compiled:
         return measure_scenes([1], lambda trial, _: _driven(peer, trial))

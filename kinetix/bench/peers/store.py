@@ -36,7 +36,7 @@ def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
     """Errors where there are none yet, speeds anew; yields the rows of speed as they are stored.
 
     Raises:
-        KinetixError: The peer is not installed or its program failed.
+        KinetixError: The engine is not installed or its program failed.
     """
     errors = results / PEER_ACCURACY / f"{file_name(peer.name)}.jsonl"
     # Those at their defaults stand in the documentation's table.

@@ -1,4 +1,4 @@
-"""The peer's scheme: projected Gauss–Seidel with Baumgarte stabilisation, its quirks included.
+"""kinetix-env's scheme: projected Gauss–Seidel with Baumgarte stabilisation, its quirks included.
 
 One velocity kick, ten sweeps, one drift. Contacts of a kind are solved in batches: all points of a
 batch see the same velocities (Jacobi), the batches follow each other (Gauss–Seidel). Levels and
@@ -109,7 +109,7 @@ class PgsBaumgarte(AbstractSolver):
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract; one step of the peer's engine."""
+        """See the contract; one step of kinetix-env's engine."""
         bodies = world.bodies
         kinds = _Kinds(spec)
         moves = (bodies.inverse_mass != 0).astype(state.rotation.dtype) * parameters.dt
@@ -215,7 +215,7 @@ class PgsBaumgarte(AbstractSolver):
         ) -> tuple[Moving, Impulses]:
             here = contacts.batch == batch
             moving, new = _solve_points(world, moving, contacts, impulses, here, pairs, parameters)
-            # The peer pads a batch with index −1, which is the last pair: its impulses are lost.
+            # kinetix-env pads a batch with index −1, which is the last pair: its impulses are lost.
             padded = (
                 (jnp.arange(padding) + count) % batches == batch if padding else np.zeros(1, bool)
             )

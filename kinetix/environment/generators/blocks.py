@@ -46,7 +46,7 @@ MIN_RADIUS: Final = 0.1
 MOTOR_BINDINGS: Final = 4
 THRUSTER_BINDINGS: Final = 2
 PEER_WELD_CHANCE: Final = 0.5
-"""Q1: what the peer uses in place of `UEDParams.joint_fixed_chance`."""
+"""Q1: what kinetix-env uses in place of `UEDParams.joint_fixed_chance`."""
 NEUTRAL, GREEN, BLUE, RED = range(4)
 
 
@@ -203,7 +203,7 @@ def _corners(
     half_y: Float[Array, "q n"],
     ued: UEDParams,
 ) -> tuple[Float[Array, "q 4 2 n"], Int[Array, "q n"]]:
-    """Corners in the peer's clockwise order, around their mean, and how many there are."""
+    """Corners in kinetix-env's clockwise order, around their mean, and how many there are."""
     signs = ((1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0))
     corners = [jnp.stack([x * half_x, y * half_y], axis=-2) for x, y in signs]
     count = jnp.full(circle.shape, VERTICES, jnp.int32)
@@ -256,7 +256,7 @@ def free_shape(
     )
     lowered = y - half
     if not ued.kinetix_quirks:
-        # Q4: the peer lets it sink into the floor.
+        # Q4: kinetix-env lets it sink into the floor.
         lowered = jnp.maximum(lowered, FLOOR_TOP + extent)
     y = jnp.where(fixed & (lower < bias) & (y >= half), lowered, y)
 
@@ -474,12 +474,12 @@ def joint_of(
     turn = proposal.target_rotation - proposal.figure.rotation
     reference = jnp.where(first, -turn, turn)
     if ued.kinetix_quirks:
-        # Q7: limits of the peer's revolute joints are measured from the absolute difference.
+        # Q7: limits of kinetix-env's revolute joints are measured from the absolute difference.
         reference = jnp.where(weld, reference, 0.0)
     rectangles = ~proposal.figure.circle & ~proposal.target_circle
     motor_on = draws.motor_on < ued.motor_on_chance
     if not ued.kinetix_quirks:
-        # Q6: the peer's forced motor is off in one level of five.
+        # Q6: kinetix-env's forced motor is off in one level of five.
         motor_on = motor_on | jnp.asarray(force_rjoint)
     most_power = jnp.where(rectangles, ued.motor_max_power, ued.wheel_max_power)
     speed = between(draws.speed, ued.motor_min_speed, ued.motor_max_speed)

@@ -26,7 +26,7 @@ from kinetix.level.compile import capacity_of_world
 SETTLING_STEPS: Final = 5
 """Physics steps that put jointed bodies together again."""
 SETTLING_PHYSICS: Final = "jax2d"
-"""The peer's engine: what "together again" means is part of the distribution."""
+"""kinetix-env's engine: what "together again" means is part of the distribution."""
 
 ACCEL_WEIGHTS: Final[dict[str, float]] = {
     "add_shape": 1.0,

@@ -113,9 +113,7 @@ def inertia(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r n
     Args:
         figures: Bodies whose frame's origin is their centre of mass.
         inertia_model: `"kinetix"` halves that of discs and leaves out the closing edge of
-            triangles; `"exact"` is the true one.
-
-    Source: level_format.md A2.1 and B4.
+            triangles, as kinetix-env does; `"exact"` is the true one.
     """
     x, y = figures.vertices[..., 0, :], figures.vertices[..., 1, :]
     total = jnp.zeros_like(figures.rotation)
@@ -141,8 +139,6 @@ def centroid(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r 
     Args:
         figures: The bodies.
         inertia_model: `"kinetix"` takes the mean of the corners, `"exact"` the area's centre.
-
-    Source: level_format.md B4.
     """
     corners = [figures.vertices[..., k, :, :] for k in range(VERTICES)]
     fourth = has_vertex(figures, 3)[..., None, :]

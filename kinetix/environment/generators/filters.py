@@ -1,6 +1,6 @@
 """Leave out levels that doing nothing solves.
 
-Source: level_generation.md 6. Where the peer plays all-zero actions, ours plays the action type's
+Where kinetix-env plays all-zero actions, ours plays the action type's
 no-op (for discrete actions zero drives a motor).
 """
 

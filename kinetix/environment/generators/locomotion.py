@@ -52,7 +52,7 @@ LIMIT: Final = math.pi / 4
 MOTOR_SPEED: Final = 1.0
 MOTOR_POWER: Final = 3.0
 PEER_RANDOM_BINDINGS: Final = 3
-"""Q11 and Q12: the bindings that the peer's random motors get."""
+"""Q11 and Q12: the bindings that kinetix-env's random motors get."""
 LOWEST, LEFTMOST, RIGHTMOST = 0.5, 0.2, 4.8
 """Bounds of all corners of the creature at the start (rotation ignored) [m]."""
 GOAL_RADIUS: Final = 0.3
@@ -253,7 +253,7 @@ class _Creature:
         return self.random_binding(u)
 
     def random_binding(self, u: Float[Array, " n"]) -> Int[Array, " n"]:
-        """A drawn channel; Q11: the peer never draws the last one."""
+        """A drawn channel; Q11: kinetix-env never draws the last one."""
         quirks = self.params.kinetix_quirks
         return among(u, PEER_RANDOM_BINDINGS if quirks else MOTOR_BINDINGS)
 
@@ -356,7 +356,7 @@ def _assemble(
     tips = [body, left, right]
     for extra in range(highest):
         choice_u, binding_u = creature.tape.take(2)
-        # Q12: the peer never lengthens the right chain.
+        # Q12: kinetix-env never lengthens the right chain.
         choice = among(choice_u, 2 if params.kinetix_quirks else 3)
         parent = _chosen(tips, choice)
         active = extra < count

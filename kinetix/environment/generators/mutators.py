@@ -4,7 +4,7 @@ Every mutation takes the drafts, its own uniform numbers and the marks, and leav
 as they are; so a batch in which every world gets another mutation runs each of them once. What they
 have in common: where there is nothing to act on, nothing happens.
 
-Source: level_generation.md 4; Q2, Q9 and Q10 are quirks of `UEDParams.kinetix_quirks`.
+Q2, Q9 and Q10 are quirks of `UEDParams.kinetix_quirks`.
 """
 
 import dataclasses
@@ -244,7 +244,7 @@ def change_size(
         anchor_b=jnp.where(at_b, joints.anchor_b * scale[None], joints.anchor_b),
     )
     if not ued.kinetix_quirks:
-        # Q9: the peer leaves thrusters where they were.
+        # Q9: kinetix-env leaves thrusters where they were.
         moved = (thrusters.active & pick(body, thrusters.body))[:, None]
         thrusters = dataclasses.replace(
             thrusters,
@@ -271,7 +271,7 @@ def change_location(
     step = between(numbers[1:3], -LARGEST_STEP, LARGEST_STEP)
     position = draft.figures.position + jnp.where(moved[:, None], step[None], 0.0)
     figures = dataclasses.replace(draft.figures, position=position)
-    # Q10: the peer measures all bodies, unturned, but moves the component only.
+    # Q10: kinetix-env measures all bodies, unturned, but moves the component only.
     low, high = _extents(figures, turned=not ued.kinetix_quirks)
     measured = (bodies if ued.kinetix_quirks else moved)[:, None]
     low = jnp.min(jnp.where(measured, low, jnp.inf), axis=0)

@@ -1,4 +1,4 @@
-"""The options of random levels: the peer's names and defaults, and three switches of ours."""
+"""The options of random levels: kinetix-env's names and defaults, and three switches of ours."""
 
 import math
 
@@ -11,8 +11,8 @@ class UEDParams:
     """Options of random levels.
 
     Hashable and never traced (all structure, no leaves): another value, another compilation. The
-    names, the misspelt one included, are the peer's, so that configurations carry over. Lengths are
-    metres, powers and speeds multiples of the base values of `EnvParams`.
+    names, the misspelt one included, are kinetix-env's, so that configurations carry over. Lengths
+    are metres, powers and speeds multiples of the base values of `EnvParams`.
 
     Source: kinetix-env 3.0.2, defaults as published.
     """
@@ -44,7 +44,7 @@ class UEDParams:
     joint_limit_max: float = static(default=math.pi)
     """Limits are drawn from −this … 0 and 0 … this [rad]."""
     joint_fixed_chance: float = static(default=0.1)
-    """Share of welds. The peer never uses it (quirk Q1: one half)."""
+    """Share of welds. kinetix-env never uses it (quirk Q1: one half)."""
     fixate_chance_min: float = static(default=0.02)
     fixate_chance_max: float = static(default=1.0)
     fixate_chance_scale: float = static(default=4.0)
@@ -69,11 +69,11 @@ class UEDParams:
     floor_prob_blue: float = static(default=0.02)
     floor_prob_red: float = static(default=0.08)
     kinetix_quirks: bool = static(default=True)
-    """True: the peer's distribution with its quirks Q1–Q12; False: all of them off together."""
+    """True: kinetix-env's distribution with its quirks Q1–Q12; False: all of them off together."""
     inertia_model: InertiaModel = static(default="kinetix")
-    """Moment of inertia of generated bodies: the peer's (disc m·r²/4) or the true one."""
+    """Moment of inertia of generated bodies: kinetix-env's (disc m·r²/4) or the true one."""
     legacy_ceiling: bool = static(default=False)
-    """True if the ceiling has the peer's slanted outer edge (first corner at x = 5)."""
+    """True if the ceiling has kinetix-env's slanted outer edge (first corner at x = 5)."""
 
     __repr__ = short_repr
 

@@ -335,8 +335,8 @@ def sample_kinetix_level(
     Args:
         key: Random key; the same key gives the same level.
         physics_engine: `env.physics_engine`: sizes and solver.
-        env_params: Taken for the peer's sake; random levels leave the time limit to it.
-        static_env_params: Taken for the peer's sake; its sizes are those of the engine.
+        env_params: Taken for kinetix-env's sake; random levels leave the time limit to it.
+        static_env_params: Taken for kinetix-env's sake; its sizes are those of the engine.
         ued_params: The options; None for the defaults.
     """
     del env_params, static_env_params

@@ -54,7 +54,7 @@ class Trajectory:
     solved: Bool[Array, "k n"]
     """True where it reached the goal."""
     bad: Bool[Array, "k n"]
-    """True where it ended in numbers that are none."""
+    """True where it ended in NaN."""
     episode_return: Float[Array, "k n"]
     """Reward of the episode so far, this step included."""
     episode_length: Int[Array, "k n"]

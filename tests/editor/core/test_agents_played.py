@@ -256,7 +256,7 @@ def test_an_agent_that_gives_no_numbers_is_said_to(perform, keeper, level, monke
     ref = AgentRef(path="sick", stamp="sick")
     monkeypatch.setitem(cast._MEMORY, ref, sick)
     perform(StartEpisode(run=5, level=level, physics="balanced", casting=Casting(agent=ref)))
-    with pytest.raises(KinetixError, match="'Goalkeeper' gave something that is no number"):
+    with pytest.raises(KinetixError, match="'Goalkeeper' gave NaN"):
         perform(Advance(run=5, actions=(None,)))
 
 

@@ -273,7 +273,7 @@ def test_another_attempt_starts_anew_with_other_draws(with_agent):
 def test_an_agent_that_fails_pauses_with_the_reason(with_agent):
     Hand(with_agent).key("f6")
     run(with_agent, 0.5)
-    with_agent.playback.simulator.error = "The agent 'Tester' gave something that is no number."
+    with_agent.playback.simulator.error = "The agent 'Tester' gave NaN."
     run(with_agent, 0.1)
     assert with_agent.mode is Mode.PAUSED
     assert with_agent.playback.failure.startswith("The agent 'Tester' gave")

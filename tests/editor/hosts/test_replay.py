@@ -183,7 +183,7 @@ def test_draws_undoes_redoes_plays_stops_and_saves(play, script, tmp_path):
     assert saved.bodies[: len(opened.bodies)] == opened.bodies
     assert len(saved.bodies) == len(opened.bodies) + 1
     assert saved.bodies[-1].shape.radius == pytest.approx(0.3, abs=0.01)
-    # The peer's format has no ids: reading numbers bodies, then joints, anew.
+    # kinetix-env's format has no ids: reading numbers bodies, then joints, anew.
     unnumbered = [[joint.replace(id=1) for joint in level.joints] for level in (saved, opened)]
     assert unnumbered[0] == unnumbered[1]
     assert (saved.gravity, saved.arena) == (opened.gravity, opened.arena)

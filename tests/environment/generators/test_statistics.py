@@ -1,4 +1,4 @@
-"""Our random levels against the peer's measured sample."""
+"""Our random levels against kinetix-env's measured sample."""
 
 import json
 import math
@@ -79,7 +79,7 @@ def test_quantiles_agree(size: str, peer: Path, measured: dict[str, dict[str, An
     theirs, ours = recorded(peer, size), measured[size]
     for name, values in theirs.items():
         if "quantiles" in name:
-            # The ends of a sample wander; the peer's has an eighth of our levels.
+            # The ends of a sample wander; kinetix-env's has an eighth of our levels.
             inner, mine = np.array(values)[1:-1], np.array(ours[name])[1:-1]
             assert np.allclose(mine, inner, rtol=0.12, atol=0.03), name
 
