@@ -28,10 +28,6 @@ if TYPE_CHECKING:
 PAGE: Final = ".html"
 SMALLEST, LARGEST = 16, 4096
 """Sides of a picture [px]."""
-TAIL: Final = 15
-"""Copies of a film's last frame, so that the end can be seen."""
-FRAME_RATE: Final = 30
-"""Environment steps in a second, and pictures of a film."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -108,7 +104,7 @@ def run(command: Render) -> int:
         with replacing(command.out) as path:
             comment = "; ".join(f"{what}: {told}" for what, told in showing.facts)
             frames = _frames(moments, command)
-            write_film(path, frames, kind=kind, per_second=FRAME_RATE, comment=comment)
+            write_film(path, frames, kind=kind, per_second=_frame_rate(), comment=comment)
     else:
         *_, last = moments
         with replacing(command.out) as path:
@@ -201,7 +197,7 @@ def _film_of(command: Render, agent: str) -> "Film":
     return Film(
         level=showing.level,
         title=showing.player,
-        seconds=np.arange(len(moments)) / FRAME_RATE,
+        seconds=np.arange(len(moments)) / _frame_rate(),
         position=np.stack([np.asarray(m.state.physics.position) for m in moments])[
             :, showing.slots
         ],
@@ -254,6 +250,8 @@ def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"
     """The pictures of a film, the last one held."""
     import numpy as np
 
+    from kinetix.agents.films import TAIL
+
     last = None
     for moment in moments:
         last = np.asarray(_picture(moment, command))
@@ -262,11 +260,20 @@ def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"
         yield from itertools.repeat(last, TAIL)
 
 
+def _frame_rate() -> int:
+    """Environment steps in a second, and pictures of a film."""
+    from kinetix.agents.films import FRAME_RATE
+
+    return FRAME_RATE
+
+
 def _picture(moment: Moment, command: Render) -> "Image.Image":
     """One frame."""
     from PIL import Image
 
-    picture = Image.fromarray(_drawn(moment.state, command.pixels))
+    from kinetix.agents.films import picture_of
+
+    picture = Image.fromarray(picture_of(moment.state, command.pixels))
     if command.overlay:
         words = caption(
             moment.step,
@@ -278,26 +285,3 @@ def _picture(moment: Moment, command: Render) -> "Image.Image":
         )
         write_caption(picture, words)
     return picture
-
-
-def _drawn(state: "EnvState", pixels: int) -> "np.ndarray":
-    import jax
-    import numpy as np
-
-    from kinetix.render.camera import fit_arena
-    from kinetix.render.scene import draw
-
-    drawing = jax.jit(draw, static_argnames=("width", "height"))
-    labels = state.labels
-    return np.asarray(
-        drawing(
-            state.world,
-            state.physics,
-            labels.role,
-            labels.motor_binding,
-            labels.thruster_binding,
-            fit_arena(pixels, pixels),
-            width=pixels,
-            height=pixels,
-        )
-    )

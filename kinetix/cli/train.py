@@ -2,16 +2,19 @@
 
 import dataclasses
 import math
-import sys
 from pathlib import Path
 from typing import Annotated, Any, Final, Union
 
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
+from kinetix.cli.terminal import Terminal
 from kinetix.cores import narrow_cores
+from kinetix.errors import KinetixError
+from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import field_notes
+from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 
 _SUMMARIES = {
     "ppo": "PPO on random levels, or on the levels of --levels.",
@@ -35,6 +38,9 @@ class Common:
     preset and file: small, which fits a laptop."""
     seeds: int = 1
     """Train so many times, with the seeds seed, seed + 1, …, into RUN/seed_…"""
+    sweep: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    """Train once for every combination of values in the file's tables [grid], [random] and [[run]],
+    into RUN/NAME; RUN/sweep.csv compares them."""
     from_agent: Annotated[str | None, tyro.conf.arg(name="from", metavar="AGENT")] = None
     """Fine-tune this agent instead of starting from nothing."""
     dummy_env: bool = False
@@ -82,26 +88,23 @@ Train: Any = Union[  # noqa: UP007 (made at run time)
 
 
 def run(command: Common) -> int:
-    """Train to the end; 0 when that is reached."""
+    """Train to the end; 0 when that is reached, 1 if runs of a sweep failed."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
-    from kinetix.errors import KinetixError
     from kinetix.training.devices import is_leader, join
-    from kinetix.training.settings import make_config
 
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
-    own = {field.name for field in dataclasses.fields(Common)}
-    values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
-    values |= {
-        field.name: getattr(command, field.name)
-        for field in dataclasses.fields(command)
-        if field.name not in own and getattr(command, field.name) is not None
-    }
     if command.seeds < 1:
         raise KinetixError(f"--seeds {command.seeds}: expected at least 1")
-    chosen: dict[str, Any] = {"preset": _preset(command), "file": command.config}
-    rough = make_config(algorithm, values=values, run=command.out, **chosen)
-    narrow_cores(lambda cores: rough.fits_devices(cores * (command.num_processes or 1)))
+    values = _values(command)
+    sweep = None if command.sweep is None else read_sweep(command.sweep)
+    runs = _runs(command, values, sweep)
+    configs = [_configured(algorithm, command, own, out) for out, own in runs.items()]
+    narrow_cores(
+        lambda cores: all(
+            config.fits_devices(cores * (command.num_processes or 1)) for config in configs
+        )
+    )
     if command.coordinator is not None:
         join(
             command.coordinator,
@@ -109,29 +112,87 @@ def run(command: Common) -> int:
             process_id=command.process_id,
         )
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
-    if teacher is not None:
-        values = _like(teacher.card) | values
-    if chosen["preset"] != command.preset and is_leader():
-        _say(f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers")
-    first = int(values.get("seed", 0))
-    for seed in range(first, first + command.seeds):
-        out = command.out if command.seeds == 1 else command.out / f"seed_{seed}"
-        if command.seeds > 1:
-            values["seed"] = seed
-        _train(algorithm, make_config(algorithm, values=values, run=out, **chosen), out, teacher)
-    return 0
+    like = {} if teacher is None else _like(teacher.card)
+    terminal = Terminal()
+    if is_leader() and any(_default_preset(command, out) for out in runs):
+        terminal.say(
+            f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers"
+        )
+    failed = 0
+    for number, (out, own) in enumerate(runs.items(), start=1):
+        if is_leader() and len(runs) > 1:
+            terminal.say(f"{number}/{len(runs)}: {out}")
+        try:
+            config = _configured(algorithm, command, like | own, out)
+            _train(algorithm, config, out, teacher, terminal)
+        except KinetixError as error:
+            if sweep is None:
+                raise
+            failed += 1
+            terminal.say(f"{out}: {error}")
+        if sweep is not None and is_leader():
+            write_table(command.out, sweep)
+    if sweep is not None and is_leader():
+        print("\n".join(lines(table(command.out, sweep))))
+    return 1 if failed else 0
 
 
-def _preset(command: Common) -> str | None:
-    """The preset of a new run: the small one where nothing is chosen."""
+def _values(command: Common) -> dict[str, Any]:
+    """The hyper-parameters that flags name."""
+    own = {field.name for field in dataclasses.fields(Common)}
+    values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
+    return values | {
+        field.name: getattr(command, field.name)
+        for field in dataclasses.fields(command)
+        if field.name not in own and getattr(command, field.name) is not None
+    }
+
+
+def _runs(
+    command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
+) -> dict[Path, dict[str, Any]]:
+    """The directory of every run, and its hyper-parameters."""
+    runs = {command.out: values}
+    if sweep is not None:
+        for name in sorted({name for run in sweep for name in run.values} & set(values)):
+            flag = name.replace("_", "-")
+            raise KinetixError(f"{command.sweep} sets {name}, and so does --{flag}: leave one out")
+        runs = {command.out / run.name: values | dict(run.values) for run in sweep}
+    if command.seeds == 1:
+        return runs
+    seeds: dict[Path, dict[str, Any]] = {}
+    for out, own in runs.items():
+        first = int(own.get("seed", 0))
+        for seed in range(first, first + command.seeds):
+            seeds[out / f"seed_{seed}"] = dict(own) | {"seed": seed}
+    return seeds
+
+
+def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Path) -> Any:
+    """The configuration of one run.
+
+    Raises:
+        KinetixError: It is bad; in a sweep the sentence begins with the run.
+    """
+    from kinetix.training.settings import make_config
+
+    preset = _default_preset(command, out) or command.preset
+    try:
+        return make_config(algorithm, preset=preset, file=command.config, values=values, run=out)
+    except KinetixError as error:
+        where = "" if command.sweep is None else f"{command.sweep}: {out.name}: "
+        raise KinetixError(f"{where}{error}") from None
+
+
+def _default_preset(command: Common, out: Path) -> str | None:
+    """The small preset for a new run where nothing is chosen."""
     from kinetix.training.settings import CONFIG
 
-    runs = (command.out, *command.out.glob("seed_*"))
-    chosen = command.preset or command.config or any((run / CONFIG).is_file() for run in runs)
-    return command.preset if chosen else _SMALL
+    chosen = command.preset or command.config or (out / CONFIG).is_file()
+    return None if chosen else _SMALL
 
 
-def _train(algorithm: str, config: Any, out: Path, teacher: Any) -> None:
+def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Terminal) -> None:
     """Train once, telling how it goes."""
     from kinetix.training.devices import is_leader
     from kinetix.training.memory import estimate
@@ -140,24 +201,32 @@ def _train(algorithm: str, config: Any, out: Path, teacher: Any) -> None:
 
     if is_leader():
         setup = make_setup(config, gradient_steps=1, teacher=teacher)
-        _announce(algorithm, config, estimate(setup))
+        terminal.say(_announcement(algorithm, config, estimate(setup)))
         if setup.cut_short():
-            _say(f"warning: {setup.cut_short()}")
-    last = train(algorithm, config, out, teacher=teacher, report=_report, say=_say)
+            terminal.say(f"warning: {setup.cut_short()}")
+    last = train(
+        algorithm,
+        config,
+        out,
+        teacher=teacher,
+        report=lambda report: terminal.say(_line(report)),
+        say=terminal.say,
+        status=terminal.status,
+    )
+    terminal.close()
     if is_leader():
         print(last)
 
 
-def _announce(algorithm: str, config: Any, need: Any) -> None:
+def _announcement(algorithm: str, config: Any, need: Any) -> str:
     import jax
 
     devices = jax.devices()
-    print(
+    return (
         f"{algorithm} on {config.size}, {config.physics}, {len(devices)} × {devices[0].platform}: "
         f"{config.num_updates} updates of {config.steps_per_update} steps; about "
         f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
-        f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})",
-        file=sys.stderr,
+        f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})"
     )
 
 
@@ -172,30 +241,27 @@ def _like(card: Any) -> dict[str, Any]:
     }
 
 
-def _report(report: Any) -> None:
+def _line(report: Any) -> str:
+    """A report for people; returns and solve rates are those of many episodes."""
     metrics = report.metrics
     parts = [
         f"{report.update}/{report.updates}",
         f"{report.env_steps:,} steps",
         f"{report.steps_per_second:,.0f}/s",
-        f"return {_mean(metrics.get('episode_return'))}",
-        f"solved {_mean(metrics.get('episode_solved'))}",
+        f"return {_mean(metrics.get(f'{PREFIX}episode_return'))}",
+        f"solved {_mean(metrics.get(f'{PREFIX}episode_solved'))}",
     ]
     if report.seconds_left is not None:
         parts.append(f"{_duration(report.seconds_left)} left")
     evaluated = metrics.get("eval/hand_designed_episode_solve_rate")
     if evaluated is not None:
         parts.append(f"evaluation {evaluated:.3f}")
-    print("  ".join(parts), file=sys.stderr, flush=True)
+    return "  ".join(parts)
 
 
 def _mean(value: float | None) -> str:
     """A mean over the episodes that ended; a dash where none did."""
     return "–" if value is None or math.isnan(value) else f"{value:.3f}"
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def _duration(seconds: float) -> str:

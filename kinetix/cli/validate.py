@@ -80,7 +80,16 @@ def file_report(file: str) -> FileReport:
         if is_set_file(path):
             return FileReport(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
         loaded = load_document(path)
-        issues = validate(loaded.level)
+        mended = [
+            Issue(
+                code=mend.code,
+                severity="warning",
+                path=mend.path,
+                message=f"Mended on reading: {mend.message}.",
+            )
+            for mend in loaded.mends
+        ]
+        issues = (*validate(loaded.level), *mended)
     except LevelError as error:
         return FileReport(file=file, format=None, issues=tuple(_reading_issues(error)))
     except Exception as error:  # a fault of ours in one file must not hide the others

@@ -151,7 +151,8 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
         Args:
             key: Draws the level.
-            env_params: Parameters; by default those of the environment.
+            env_params: Parameters; by default those of the environment. A state alone in this
+                place is taken for the next argument.
             override_reset_state: The state to start in, instead of one from `reset_fn`.
 
         Returns:
@@ -160,6 +161,9 @@ class KinetixEnv(MethodsOfKinetixEnv):
         Raises:
             KinetixError: There is neither an override nor a `reset_fn`, or the state does not fit.
         """
+        if isinstance(env_params, EnvState) and override_reset_state is None:
+            # Wrappers whose `reset` has one argument beside the key pass a level through it.
+            env_params, override_reset_state = None, env_params
         check_params(env_params)
         state = self._start(key, override_reset_state)
         return self._observe(state), state

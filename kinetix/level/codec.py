@@ -5,6 +5,7 @@ import dataclasses
 import hashlib
 import os
 import re
+import warnings
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -21,7 +22,7 @@ from kinetix.level.canonical import (
     unsayable_paths,
     version_of,
 )
-from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
+from kinetix.level.faults import EnoughFaults, Fault, FaultCollector, fail, found
 from kinetix.level.integrity import level_faults
 from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
 from kinetix.level.kinetix_env import KinetixEnvDocument, document_from_tree, lost_fields
@@ -43,12 +44,19 @@ class LoadedLevel:
     level: Level
     format: LevelFormat
     """The format of the file."""
-    warnings: tuple[str, ...] = ()
+    mends: tuple[Fault, ...] = ()
+    """Differences from the file, because a document cannot say what it says."""
+    lost: tuple[str, ...] = ()
     """Parts of the file that the level does not carry, one sentence each."""
     source: KinetixEnvDocument | None = None
     """kinetix-env's file as it is, slots and leftovers included; None for a native file."""
     path: Path | None = None
     """Path from which it was read."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Everything in which the level is not the file, one sentence each."""
+        return (*(f"mended: {mend}" for mend in self.mends), *self.lost)
 
 
 def resolve_path(name: str | Path) -> Path:
@@ -93,13 +101,18 @@ def load_document(path: str | Path) -> LoadedLevel:
 def load_level(path: str | Path) -> Level:
     """Read a level file, ours or kinetix-env's, told apart by content.
 
+    A warning says what had to be mended.
+
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
 
     Raises:
         LevelError: The file is missing or bad; one sentence with file and JSON path.
     """
-    return load_document(path).level
+    loaded = load_document(path)
+    for mend in loaded.mends:
+        warnings.warn(f"{path}: mended: {mend}", stacklevel=2)
+    return loaded.level
 
 
 def loads_document(text: str, file: str = "text") -> LoadedLevel:
@@ -113,8 +126,8 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
         return LoadedLevel(level=level_from_tree(tree, file), format=FORMAT)
     if isinstance(tree, dict) and "format" not in tree and "env_state" in tree:
         source = document_from_tree(tree, text, file)
-        level, warnings = to_level(source, name=Path(file).stem[:120] or "level")
-        return LoadedLevel(level=level, format="kinetix-env", warnings=warnings, source=source)
+        level, mends, lost = to_level(source, name=Path(file).stem[:120] or "level")
+        return LoadedLevel(level=level, format="kinetix-env", mends=mends, lost=lost, source=source)
     faults = FaultCollector()
     if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
         faults.add("E002", "$.format", "this is a level set, expected a single level")
@@ -225,7 +238,7 @@ def dumps(
 
 
 def _unchanged(level: Level, source: KinetixEnvDocument) -> bool:
-    imported, _ = to_level(source, name=level.name)
+    imported, _, _ = to_level(source, name=level.name)
     return imported.replace(next_id=level.next_id) == level.unnamed()
 
 

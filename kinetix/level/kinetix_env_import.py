@@ -9,7 +9,7 @@ import msgspec
 
 from kinetix.engine.spec import ARENA_BODIES
 from kinetix.level.canonical import record_tree
-from kinetix.level.faults import EnoughFaults, FaultCollector, fail
+from kinetix.level.faults import EnoughFaults, Fault, FaultCollector, fail
 from kinetix.level.geometry import (
     STANDARD_ARENA,
     polygon_fault,
@@ -56,6 +56,8 @@ _CACHE_TOLERANCE: Final = 1e-3
 """Difference above which a cached anchor is no mere rounding [m]."""
 
 
+MENDED: Final = "W210"
+"""Code of what was mended when a file of kinetix-env became a document."""
 # Native names of fields (in paths of faults) and what kinetix-env calls them.
 _PEER_NAMES: Final = {
     "angle": "rotation",
@@ -79,7 +81,9 @@ _PEER_NAMES: Final = {
 }
 
 
-def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[str, ...]]:
+def to_level(
+    document: KinetixEnvDocument, *, name: str
+) -> tuple[Level, tuple[Fault, ...], tuple[str, ...]]:
     """A document of ours from a file of kinetix-env.
 
     Args:
@@ -87,7 +91,8 @@ def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[s
         name: The level's name; by convention the file's stem.
 
     Returns:
-        The level, and one sentence for each mend and each kind of content that it does not carry.
+        The level, what was mended in it, and one sentence for each kind of content that it does
+        not carry.
 
     Raises:
         LevelError: The file holds something that our format cannot say.
@@ -107,7 +112,7 @@ def to_level(document: KinetixEnvDocument, *, name: str) -> tuple[Level, tuple[s
     if faults.faults or level is None:
         fail(document.file, faults.faults)
     told = [_mended(k, places) for k, body in enumerate(level.bodies) if body.id in mended]
-    return level, (*told, *_import_warnings(document))
+    return level, tuple(told), tuple(_import_warnings(document))
 
 
 def _are_polygons(level: Level) -> bool:
@@ -116,10 +121,12 @@ def _are_polygons(level: Level) -> bool:
     return not any(isinstance(s, Polygon) and polygon_fault(s.vertices) for s in shapes)
 
 
-def _mended(index: int, places: dict[str, str]) -> str:
-    return (
-        f"mended: {places[f'$.bodies[{index}]']}.vertices: the frame's origin was not the centre "
-        "of mass; it is now, and the shape is where it was"
+def _mended(index: int, places: dict[str, str]) -> Fault:
+    return Fault(
+        code=MENDED,
+        path=f"{places[f'$.bodies[{index}]']}.vertices",
+        message="the frame's origin was not the centre of mass; it is now, and the shape "
+        "is where it was",
     )
 
 

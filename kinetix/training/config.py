@@ -86,7 +86,8 @@ class PpoConfig:
     vf_coef: float = 0.5
     """Weight of the value loss."""
     total_timesteps: int = 10_737_418_240
-    """Environment steps in all."""
+    """Environment steps in all. A larger number makes a run longer; where its learning rate falls,
+    it goes on as in a run of the new length."""
     bootstrap_on_timeout: bool = True
     """Count the value of the last state where the time limit cut an episode."""
     stagger_starts: bool = True
@@ -116,8 +117,17 @@ class PpoConfig:
     """Number of filtered random levels to evaluate on besides."""
     checkpoint_save_freq: int = 512
     """Updates between two checkpoints; the last update makes one in any case."""
+    video_frequency: int = 0
+    """Updates between two films of the first levels that are evaluated on, one episode each; 0:
+    none. They lie in RUN/films and go wherever metrics go."""
     wandb_project: str = ""
     """Send metrics to this project of Weights & Biases too (needs the extra `wandb`)."""
+    wandb_entity: str = ""
+    """User or team there; empty: yours."""
+    wandb_group: str = ""
+    """Runs of one group are shown together there."""
+    wandb_tags: tuple[str, ...] = ()
+    """Words to find the run by there."""
 
     @property
     def num_updates(self) -> int:
@@ -323,7 +333,11 @@ RESUMABLE = frozenset(
         "eval_num_attempts",
         "eval_sampled_levels",
         "checkpoint_save_freq",
+        "video_frequency",
         "wandb_project",
+        "wandb_entity",
+        "wandb_group",
+        "wandb_tags",
     }
 )
 """Fields that may change when a run goes on: they do not alter what has been learnt so far."""

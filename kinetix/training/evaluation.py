@@ -1,13 +1,15 @@
 """Evaluation during training, under the published metric names."""
 
-from collections.abc import Sequence
-from typing import Any
+import statistics
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
 
 import jax
 import numpy as np
 
 from kinetix.agents.agent import Agent
-from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+from kinetix.agents.evaluate import NamedLevel, Progress, Settings, evaluate
 from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
@@ -17,6 +19,10 @@ from kinetix.level.sizes import capacity_of
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
 from kinetix.training.setup import Setup
+from kinetix.training.telling import Say, say_nothing
+
+_ENOUGH_WAITS: Final = 8
+"""In so many waits those that compile are a minority."""
 
 
 class TrainingEvaluation:
@@ -34,23 +40,51 @@ class TrainingEvaluation:
         )
         self._hand_designed = evaluation_levels(config) if config.eval_freq else []
         self._sampled = _sampled(setup)
+        self._longest = setup.longest_episode
+        self._evaluated = False
+        self.seconds: float | None = None
+        """How long the last one took, compilation left out [s]; None: that cannot be told."""
 
-    def __call__(self, agent: Agent) -> dict[str, float]:
+    @property
+    def steps(self) -> int:
+        """Environment steps of an evaluation in which no episode ends early."""
+        levels = len(self._hand_designed) + len(self._sampled)
+        return levels * self._settings.attempts * self._longest
+
+    def __call__(self, agent: Agent, status: Say = say_nothing) -> dict[str, float]:
         """Metrics of an agent.
 
         Args:
             agent: With its present parameters.
+            status: Takes words for how far it is.
         """
         metrics: dict[str, float] = {}
+        waits: list[float] = []
         for kind, levels in (("hand_designed", self._hand_designed), ("sampled", self._sampled)):
             if levels:
-                *_, last = evaluate(agent, levels, self._settings)
+                *_, last = _told(evaluate(agent, levels, self._settings), status, waits)
                 if last.failures:
                     raise CheckpointError(last.failures[0].error)
                 metrics |= _means(kind, last.results)
                 if kind == "hand_designed":
                     metrics |= _each(last.results)
+        # All waits are for equally many steps, but the first ones of the first time compile too.
+        if self._evaluated:
+            self.seconds = sum(waits)
+        elif len(waits) >= _ENOUGH_WAITS:
+            self.seconds = statistics.median(waits) * len(waits)
+        self._evaluated = True
         return metrics
+
+
+def _told(stages: Iterator[Progress], status: Say, waits: list[float]) -> Iterator[Progress]:
+    """Pass the stages of an evaluation on; note how long each took to come."""
+    began = time.monotonic()
+    for stage in stages:
+        waits.append(time.monotonic() - began)
+        status(f"evaluating {stage.done}/{stage.total} episodes")
+        yield stage
+        began = time.monotonic()
 
 
 def _means(kind: str, results: Sequence[LevelResult]) -> dict[str, float]:

@@ -13,6 +13,7 @@ from kinetix.files.regular import read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.training.config import PpoConfig
 from kinetix.training.events import EventFile
+from kinetix.training.films import drop_films, stored_films
 from kinetix.training.settings import as_table
 
 JSONL: Final = "metrics.jsonl"
@@ -30,6 +31,10 @@ class Sink(Protocol):
 
     def write(self, metrics: Mapping[str, float]) -> None:
         """Take the metrics of one update, by name; those that count are among them."""
+        ...
+
+    def film(self, steps: int, film: Path) -> None:
+        """Take a film of the agent after some environment steps: a GIF file."""
         ...
 
     def close(self) -> None:
@@ -52,7 +57,7 @@ def open_sinks(run: Path, config: PpoConfig, *, updates: int = 0) -> list[Sink]:
     if config.wandb_project:
         from kinetix.training.wandb import WandbSink
 
-        sinks.append(WandbSink(run, config.wandb_project, as_table(config)))
+        sinks.append(WandbSink(run, config, as_table(config)))
     return [MetricsLog(run, updates=updates), *sinks]
 
 
@@ -77,7 +82,9 @@ class MetricsLog:
         # In one piece: a kill in between must not cost the rows of a whole training.
         write_atomically(self._path, text.encode())
         write_atomically(self._csv, _csv_text(rows, self._columns).encode())
-        self._events = EventFile(run / TENSORBOARD, rows, axis=STEPS)
+        done = rows[-1][STEPS] if rows else 0
+        drop_films(run, after=int(done))
+        self._events = EventFile(run / TENSORBOARD, rows, axis=STEPS, films=stored_films(run))
 
     def write(self, metrics: Mapping[str, float]) -> None:
         """Append a row; numbers that are not finite are left out.
@@ -94,6 +101,15 @@ class MetricsLog:
             self._columns = _columns(rows)
             write_atomically(self._csv, _csv_text(rows, self._columns).encode())
         self._events.write(row)
+
+    def film(self, steps: int, film: Path) -> None:
+        """Show a film among TensorBoard's pictures.
+
+        Args:
+            steps: Environment steps after which it was made.
+            film: A GIF, which lies in the run's directory.
+        """
+        self._events.film(steps, film)
 
     def close(self) -> None:
         """Write out what is buffered."""

@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import functools
 import importlib.metadata
 import json
 import math
@@ -23,12 +24,14 @@ from kinetix.errors import KinetixError
 from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
+from kinetix.training.averages import EpisodeAverages
 from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
-from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks
+from kinetix.training.films import Camera
+from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks, read_metrics
 from kinetix.training.pace import Pace
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.resume import (
@@ -42,9 +45,8 @@ from kinetix.training.resume import (
 from kinetix.training.settings import CONFIG, dumps_config, loads_config, make_config
 from kinetix.training.setup import Setup
 from kinetix.training.stopping import StopRequest, stop_requests
-
-Say = Callable[[str], None]
-"""Takes a sentence for the terminal."""
+from kinetix.training.telling import Say, now_and_then, say_nothing
+from kinetix.training.work import Work
 
 
 class Trainer(Protocol):
@@ -53,6 +55,16 @@ class Trainer(Protocol):
     @property
     def setup(self) -> Setup:
         """Environment, network, optimiser."""
+        ...
+
+    @property
+    def work(self) -> Work:
+        """Runs and times the parts of updates."""
+        ...
+
+    @property
+    def parts_per_update(self) -> Mapping[str, float]:
+        """How often each part occurs in an update, on average."""
         ...
 
     def start(self) -> Any:
@@ -99,6 +111,7 @@ def train(
     teacher: Agent | None = None,
     report: Callable[[Report], None] | None = None,
     say: Say | None = None,
+    status: Say | None = None,
 ) -> Path:
     """Train until the configured number of steps, from the last checkpoint if there is one.
 
@@ -111,6 +124,8 @@ def train(
         teacher: The agent to start from, in a run that has no checkpoint yet.
         report: Called after every update.
         say: Takes what there is to say besides: where the run resumes, what is damaged.
+        status: Takes words for what is under way (compiling, scoring, evaluating), which the next
+            ones may replace; None: some of them go to `say`.
 
     Returns:
         The last checkpoint.
@@ -121,19 +136,21 @@ def train(
         KeyboardInterrupt: The user ended the training; it is saved.
         Terminated: The system did; it is saved.
     """
-    say = say if say is not None and is_leader() else _say_nothing
+    say = say if say is not None and is_leader() else say_nothing
+    status = status if status is not None and is_leader() else now_and_then(say)
     if is_leader():
         out.mkdir(parents=True, exist_ok=True)
     wait_for_all("the directory is there")
-    _check_same_run(out, algorithm, config)
+    _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
+    trainer.work.status = status
     with contextlib.ExitStack() as stack:
         if is_leader():
             stack.enter_context(locked_folder(out, "another training"))
             recover(out)
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
-        state, progress, damaged = _begin(trainer, out, say)
+        state, progress, damaged = _begin(trainer, out, say, status)
         wait_for_all("everybody has read what is there")
         sinks: list[Sink] = []
         if is_leader():
@@ -143,24 +160,25 @@ def train(
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
             stack.callback(sink.close)
-        run = _Run(algorithm=algorithm, trainer=trainer, out=out, sinks=sinks, stop=stop)
-        state, progress = _loop(run, state, progress, report, say)
+        run = _Run(
+            algorithm=algorithm, trainer=trainer, out=out, sinks=sinks, stop=stop, status=status
+        )
+        state, progress = _loop(run, state, progress, report)
         if progress.updates < config.num_updates:
             say(f"stopped after update {progress.updates}; saved, the same command resumes here")
             raise stop.error()
     return out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update)
 
 
-def _say_nothing(text: str) -> None:
-    """Take a sentence that nobody wants."""
-
-
-def _begin(trainer: Trainer, out: Path, say: Say) -> tuple[Any, StoredProgress, list[Path]]:
+def _begin(
+    trainer: Trainer, out: Path, say: Say, status: Say
+) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
     found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
     if found is None:
         if (out / CONFIG).is_file():
             say("no checkpoint was written yet: starting from the beginning")
+        status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
     state, progress, damaged = found
     say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
@@ -176,6 +194,7 @@ class _Run:
     out: Path
     sinks: Sequence[Sink]
     stop: StopRequest
+    status: Say
 
 
 def _loop(
@@ -183,40 +202,73 @@ def _loop(
     state: Any,
     progress: StoredProgress,
     report: Callable[[Report], None] | None,
-    say: Say,
 ) -> tuple[Any, StoredProgress]:
     """Update until the end, or until somebody asks to stop."""
-    algorithm, trainer = run.algorithm, run.trainer
-    config = trainer.setup.config
-    evaluation = TrainingEvaluation(trainer.setup)
-    updates = config.num_updates
-    pace = Pace(updates=updates, eval_freq=config.eval_freq)
+    trainer, config = run.trainer, run.trainer.setup.config
+    view = _view(run, progress)
     stopping = False
-    if progress.updates < updates:
-        say("compiling the first update")
-    while progress.updates < updates and not stopping:
+    while progress.updates < config.num_updates and not stopping:
         began = time.monotonic()
         state, metrics = trainer.update(state)
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
         took = time.monotonic() - began
-        pace.updated(took)
+        view.pace.worked(trainer.work.taken())
+        numbers |= view.averages.add(numbers)
         done = progress.updates + 1
         progress = StoredProgress(updates=done, seconds=progress.seconds + took)
-        last = done == updates
+        last = done == config.num_updates
+        agent = functools.partial(_agent, run.algorithm, trainer, state, progress, {})
         if config.eval_freq and (done % config.eval_freq == 0 or last):
-            say(f"evaluating after update {done}")
-            began = time.monotonic()
-            numbers |= evaluation(_agent(algorithm, trainer, state, progress, {}))
-            pace.evaluated(time.monotonic() - began)
+            numbers |= view.evaluation(agent(), run.status)
+            if view.evaluation.seconds is not None:
+                view.pace.evaluated(view.evaluation.seconds)
         numbers |= _timing(config, progress, took)
         for sink in run.sinks:
             sink.write(numbers)
+        if view.camera.films_after(done, last=last):
+            _film(run, view.camera, agent(), done * config.steps_per_update)
         stopping = run.stop.agreed
         if done % config.checkpoint_save_freq == 0 or last or stopping:
             _save(run, state, progress, numbers)
         if report is not None and is_leader():
-            report(_report(config, progress, took, numbers, pace.seconds_left(done)))
+            report(_report(config, progress, took, numbers, view.pace.seconds_left(done)))
     return state, progress
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _View:
+    """What a training is watched by."""
+
+    evaluation: TrainingEvaluation
+    camera: Camera
+    averages: EpisodeAverages
+    pace: Pace
+
+
+def _view(run: _Run, progress: StoredProgress) -> _View:
+    """Prepare what a training is watched by; averages go on where the run stopped."""
+    config = run.trainer.setup.config
+    evaluation = TrainingEvaluation(run.trainer.setup)
+    averages = EpisodeAverages(config.num_train_envs)
+    for row in read_metrics(run.out):
+        if row[UPDATE] <= progress.updates:
+            averages.add(row)
+    pace = Pace(
+        updates=config.num_updates,
+        eval_freq=config.eval_freq,
+        per_update=run.trainer.parts_per_update,
+        evaluation_share=evaluation.steps / config.steps_per_update,
+    )
+    camera = Camera(run.out, config)
+    return _View(evaluation=evaluation, camera=camera, averages=averages, pace=pace)
+
+
+def _film(run: _Run, camera: Camera, agent: Agent, steps: int) -> None:
+    """Film the agent and hand the films to whatever takes metrics."""
+    if is_leader():
+        for film in camera.film(agent, steps, run.status):
+            for sink in run.sinks:
+                sink.film(steps, film)
 
 
 def _timing(config: PpoConfig, progress: StoredProgress, took: float) -> dict[str, float]:
@@ -298,7 +350,7 @@ def _sweep(out: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
-def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
+def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> None:
     """Refuse to go on with a run under other hyper-parameters than it began with."""
     path = out / CONFIG
     if not path.is_file():
@@ -311,13 +363,10 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig) -> None:
         raise KinetixError(f"{out}: this run was started with {name}, not {algorithm}")
     for field in dataclasses.fields(config):
         old, new = getattr(before, field.name), getattr(config, field.name)
-        scheduled = config.anneal_lr or config.warmup_lr
-        if field.name == "total_timesteps" and old != new and scheduled:
-            raise KinetixError(
-                f"{path}: total_timesteps = {old} sets the learning rate of this run, which would "
-                f"jump under {new}; choose another directory, with --from {out} to start from its "
-                "newest agent"
-            )
+        if field.name == "total_timesteps" and old != new:
+            falls = config.anneal_lr or config.warmup_lr
+            rate = "; the learning rate goes on as in a run of that length" if falls else ""
+            say(f"total_timesteps was {old:,}, now it is {new:,}{rate}")
         if field.name not in RESUMABLE and old != new:
             raise KinetixError(
                 f"{path}: this run was started with {field.name} = {json.dumps(_plain(old))}, now "

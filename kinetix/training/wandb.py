@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from kinetix.errors import KinetixError
 from kinetix.files.regular import read_text
+from kinetix.training.config import PpoConfig
 from kinetix.training.logging import STEPS
 
 RUN_ID: Final = "wandb.id"
@@ -18,13 +19,13 @@ RUN_ID: Final = "wandb.id"
 class WandbSink:
     """Sends one row an update; nothing of the run depends on it."""
 
-    def __init__(self, run: Path, project: str, configuration: Mapping[str, Any]) -> None:
+    def __init__(self, run: Path, config: PpoConfig, configuration: Mapping[str, Any]) -> None:
         """Begin the run there, or go on with it.
 
         Args:
             run: The run's directory.
-            project: Name of the project there.
-            configuration: All hyper-parameters.
+            config: Names project, entity, group and tags.
+            configuration: All hyper-parameters, as a table.
 
         Raises:
             KinetixError: The package is not installed.
@@ -38,8 +39,12 @@ class WandbSink:
         known = run / RUN_ID
         if not known.is_file():
             known.write_text(uuid.uuid4().hex[:12], encoding="utf-8")
+        self._wandb = wandb
         self._run = wandb.init(
-            project=project,
+            project=config.wandb_project,
+            entity=config.wandb_entity or None,
+            group=config.wandb_group or None,
+            tags=list(config.wandb_tags) or None,
             name=run.name,
             dir=str(run),
             id=read_text(known, "run").strip(),
@@ -58,6 +63,16 @@ class WandbSink:
         """
         row = {name: value for name, value in metrics.items() if math.isfinite(value)}
         self._run.log(row)
+
+    def film(self, steps: int, film: Path) -> None:
+        """Send a film.
+
+        Args:
+            steps: Environment steps after which it was made.
+            film: A GIF.
+        """
+        video = self._wandb.Video(str(film), format="gif")
+        self._run.log({f"film/{film.stem}": video, STEPS: steps})
 
     def close(self) -> None:
         """Send what is buffered."""

@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from kinetix import EnvParams, StaticEnvParams, make_kinetix_env
@@ -37,7 +38,14 @@ def test_arguments_in_another_order(small_env, small_state):
         small_env, KEY, small_state, ACTION, StaticEnvParams()
     )
     with pytest.raises(KinetixError, match=r"got EnvState; the order is .*reset\(key, env_params"):
-        small_env.reset(KEY, small_state)
+        small_env.reset(KEY, small_state, EnvParams())
+
+
+def test_a_level_where_only_one_argument_can_be_passed(small_env, small_state):
+    """Wrappers such as Stoa's pass whatever they get in the place of the parameters."""
+    _, state = small_env.reset(KEY, small_state)
+    _, same = small_env.reset(KEY, None, small_state)
+    jax.tree.map(np.testing.assert_array_equal, state, same)
 
 
 def test_states_of_something_else(small_env, small_state):

@@ -153,7 +153,7 @@ def test_both_array_forms_and_the_dialect_say_the_same():
 
 def test_slots_with_gaps_become_bodies_in_order():
     document = parse_kinetix_env((OWN / "gaps.json").read_text())
-    level, warnings = to_level(document, name="x")
+    level, _, warnings = to_level(document, name="x")
     plain = imported(PLAIN)
     assert [body.position for body in level.bodies[2:]] == [
         plain.bodies[3].position,
@@ -264,7 +264,7 @@ def test_the_contact_list_is_read_in_pairs():
         contact["penetration"] = float(k)
     document = parse_kinetix_env(json.dumps(tree))
     assert [c.penetration for c in document.polygon_contacts] == list(map(float, range(18)))
-    assert "not carried: contacts" in to_level(document, name="x")[1]
+    assert "not carried: contacts" in to_level(document, name="x")[2]
     assert document.capacity == Capacity(polygons=6, circles=3, joints=2, thrusters=2)
 
 

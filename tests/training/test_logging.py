@@ -7,6 +7,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from PIL import Image
 
 from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig
@@ -53,8 +54,7 @@ def test_a_line_that_a_kill_cut_off_is_left_out(run):
     assert len(path.read_text().splitlines()) == 3
 
 
-def _events(run):
-    """Steps and numbers of all events that TensorBoard finds."""
+def _all_events(run):
     from tensorboardX.proto.event_pb2 import Event
 
     found = []
@@ -66,9 +66,27 @@ def _events(run):
             event = Event.FromString(data[at + 12 : at + 12 + length])
             at += length + 16
             if event.summary.value:
-                numbers = {value.tag: value.simple_value for value in event.summary.value}
-                found.append((event.step, numbers))
+                found.append(event)
     return found
+
+
+def _events(run):
+    """Steps and numbers of all events that TensorBoard finds."""
+    return [
+        (event.step, {value.tag: value.simple_value for value in event.summary.value})
+        for event in _all_events(run)
+        if not event.summary.value[0].HasField("image")
+    ]
+
+
+def _pictures(run):
+    """Steps, tags and sizes of TensorBoard's pictures."""
+    return [
+        (event.step, value.tag, value.image.width, value.image.height)
+        for event in _all_events(run)
+        for value in event.summary.value
+        if value.HasField("image")
+    ]
 
 
 def _agree(run):
@@ -105,30 +123,60 @@ class _Service:
     """Stands in for the package wandb: remembers what it was told."""
 
     def __init__(self):
-        self.runs, self.rows, self.finished = [], [], 0
+        self.runs, self.rows, self.films, self.finished = [], [], [], 0
 
     def init(self, **options):
         self.runs.append(options)
         return SimpleNamespace(
-            define_metric=lambda *_, **__: None, log=self.rows.append, finish=self._finish
+            define_metric=lambda *_, **__: None, log=self._log, finish=self._finish
         )
+
+    def _log(self, row):
+        (self.films if any(name.startswith("film/") for name in row) else self.rows).append(row)
+
+    def Video(self, path, *, format):
+        return (path, format)
 
     def _finish(self):
         self.finished += 1
 
 
+def _film(run, steps):
+    path = run / "films" / str(steps) / "s_level.gif"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.new("RGB", (4, 3)).save(path)
+    return path
+
+
+def test_films_stand_among_the_events_and_go_with_what_is_done_again(run):
+    log = MetricsLog(run, updates=3)
+    for steps in (100, 300):
+        log.film(steps, _film(run, steps))
+    log.close()
+    assert _pictures(run) == [(100, "film/s_level", 4, 3), (300, "film/s_level", 4, 3)]
+    MetricsLog(run, updates=2).close()
+    assert _pictures(run) == [(100, "film/s_level", 4, 3)]
+    assert not (run / "films" / "300").exists()
+
+
 def test_a_service_gets_the_same_rows_and_the_run_keeps_its_name_there(tmp_path, monkeypatch):
     service = _Service()
     monkeypatch.setitem(sys.modules, "wandb", service)
-    config = PpoConfig(wandb_project="mine", gamma=0.9)
+    config = PpoConfig(
+        wandb_project="mine", wandb_entity="us", wandb_group="g", wandb_tags=("a", "b"), gamma=0.9
+    )
     for updates in (0, 1):
         sinks = open_sinks(tmp_path, config, updates=updates)
         for sink in sinks:
             sink.write(_row(updates + 1, a=0.5, b=float("inf")))
+            sink.film(100 * (updates + 1), _film(tmp_path, 100 * (updates + 1)))
             sink.close()
     assert service.rows == [_row(1, a=0.5), _row(2, a=0.5)] == read_metrics(tmp_path)
     first, second = service.runs
     assert (first["project"], first["config"]["gamma"]) == ("mine", 0.9)
+    assert (first["entity"], first["group"], first["tags"]) == ("us", "g", ["a", "b"])
+    assert [film["film/s_level"][1] for film in service.films] == ["gif", "gif"]
+    assert [film["timing/num_env_steps"] for film in service.films] == [100, 200]
     assert first["id"] == second["id"]
     assert second["resume"] == "allow"
     assert service.finished == 2

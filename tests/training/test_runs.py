@@ -1,5 +1,6 @@
 """Whole runs, tiny: they learn, can be stopped at any moment, refuse what does not fit."""
 
+import dataclasses
 import json
 import math
 import os
@@ -12,6 +13,7 @@ import time
 import jax
 import numpy as np
 import pytest
+from PIL import Image
 
 from kinetix.agents.agent import load_agent
 from kinetix.agents.arrays import flatten
@@ -256,8 +258,7 @@ def test_the_command_trains_and_goes_on(tmp_path, capsys):
         for word in (f"--{name.replace('_', '-')}", str(value))
     ]
     arguments = ["train", "ppo", "--out", str(tmp_path / "run"), "--dummy-env", *flags]
-    # A rate that falls over the whole length would keep the run from being made longer.
-    assert main([*arguments, "--anneal-lr", "False"]) == 0
+    assert main(arguments) == 0
     assert capsys.readouterr().out.strip().endswith("checkpoints/192")
     again = ["train", "ppo", "--out", str(tmp_path / "run"), "--dummy-env"]
     assert main([*again, "--total-timesteps", "224"]) == 0
@@ -472,9 +473,41 @@ def test_sfl_finishes_episodes_that_are_longer_than_a_rollout(tmp_path):
     assert ended == [0, 0, 8]  # ten steps are over in the third rollout of four
 
 
-def test_a_run_whose_rate_falls_cannot_be_made_longer(tmp_path):
+def test_a_run_whose_rate_falls_goes_on_as_one_of_the_new_length(tmp_path):
     steps = _TINY["total_timesteps"] // 3
     train("ppo", _config("ppo", dummy_env=True, anneal_lr=True, total_timesteps=steps), tmp_path)
-    longer = _config("ppo", dummy_env=True, anneal_lr=True)
-    with pytest.raises(KinetixError, match="learning rate of this run, which would jump"):
-        train("ppo", longer, tmp_path)
+    longer, said = _config("ppo", dummy_env=True, anneal_lr=True), []
+    train("ppo", longer, tmp_path, say=said.append)
+    assert (
+        "total_timesteps was 64, now it is 192; the learning rate goes on as in a run of that "
+        "length" in said
+    )
+    rows = read_metrics(tmp_path)
+    assert len(rows) == 6
+    # The third update learns again: its rate is 4/6 of the first, not 0.
+    assert rows[2]["loss/approx_kl"] != 0
+
+
+def test_words_tell_what_is_under_way(tmp_path):
+    said = []
+    config = _config("ppo", dummy_env=True, eval_freq=3, eval_num_attempts=2)
+    values = {"levels": ("s/goalkeeper",), "level_mode": "list"}
+    config = dataclasses.replace(config, **values)
+    train("ppo", config, tmp_path, status=said.append)
+    assert said[:2] == ["compiling: start", "compiling: update"]
+    assert "evaluating 0/2 episodes" in said
+    assert said[-1] == "evaluating 2/2 episodes"
+
+
+def test_films_are_made_now_and_then(tmp_path):
+    config = dataclasses.replace(
+        _config("ppo", dummy_env=True, video_frequency=4),
+        levels=("s/goalkeeper",),
+        level_mode="list",
+    )
+    train("ppo", config, tmp_path)
+    films = sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.gif"))
+    assert films == ["films/128/s_goalkeeper.gif", "films/192/s_goalkeeper.gif"]
+    with Image.open(tmp_path / films[-1]) as film:
+        assert film.size == (250, 250)
+        assert getattr(film, "n_frames") > 8  # noqa: B009 (only animated pictures have it)

@@ -23,8 +23,11 @@ from kinetix.training.curricula.scores import best_return, level_scores
 from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
+from kinetix.training.work import Work
 
 _NEW, _REPLAY, _MUTATE = "new", "replay", "mutate"
+_TOLD = {_NEW: "new levels", _REPLAY: "replay", _MUTATE: "mutations"}
+"""What the terminal calls each kind of step."""
 
 
 @pytree
@@ -59,6 +62,8 @@ class Replay:
         # kinetix-env draws with replacement, and subtracts values from undiscounted returns.
         own = config.parity is None
         self._distinct, self._gamma = own, config.gamma if own else 1.0
+        self.work = Work()
+        self.parts_per_update = _kinds_per_update(config)
         self._teacher = teacher
         self._start = jax.jit(self._first_state)
         self._steps = {
@@ -94,7 +99,8 @@ class Replay:
         # The kind is chosen here and not inside the compiled step, so that only it is computed.
         key, choice_key = jax.random.split(state.key)
         kind = self._kind(state, choice_key)
-        state, metrics = self._steps[kind](dataclasses.replace(state, key=key))
+        step = self._steps[kind]
+        state, metrics = self.work(_TOLD[kind], step, dataclasses.replace(state, key=key))
         buffer = state.buffer
         finite = buffer.filled & jnp.isfinite(buffer.score)
         kinds = {f"level_sampler/{name}": jnp.asarray(kind == name) for name in self._steps}
@@ -208,3 +214,12 @@ class Replay:
         )
         metrics = episode_means(joined) | jax.tree.map(jnp.mean, losses)
         return dataclasses.replace(state, learner=learner, statistics=statistics), played, metrics
+
+
+def _kinds_per_update(config: ReplayConfig) -> dict[str, float]:
+    """The share of each kind of step, once the buffer is full enough."""
+    # Under ACCEL a mutation follows every replay, so the choice is made in all other steps.
+    replays = config.replay_prob / (1 + config.replay_prob * config.use_accel)
+    mutations = replays if config.use_accel else 0.0
+    shares = {_NEW: 1 - replays - mutations, _REPLAY: replays, _MUTATE: mutations}
+    return {_TOLD[kind]: share for kind, share in shares.items() if share}

@@ -24,6 +24,9 @@ from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
+from kinetix.training.work import Work
+
+_UPDATE, _SCORING, _MEASURING = "update", "scoring", "measuring"
 
 
 @pytree
@@ -68,8 +71,13 @@ class Sfl:
         steps = config.num_updates * config.update_epochs * config.num_minibatches
         self.config = config
         self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
-        self._teacher = teacher
         self._drawn = int(config.sampled_envs_ratio * config.num_train_envs)
+        self.work = Work()
+        refills = 1 / config.buffer_update_frequency if self._drawn else 0.0
+        self.parts_per_update = {_UPDATE: 1.0, _SCORING: refills * config.num_batches}
+        if config.log_learnability_before_after:
+            self.parts_per_update[_MEASURING] = 2 * refills
+        self._teacher = teacher
         self._extra = _evaluation_states(config, self.setup)
         self._start = jax.jit(self._first_state)
         self._score_batch = jax.jit(self._one_batch)
@@ -120,7 +128,7 @@ class Sfl:
         report: dict[str, Array] = {}
         if self._drawn and int(state.age) >= self.config.buffer_update_frequency:
             state, report = self._refill(state)
-        state, metrics = self._train(state)
+        state, metrics = self.work(_UPDATE, self._train, state)
         return state, report | metrics
 
     def _refill(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
@@ -141,7 +149,10 @@ class Sfl:
         too good to be true.
         """
         key, play_key = jax.random.split(state.key)
-        means = self._play_again(state.chosen, state.learner, state.statistics, play_key)
+        self.work.status(f"{_MEASURING} the buffer {when} training")
+        means = self.work(
+            _MEASURING, self._play_again, state.chosen, state.learner, state.statistics, play_key
+        )
         metrics = {f"sfl/{name}_{when}": value for name, value in means.items()}
         return dataclasses.replace(state, key=key), metrics
 
@@ -160,9 +171,16 @@ class Sfl:
             state.chosen, score=jnp.full_like(state.chosen.score, -jnp.inf)
         )
         seen = []
-        for batch_key in keys:
-            chosen, mean = self._score_batch(
-                chosen, state.learner, state.statistics, state.pool, batch_key
+        for number, batch_key in enumerate(keys, start=1):
+            self.work.status(f"{_SCORING} {number}/{len(keys)}")
+            chosen, mean = self.work(
+                _SCORING,
+                self._score_batch,
+                chosen,
+                state.learner,
+                state.statistics,
+                state.pool,
+                batch_key,
             )
             seen.append(mean)
         config = self.config

@@ -1,6 +1,6 @@
 """PPO as one loop body: play, learn, report."""
 
-from typing import Any
+from typing import Any, Final
 
 import jax
 from jaxtyping import Array
@@ -12,6 +12,9 @@ from kinetix.training.config import PpoConfig
 from kinetix.training.ppo.rollout import Playing, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
+from kinetix.training.work import Work
+
+_UPDATE: Final = "update"
 
 
 @pytree
@@ -36,6 +39,8 @@ class Ppo:
         """
         steps = config.num_updates * config.update_epochs * config.num_minibatches
         self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
+        self.work = Work()
+        self.parts_per_update = {_UPDATE: 1.0}
         self._teacher = teacher
         # Made in one compiled piece: the initialisers alone are dozens of small operations.
         self._start = jax.jit(self._first_state)
@@ -65,7 +70,7 @@ class Ppo:
         Returns:
             The next state, and metrics by their published names.
         """
-        return self._update(state)
+        return self.work(_UPDATE, self._update, state)
 
     def _one_update(self, state: PpoState) -> tuple[PpoState, dict[str, Array]]:
         setup, learner = self.setup, state.learner

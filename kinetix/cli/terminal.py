@@ -1,0 +1,37 @@
+"""The terminal as a long command uses it: lines that stay, and one that tells what is under way."""
+
+import sys
+
+from kinetix.training.telling import now_and_then
+
+_BACK_AND_CLEAR = "\r\x1b[K"
+
+
+class Terminal:
+    """Writes to stderr; where that is no terminal, some of the passing words become lines."""
+
+    def __init__(self) -> None:
+        """Begin on an empty line."""
+        self._shows_status = False
+        self._overwrites = sys.stderr.isatty()
+        self._now_and_then = now_and_then(self.say)
+
+    def say(self, text: str) -> None:
+        """Write a line that stays."""
+        clear = _BACK_AND_CLEAR if self._shows_status else ""
+        self._shows_status = False
+        print(f"{clear}{text}", file=sys.stderr, flush=True)
+
+    def status(self, text: str) -> None:
+        """Write what is under way; the next words take its place."""
+        if not self._overwrites:
+            self._now_and_then(text)
+            return
+        self._shows_status = True
+        print(f"{_BACK_AND_CLEAR}{text} …", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Leave an empty line."""
+        if self._shows_status:
+            self._shows_status = False
+            print(_BACK_AND_CLEAR, end="", file=sys.stderr, flush=True)

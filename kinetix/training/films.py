@@ -1,0 +1,95 @@
+"""Films of the agent in training: an episode per level, now and then, kept with the run."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.evaluate import NamedLevel, Settings
+from kinetix.agents.films import film_episode
+from kinetix.training.config import PpoConfig
+from kinetix.training.evaluation import evaluation_levels
+from kinetix.training.telling import Say
+
+FILMS: Final = "films"
+"""Folder of a run; a folder per number of environment steps, a GIF per level."""
+MOST_LEVELS: Final = 4
+"""How many of the levels that are evaluated on are filmed."""
+_PIXELS: Final = 250
+_EVERY: Final = 2
+"""Environment steps between two frames."""
+
+
+class Camera:
+    """Films an agent on the first levels that it is evaluated on."""
+
+    def __init__(self, run: Path, config: PpoConfig) -> None:
+        """Choose the levels.
+
+        Args:
+            run: The run's directory.
+            config: The configuration.
+        """
+        self._run = run
+        self._frequency = config.video_frequency
+        self._settings = Settings(seed=config.seed, physics=config.physics)
+        self._levels = evaluation_levels(config)[:MOST_LEVELS] if self._frequency else []
+
+    def films_after(self, update: int, *, last: bool) -> bool:
+        """Return whether the agent is to be filmed after this update."""
+        due = bool(self._frequency) and (update % self._frequency == 0 or last)
+        return due and bool(self._levels)
+
+    def film(self, agent: Agent, steps: int, status: Say) -> list[Path]:
+        """Film an agent.
+
+        Args:
+            agent: With its present parameters.
+            steps: Environment steps it was trained for.
+            status: Takes words for how far it is.
+
+        Returns:
+            The films.
+        """
+        folder = self._run / FILMS / str(steps)
+        folder.mkdir(parents=True, exist_ok=True)
+        films = []
+        for number, level in enumerate(self._levels, start=1):
+            status(f"filming {number}/{len(self._levels)}")
+            films.append(folder / f"{_file_name(level)}.gif")
+            film_episode(films[-1], agent, level, self._settings, pixels=_PIXELS, every=_EVERY)
+        return films
+
+
+def stored_films(run: Path) -> Iterator[tuple[int, Path]]:
+    """Yield the films of a run with the steps that they belong to, the first ones first.
+
+    Args:
+        run: The run's directory.
+    """
+    for steps in sorted(_steps(run)):
+        for film in sorted((run / FILMS / str(steps)).glob("*.gif")):
+            yield steps, film
+
+
+def drop_films(run: Path, *, after: int) -> None:
+    """Delete the films that will be made again.
+
+    Args:
+        run: The run's directory.
+        after: Environment steps of the checkpoint that resumes.
+    """
+    for steps in _steps(run):
+        if steps > after:
+            shutil.rmtree(run / FILMS / str(steps), ignore_errors=True)
+
+
+def _steps(run: Path) -> list[int]:
+    folder = run / FILMS
+    names = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+    return [int(name) for name in names if name.isascii() and name.isdecimal()]
+
+
+def _file_name(level: NamedLevel) -> str:
+    return "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in level.name)

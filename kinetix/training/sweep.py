@@ -1,0 +1,228 @@
+"""Sweeps: many trainings from one TOML table, each in a directory of its own. Free of JAX.
+
+The table `[grid]` has lists of values, all combinations of which are trained; `[random]` has
+`samples` and spreads to draw from, as a list or as `{ low = 1e-4, high = 1e-1, log = true }`; each
+`[[run]]` has values of its own, and a name. Where there are several of them, all go with all.
+"""
+
+import csv
+import dataclasses
+import io
+import itertools
+import json
+import math
+import random
+import re
+import statistics
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from kinetix.errors import KinetixError
+from kinetix.files.regular import FileError, read_text
+from kinetix.lazy import hint
+
+TABLE: Final = "sweep.csv"
+"""File in the sweep's directory: a row per run, its values and results."""
+RESULTS: Final = {
+    "solve_rate": ("eval/hand_designed_episode_solve_rate", "average/episode_solved"),
+    "return": ("eval/hand_designed_episode_return", "average/episode_return"),
+    "steps": ("timing/num_env_steps",),
+}
+"""Columns of the table: the first of these metrics that a run has, the newest of its rows."""
+_PARTS: Final = ("grid", "random", "run")
+_LONGEST_NAME: Final = 120
+"""Letters of a directory's name."""
+
+
+@dataclasses.dataclass(frozen=True)
+class SweepRun:
+    """One training of a sweep."""
+
+    name: str
+    """Of its directory."""
+    values: Mapping[str, Any]
+    """Hyper-parameters by name."""
+
+
+def read_sweep(path: Path) -> list[SweepRun]:
+    """Return the runs that a file describes; the same file always gives the same ones.
+
+    Args:
+        path: A TOML file.
+
+    Raises:
+        KinetixError: It cannot be read, or a table is not as expected; the sentence says where.
+    """
+    try:
+        content = tomllib.loads(read_text(path, "run"))
+    except FileError as error:
+        raise KinetixError(str(error)) from None
+    except (ValueError, RecursionError) as error:
+        raise KinetixError(f"{path}: not valid TOML: {error}") from None
+    for part in content:
+        if part not in _PARTS:
+            raise KinetixError(f"{path}: {part}: {hint(part, _PARTS)}")
+    grid = _table(content, "grid", path)
+    combinations = [
+        dict(zip(grid, values, strict=True))
+        for values in itertools.product(*(_choices(grid[name], name, path) for name in grid))
+    ]
+    listed = content.get("run", [{}])
+    if not isinstance(listed, list) or not all(isinstance(run, dict) for run in listed):
+        raise KinetixError(f"{path}: run: expected tables that begin with [[run]]")
+    drawn = _draws(_table(content, "random", path), path)
+    runs = [
+        _run(dict(run), values, draw)
+        for run, values, draw in itertools.product(listed, combinations, drawn)
+    ]
+    names = [run.name for run in runs]
+    for name in names:
+        if names.count(name) > 1:
+            raise KinetixError(f"{path}: two runs are called {name!r}: give [[run]] tables a name")
+    if not any(run.values for run in runs):
+        raise KinetixError(f"{path}: expected a table [grid], [random] or [[run]] with values")
+    return runs
+
+
+def _table(content: Mapping[str, Any], part: str, path: Path) -> dict[str, Any]:
+    table = content.get(part, {})
+    if not isinstance(table, dict):
+        raise KinetixError(f"{path}: {part}: expected a table")
+    return dict(table)
+
+
+def _choices(values: Any, name: str, path: Path) -> list[Any]:
+    if not isinstance(values, list) or not values:
+        raise KinetixError(f"{path}: grid.{name}: expected a list of values")
+    return values
+
+
+def _draws(table: dict[str, Any], path: Path) -> list[dict[str, Any]]:
+    """The draws of a table `random`; one without values where there is none."""
+    if not table:
+        return [{}]
+    samples = table.pop("samples", None)
+    if type(samples) is not int or samples < 1:
+        raise KinetixError(f"{path}: random.samples: expected a number of draws, at least 1")
+    numbers = random.Random(0)
+    return [
+        {name: _draw(numbers, spread, f"{path}: random.{name}") for name, spread in table.items()}
+        for _ in range(samples)
+    ]
+
+
+def _draw(numbers: random.Random, spread: Any, where: str) -> Any:
+    if isinstance(spread, list) and spread:
+        return numbers.choice(spread)
+    expected = f"{where}: expected a list, or {{ low = …, high = …, log = true or false }}"
+    if not isinstance(spread, dict) or not {"low", "high"} <= set(spread) <= {"low", "high", "log"}:
+        raise KinetixError(expected)
+    low, high, log = spread["low"], spread["high"], spread.get("log", False)
+    if not all(type(x) in (int, float) for x in (low, high)) or type(log) is not bool:
+        raise KinetixError(expected)
+    if not low < high or (log and low <= 0):
+        raise KinetixError(f"{where}: expected {'0 < ' if log else ''}low < high")
+    whole = type(low) is type(high) is int
+    if log:
+        number = math.exp(numbers.uniform(math.log(low), math.log(high)))
+        return min(max(round(number), low), high) if whole else _short(number)
+    return numbers.randint(low, high) if whole else _short(numbers.uniform(low, high))
+
+
+def _short(number: float) -> float:
+    """Four digits, so that names and tables stay readable."""
+    return float(f"{number:.4g}")
+
+
+def _run(run: dict[str, Any], *more: Mapping[str, Any]) -> SweepRun:
+    name = run.pop("name", "")
+    changing = {key: value for values in more for key, value in values.items()}
+    told = changing if name else run | changing
+    words = [name] if name else []
+    words += [f"{key}={_word(value)}" for key, value in told.items()]
+    return SweepRun(_directory(",".join(words)), run | changing)
+
+
+def _word(value: Any) -> str:
+    return "+".join(map(_word, value)) if isinstance(value, list) else str(value)
+
+
+def _directory(name: str) -> str:
+    plain = re.sub(r"[^\w.,=+-]+", "_", name).strip(".")
+    return plain[:_LONGEST_NAME]
+
+
+def results(out: Path, run: SweepRun) -> dict[str, float]:
+    """Return the results of a run so far: means over its seeds.
+
+    Args:
+        out: The sweep's directory.
+        run: One of its runs.
+    """
+    from kinetix.training.logging import read_metrics
+
+    folder = out / run.name
+    rows = [
+        row for path in (folder, *folder.glob("seed_*")) if (row := _newest(read_metrics(path)))
+    ]
+    found: dict[str, float] = {}
+    for column, metrics in RESULTS.items():
+        values = [next((row[name] for name in metrics if name in row), None) for row in rows]
+        known = [value for value in values if value is not None]
+        if known:
+            found[column] = statistics.fmean(known)
+    return found | {"seeds": len(rows)} if rows else {}
+
+
+def _newest(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The newest value of every metric."""
+    return {name: value for row in rows for name, value in row.items()}
+
+
+def table(out: Path, runs: Sequence[SweepRun]) -> list[dict[str, Any]]:
+    """Return a row per run, the best one first: name, values, results.
+
+    Args:
+        out: The sweep's directory.
+        runs: Its runs.
+    """
+    rows = [{"run": run.name, **run.values, **results(out, run)} for run in runs]
+    return sorted(rows, key=lambda row: (-row.get("solve_rate", -1.0), -row.get("return", -1e9)))
+
+
+def write_table(out: Path, runs: Sequence[SweepRun]) -> None:
+    """Write the table into the sweep's directory.
+
+    Args:
+        out: The sweep's directory.
+        runs: Its runs.
+    """
+    from kinetix.level.atomic import write_atomically
+
+    rows = table(out, runs)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    writer.writeheader()
+    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+    write_atomically(out / TABLE, text.getvalue().encode())
+
+
+def _cell(value: Any) -> Any:
+    return json.dumps(value) if isinstance(value, list) else value
+
+
+def lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the table as text for people.
+
+    Args:
+        rows: From `table`.
+    """
+    yield f"{'solved':>7} {'return':>8} {'steps':>13}  run"
+    for row in rows:
+        solved, gained = (
+            f"{row[name]:.3f}" if name in row else "–" for name in ("solve_rate", "return")
+        )
+        steps = f"{row['steps']:,.0f}" if "steps" in row else "–"
+        yield f"{solved:>7} {gained:>8} {steps:>13}  {row['run']}"

@@ -1,0 +1,38 @@
+"""Words for whoever waits: sentences that stay, and what is under way. Free of JAX."""
+
+import re
+import time
+from collections.abc import Callable
+from typing import Final
+
+Say = Callable[[str], None]
+"""Takes a sentence for the terminal."""
+
+
+STATUS_INTERVAL: Final = 10.0
+"""Of lines that tell the same kind of work, no more than one in so long is printed [s]."""
+
+
+def say_nothing(text: str) -> None:
+    """Take a sentence that nobody wants."""
+
+
+def now_and_then(say: Say) -> Say:
+    """Return what takes words for work under way and says some of them.
+
+    Each new kind of work (the words before the first number tell) is said at once, then one line
+    in a while.
+
+    Args:
+        say: Takes a sentence.
+    """
+    kind, last = "", 0.0
+
+    def status(text: str) -> None:
+        nonlocal kind, last
+        first, now = re.split(r"\d", text, maxsplit=1)[0], time.monotonic()
+        if first != kind or now - last >= STATUS_INTERVAL:
+            kind, last = first, now
+            say(text)
+
+    return status
