@@ -107,7 +107,11 @@ def interpreter(version: str) -> str | None:
         return sys.executable
     pyenv = glob.glob(os.path.expanduser(f"~/.pyenv/versions/{version}.*/bin/python"))
     for candidate in (*pyenv, shutil.which(f"python{version}")):
-        if candidate and not subprocess.run([candidate, "-c", ""], capture_output=True).returncode:
+        if candidate is None:
+            continue
+        # A shim of pyenv exists for versions that are not chosen.
+        tried = subprocess.run([candidate, "-c", ""], capture_output=True, check=False)
+        if not tried.returncode:
             return candidate
     return None
 
@@ -129,7 +133,9 @@ def pip(bin_folder: Path, *words: str) -> None:
         raise SystemExit(f"pip {' '.join(words)}: {done.stderr[-2000:]}")
 
 
-def attempt(bin_folder: Path, work: Path, name: str, words: list[str], may_fail: bool = False) -> list[str]:
+def attempt(
+    bin_folder: Path, work: Path, name: str, words: list[str], may_fail: bool = False
+) -> list[str]:
     """Run a command of an environment in a folder; a sentence if it failed."""
     work.mkdir(parents=True, exist_ok=True)
     variables = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
@@ -150,7 +156,8 @@ def check_lean(bin_folder: Path, version: str) -> list[str]:
     code = (
         "import importlib.util as u, kinetix, pathlib, sys\n"
         f"assert not pathlib.Path(kinetix.__file__).is_relative_to({str(ROOT)!r})\n"
-        "assert not [n for n in ('pygame', 'imgui_bundle', 'gymnasium', 'wandb') if u.find_spec(n)]\n"
+        "extras = ('pygame', 'imgui_bundle', 'gymnasium', 'wandb')\n"
+        "assert not [name for name in extras if u.find_spec(name)]\n"
         "kinetix.load_agent('goalkeeper'); kinetix.load_level('s/goalkeeper')\n"
     )
     failures = attempt(bin_folder, work, name, ["python", "-c", code])
@@ -202,7 +209,7 @@ def check_readme(bin_folder: Path, work: Path, name: str, *, quick: bool) -> lis
             continue
         more = next((more for start, more in SHORTER.items() if command.startswith(start)), "")
         words = [found for word in words for found in _files(word)] + shlex.split(more)
-        failures += attempt(bin_folder, work, name, words, command.startswith(MAY_FAIL))
+        failures += attempt(bin_folder, work, name, words, may_fail=command.startswith(MAY_FAIL))
     return failures
 
 

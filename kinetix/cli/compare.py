@@ -39,6 +39,8 @@ class Compare:
     """Write everything to a file: .json with every attempt, .csv, or .html to look at."""
     json: bool = False
     """Print JSON lines."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 def run(command: Compare) -> int:

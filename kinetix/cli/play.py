@@ -21,6 +21,8 @@ class Play:
     """Physics preset or solver; by default what the agent was trained under."""
     json: bool = False
     """Print one JSON line."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 def run(command: Play) -> int:

@@ -52,6 +52,8 @@ class Render:
     """Seed of the agent's draws."""
     overlay: bool = False
     """Write step, value and entropy of the agent, controls and outcome on the picture."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

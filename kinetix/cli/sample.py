@@ -24,6 +24,8 @@ class Sample:
     """Number of levels."""
     seed: int
     """Any integer."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
 
 
 def run(command: Sample) -> int:

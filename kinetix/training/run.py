@@ -369,10 +369,16 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> N
             say(f"total_timesteps was {old:,}, now it is {new:,}{rate}")
         if field.name not in RESUMABLE and old != new:
             raise KinetixError(
-                f"{path}: this run was started with {field.name} = {json.dumps(_plain(old))}, now "
-                f"it is {json.dumps(_plain(new))}; choose another directory"
+                f"{path}: this run was started with {_differing(field.name, old, new)}; choose "
+                "another directory"
             )
 
 
-def _plain(value: Any) -> Any:
-    return dataclasses.asdict(value) if isinstance(value, NetworkConfig) else value
+def _differing(name: str, old: Any, new: Any) -> str:
+    """The first field in which two configurations differ, inside the network's too."""
+    if isinstance(old, NetworkConfig) and isinstance(new, NetworkConfig):
+        for field in dataclasses.fields(old):
+            a, b = getattr(old, field.name), getattr(new, field.name)
+            if a != b:
+                return _differing(f"{name}.{field.name}", a, b)
+    return f"{name} = {json.dumps(old)}, now it is {json.dumps(new)}"

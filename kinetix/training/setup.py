@@ -1,6 +1,7 @@
 """From a configuration to the parts that every algorithm uses."""
 
 import dataclasses
+import json
 from typing import Any
 
 import jax
@@ -294,18 +295,18 @@ def _card(
 
 
 def _check_teacher(teacher: AgentCard, card: AgentCard) -> None:
-    for what in ("network", "observation", "action"):
-        have, need = getattr(teacher, what), getattr(card, what)
-        if have != need:
-            raise KinetixError(
-                f"the agent {teacher.name!r} cannot be trained on: its {what} is {have}, the "
-                f"configuration's is {need}"
-            )
-    if not teacher.plays_any_capacity and teacher.capacity != card.capacity:
-        raise KinetixError(
-            f"the agent {teacher.name!r} sees exactly {teacher.capacity}, the training has "
-            f"{card.capacity}"
-        )
+    parts = ["network", "observation", "action"]
+    if not teacher.plays_any_capacity:
+        parts.append("capacity")
+    for part in parts:
+        have, need = getattr(teacher, part), getattr(card, part)
+        for field in dataclasses.fields(need):
+            old, new = getattr(have, field.name, None), getattr(need, field.name)
+            if old != new:
+                raise KinetixError(
+                    f"the agent {teacher.name!r} cannot be trained on: its {part} has "
+                    f"{field.name} = {json.dumps(old)}, the configuration's has {json.dumps(new)}"
+                )
 
 
 def _reset_function(

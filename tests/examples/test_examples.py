@@ -8,13 +8,18 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from tests.isolated import python_with
+
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
-NEEDS = {"sb3_ppo": "stable_baselines3", "jaxued_replay": "jaxued"}
-"""Packages of examples that are no dependency: without them the example is skipped."""
+NEEDS = {"sb3_ppo": "stable_baselines3"}
+"""Packages of examples that are too large to be fetched: without them the example is skipped."""
+FETCHED = {"jaxued_replay": "jaxued", "stoa_rollout": "stoa-env"}
+"""Packages of examples that are no dependency: each gets an environment of its own."""
 
 RUNS = {
+    "stoa_rollout": ["--worlds", "4", "--steps", "300"],
     "jaxued_replay": ["--levels", "8", "--attempts", "2", "--steps", "4"],
     "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper"],
     "sb3_ppo": ["--steps", "4096", "--envs", "8"],
@@ -66,8 +71,11 @@ def test_every_example_is_run_here() -> None:
 def test_example(name: str, tmp_path: Path) -> None:
     if name in NEEDS:
         pytest.importorskip(NEEDS[name])
+    python = Path(sys.executable)
+    if name in FETCHED:
+        python = python_with(tmp_path / "venv", FETCHED[name])
     result = subprocess.run(
-        [sys.executable, EXAMPLES / f"{name}.py", *RUNS[name]],
+        [python, EXAMPLES / f"{name}.py", *RUNS[name]],
         cwd=tmp_path,
         capture_output=True,
         text=True,

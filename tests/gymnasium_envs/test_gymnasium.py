@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 import kinetix
 from kinetix.errors import KinetixError
 from kinetix.gymnasium import KinetixGymEnv, KinetixVectorEnv
+from tests.isolated import python_with, run_with
 
 LEVEL = {"level": "s/goalkeeper", "physics": "jax2d"}
 
@@ -98,19 +99,29 @@ def test_modes_of_starting_anew(same):
     assert not np.allclose(observation[1], first[1])
 
 
+RECORD = """
+import sys
+from gymnasium.wrappers import RecordVideo
+from kinetix.gymnasium import KinetixGymEnv
+
+env = RecordVideo(
+    KinetixGymEnv(level="s/goalkeeper", render_mode="rgb_array"), sys.argv[1], video_length=4
+)
+env.reset(seed=0)
+for _ in range(5):
+    env.step(env.action_space.sample())
+env.close()
+"""
+
+
 @pytest.mark.slow
 def test_a_film_is_recorded(tmp_path):
-    pytest.importorskip("moviepy")
-    from gymnasium.wrappers import RecordVideo
-
-    env = RecordVideo(
-        KinetixGymEnv(**LEVEL, render_mode="rgb_array"), str(tmp_path), video_length=4
-    )
-    env.reset(seed=0)
-    for _ in range(5):
-        env.step(env.action_space.sample())
-    env.close()
-    assert list(tmp_path.glob("*.mp4"))
+    # Gymnasium writes films with moviepy.
+    python = python_with(tmp_path / "venv", "moviepy")
+    (tmp_path / "record.py").write_text(RECORD)
+    run_with(python, tmp_path / "record.py", str(tmp_path / "films"))
+    (film,) = (tmp_path / "films").glob("*.mp4")
+    assert film.read_bytes()[4:8] == b"ftyp"
 
 
 def test_pictures_of_all(same):

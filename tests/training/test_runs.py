@@ -274,7 +274,9 @@ def test_fine_tuning_starts_from_the_agent(finished, tmp_path):
     train("ppo", config, tmp_path / "tuned", teacher=teacher)
     _same_parameters(finished, tmp_path / "tuned")
     other = _config("ppo", dummy_env=True, actor_width=8)
-    with pytest.raises(KinetixError, match="its network is"):
+    with pytest.raises(
+        KinetixError, match="its network has actor_width = 16, the configuration's has 8"
+    ):
         make_trainer(other, teacher)
 
 
