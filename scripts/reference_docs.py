@@ -186,6 +186,7 @@ def documents() -> dict[Path, str]:
         DOCS / "schemas" / "kinetix-levelset.schema.json": _json(level_set_schema()),
     }
     parts = (
+        ("environment", "environment", observation_columns()),
         ("level_format", "level_format", format_tables()),
         ("levels", "levels", catalogue()),
         ("migrating", "migrating", names_of_kinetix_env()),

@@ -4,7 +4,7 @@ A *train state* is anything with `apply_fn` and `params`, such as Flax's; its fu
 parameters, the memory, and (observation, done) with the leading axes time and batch.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -199,6 +199,92 @@ def general_eval(  # noqa: PLR0913 (kinetix-env's signature)
         observation_preprocessing_fn,
         temperature,
     )
+
+
+def make_eval_fn(
+    eval_env: Any,
+    env_params: Any,
+    num_eval_attempts: int,
+    observation_preprocessing_fn: Preprocess | None = None,
+    fixed_video_rng: Array | None = None,
+    temperature: float = 1.0,
+) -> Callable[[Array, Any, Mapping[str, EvalSpec]], dict[str, EvalMetrics]]:
+    """Return a function that plays every level of some sets several times.
+
+    It takes a random key, a train state and the sets by name, and returns what it found by name:
+    means over the attempts per level, and for sets with `plot_videos` the states of the first
+    attempt, axes time and level.
+
+    Args:
+        eval_env: The environment.
+        env_params: Its parameters.
+        num_eval_attempts: Episodes per level.
+        observation_preprocessing_fn: Applied to observations before the network.
+        fixed_video_rng: Key of the first attempt; by default it differs from call to call.
+        temperature: Of the draws.
+    """
+
+    def attempt(key: Array, train_state: Any, spec: EvalSpec, *, keep_states: bool) -> Played:
+        return general_eval(
+            key,
+            eval_env,
+            env_params,
+            train_state,
+            spec.levels_to_eval_on,
+            env_params.max_timesteps,
+            spec.number_of_levels,
+            keep_states=keep_states,
+            observation_preprocessing_fn=observation_preprocessing_fn,
+            temperature=temperature,
+        )
+
+    def evaluate(rng: Array, train_state: Any, spec: EvalSpec) -> EvalMetrics:
+        first_key, rest_key = jax.random.split(rng)
+        keys = jax.random.split(rest_key, num_eval_attempts)
+        if spec.plot_videos:
+            keys = keys.at[0].set(first_key if fixed_video_rng is None else fixed_video_rng)
+        returns, lengths, solved = jax.vmap(
+            lambda key: _counted(attempt(key, train_state, spec, keep_states=False))
+        )(keys)
+        metrics = EpisodeMetrics(
+            episode_lengths=lengths.mean(axis=0),
+            episode_returns=returns.mean(axis=0),
+            episode_solve_rates=solved.mean(axis=0),
+            episode_solve_rates_best_of_k=solved.max(axis=0),
+        )
+        if not spec.plot_videos:
+            return EvalMetrics(metrics, None)
+        count = spec.num_envs_to_video or spec.number_of_levels
+        states = attempt(keys[0], train_state, spec, keep_states=True).states
+        shown = RenderMetrics(
+            states_to_plot=jax.tree.map(lambda x: x[:, :count], states),
+            episode_metrics=EpisodeMetrics(
+                episode_lengths=lengths[0, :count],
+                episode_returns=returns[0, :count],
+                episode_solve_rates=solved[0, :count],
+                episode_solve_rates_best_of_k=solved[0, :count],
+            ),
+            original_level_list_index=jnp.arange(count),
+        )
+        return EvalMetrics(metrics, shown)
+
+    def evaluate_all(
+        rng: Array, train_state: Any, eval_specs: Mapping[str, EvalSpec]
+    ) -> dict[str, EvalMetrics]:
+        keys = jax.random.split(rng, len(eval_specs))
+        return {
+            name: evaluate(key, train_state, spec)
+            for key, (name, spec) in zip(keys, eval_specs.items(), strict=True)
+        }
+
+    return evaluate_all
+
+
+def _counted(played: Played) -> tuple[Array, Array, Array]:
+    """Return, length and whether it was won, one entry per level."""
+    won = jnp.any(played.infos["GoalR"].astype(bool), axis=0)
+    lengths = played.episode_lengths.astype(jnp.float32)
+    return jnp.sum(played.rewards, axis=0), lengths, won.astype(jnp.float32)
 
 
 def compute_gae(

@@ -55,10 +55,6 @@ _PICKLES: Final = (
     "pickles are not read, because loading one can run code; kinetix.load_agent reads "
     "params.safetensors with config.json, and kinetix.save_agent writes it"
 )
-_WANDB: Final = (
-    "download the artefact with wandb and read it with kinetix.load_agent; `kinetix train "
-    "--wandb-project NAME` logs to Weights & Biases"
-)
 _TRAINING: Final = "use kinetix.training.train, or the loop of examples/ppo.py"
 _EVALUATION: Final = "use kinetix.agents.evaluate.evaluate, or the command `kinetix eval`"
 _BUILD: Final = "use kinetix.LevelBuilder, or a kinetix.Level and kinetix.environment.reset"
@@ -131,7 +127,7 @@ _CONFIG: Final = _at(
     "get_hash_without_seed",
     "get_date",
     "get_tags",
-) | _none(_WANDB, "init_wandb")
+) | _at(f"{_COMPAT}.artefacts", "init_wandb")
 _STATISTICS: Final = _at(
     f"{_COMPAT}.statistics",
     "RunningMeanStandard",
@@ -150,13 +146,14 @@ _SAVING: Final = (
         "load_pretrained_checkpoint",
         "save_pretrained_checkpoint",
     )
-    | _none(_PICKLES, "save_pickle", "save_model")
-    | _none(_WANDB, "load_train_state_from_wandb_artifact_path")
+    | _at(f"{_COMPAT}.artefacts", "save_model", "load_train_state_from_wandb_artifact_path")
+    | _none(_PICKLES, "save_pickle")
 )
-_EVAL_UTILS: Final = _at(f"{_COMPAT}.evaluation", "EpisodeMetrics", "EvalSpec") | _none(
+_EVAL_UTILS: Final = _at(
+    f"{_COMPAT}.evaluation", "EpisodeMetrics", "EvalSpec", "make_eval_fn"
+) | _none(
     _EVALUATION,
     "create_eval_metrics_dict_for_logging",
-    "make_eval_fn",
     "make_video_fn",
     "make_fake_video",
 )
@@ -281,6 +278,7 @@ MODULES: Final[Mapping[str, Names]] = {
     ),
     "kinetix.environment.ued.mutators": _at(f"{_COMPAT}.mutators", *_MUTATIONS),
     "kinetix.environment.ued.ued": _RESETS
+    | _UED_PARAMS
     | _old(
         f"{_COMPAT}.older",
         "make_reset_fn_from_config, or another of the make_reset_fn_… functions",
@@ -427,12 +425,16 @@ MODULES: Final[Mapping[str, Names]] = {
         "my_save_file",
         "save_dict",
     )
-    | _none(
-        _WANDB,
+    | _at(
+        f"{_COMPAT}.artefacts",
         "load_params_from_wandb_artifact_path",
         "save_params_to_wandb",
-        "load_params_wandb_artifact_path_full_model",
-        "save_model_to_wandb",
+        load_params_wandb_artifact_path_full_model="load_params_from_wandb_artifact_path",
+    )
+    | _old(
+        f"{_COMPAT}.artefacts",
+        "kinetix.util.saving.save_model",
+        save_model_to_wandb="save_model",
     ),
     "kinetix.util.timing": _at(f"{_COMPAT}.timing", "time_function"),
     "kinetix.util.train_utils": _at(f"{_COMPAT}.statistics", "EMA", "weight_norm")

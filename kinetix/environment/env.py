@@ -54,6 +54,15 @@ class _Played:
     overflow: Bool[Array, ""]
 
 
+def _time_limit(own: Int[Array, ""], params: EnvParams) -> Int[Array, ""]:
+    """A level's own limit, else that of the parameters; none at all where theirs is infinite."""
+    given = jnp.asarray(params.max_timesteps)
+    endless = jnp.isinf(given.astype(jnp.float32))
+    never = jnp.iinfo(jnp.int32).max
+    given = jnp.where(endless, never, given.astype(jnp.int32))
+    return jnp.where((own > 0) & ~endless, own, given)
+
+
 def _settled(state: EnvState) -> EnvState:
     """The state with strong dtypes, so that steps can be scanned."""
     return jax.tree.map(lambda x: jax.lax.convert_element_type(x, jnp.asarray(x).dtype), state)
@@ -279,8 +288,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         touched = played.reward != 0
         nan = has_nan(played.physics) | jnp.isnan(world.gravity).any()
         timestep = state.timestep + 1
-        limit = jnp.where(labels.max_timesteps > 0, labels.max_timesteps, params.max_timesteps)
-        done = touched | nan | (timestep >= limit)
+        done = touched | nan | (timestep >= _time_limit(labels.max_timesteps, params))
         reward = played.reward + dense_reward(
             distance, state.last_distance, params.dense_reward_scale
         )

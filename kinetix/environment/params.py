@@ -57,7 +57,8 @@ class EnvParams:
     base_friction: float = 0.4
     """A pair of bodies has the coefficient base_friction·sqrt(f_a² + f_b²)."""
     max_timesteps: int = 256
-    """Environment steps per episode, for levels that do not say (theirs is 0)."""
+    """Environment steps per episode, for levels that do not say (theirs is 0); `jnp.inf`: no
+    episode is cut, whatever its level says."""
     pixels_per_unit: int = 100
     """Pixels per metre of the full-size picture."""
     dense_reward_scale: float = 0.1

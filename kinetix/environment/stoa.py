@@ -109,10 +109,10 @@ def stoa_space(space: Any) -> Any:
     match space:
         case spaces.MultiDiscrete():
             return theirs.MultiDiscreteSpace(
-                num_values=jnp.asarray(space.number_of_dims_per_distribution)
+                num_values=jnp.asarray(space.number_of_dims_per_distribution), dtype=space.dtype
             )
         case spaces.Discrete():
-            return theirs.DiscreteSpace(num_values=space.n)
+            return theirs.DiscreteSpace(num_values=space.n, dtype=space.dtype)
         case spaces.Dict():
             return theirs.DictSpace({name: stoa_space(each) for name, each in space.spaces.items()})
     return theirs.BoundedArraySpace(

@@ -233,3 +233,83 @@ def test_an_evaluation_plays_every_level_once(state, static):
     results = no_op_and_random_rollout(env, params, KEY, obs, states, 2, 4)
     assert len(results) == 6
     assert (results[1] == 4).all()
+
+
+@pytest.mark.slow
+def test_levels_are_evaluated_as_the_published_example_does(state, static):
+    from flax.training.train_state import TrainState
+    from kinetix.models import make_network_from_config
+    from kinetix.util import EvalSpec, make_eval_fn
+    from optax import identity
+
+    params = EnvParams().replace(max_timesteps=6)
+    short = state.replace(labels=state.labels.replace(max_timesteps=jnp.int32(0)))
+    env = make_kinetix_env("multi_discrete", "symbolic_flat", None, params, static, False)
+    network = make_network_from_config(env, params, {"actor_depth": 1, "critic_depth": 1})
+    levels = jax.tree.map(lambda x: jnp.stack([x, x]), short)
+    obs, _ = jax.vmap(env.reset, in_axes=(0, None, 0))(jax.random.split(KEY, 2), params, levels)
+    inputs = (obs[None], jnp.zeros((1, 2), bool))
+    train_state = TrainState.create(
+        apply_fn=network.apply,
+        params=network.init(KEY, network.initialize_carry(2), inputs),
+        tx=identity(),
+    )
+    specs = {
+        "plain": EvalSpec(levels, 2, ["a", "b"], plot_videos=False),
+        "filmed": EvalSpec(levels, 2, ["a", "b"], plot_videos=True, num_envs_to_video=1),
+    }
+    found = make_eval_fn(env, params, 3)(KEY, train_state, specs)
+    assert found["plain"].render_metrics is None
+    np.testing.assert_array_equal(found["plain"].episode_metrics.episode_lengths, [6, 6])
+    assert found["plain"].episode_metrics.episode_solve_rates.shape == (2,)
+    film = found["filmed"].render_metrics
+    assert film is not None
+    assert film.states_to_plot.timestep.shape == (6, 1)
+    np.testing.assert_array_equal(film.original_level_list_index, [0])
+
+
+class _Weights:
+    """A train state as far as these functions look at it."""
+
+    def __init__(self, params):
+        self.params = params
+
+    def replace(self, *, params):
+        return _Weights(params)
+
+
+def test_parameters_go_to_a_folder_and_come_back(tmp_path, monkeypatch):
+    from kinetix.util import load_train_state_from_wandb_artifact_path, save_model
+    from kinetix.util.saving import load_params_from_wandb_artifact_path
+
+    monkeypatch.chdir(tmp_path)
+    tree = {"params": {"Dense_0": {"kernel": np.ones((2, 3), np.float32)}}}
+    empty = {"params": {"Dense_0": {"kernel": np.zeros((2, 3), np.float32)}}}
+    folder = save_model(_Weights(tree), 64, {"run_name": "mine"}, extra={"seed": 3})
+    assert folder.as_posix() == "checkpoints/mine/64"
+    state, extra = load_train_state_from_wandb_artifact_path(
+        _Weights(empty), str(folder), return_extra=True
+    )
+    np.testing.assert_array_equal(state.params["params"]["Dense_0"]["kernel"], np.ones((2, 3)))
+    assert extra == {"seed": 3}
+    assert load_params_from_wandb_artifact_path(str(folder)).keys() == {"params"}
+    other = {"params": {"Dense_0": {"kernel": np.zeros((4, 3), np.float32)}}}
+    with pytest.raises(CheckpointError, match="not those of this network"):
+        load_train_state_from_wandb_artifact_path(_Weights(other), str(folder))
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "full_model.pbz2").write_bytes(b"BZh9")
+    with pytest.raises(CheckpointError, match=r"found 0 \(pickles are not read\)"):
+        load_params_from_wandb_artifact_path("old")
+
+
+def test_runs_and_artefacts_of_wandb_need_the_package(monkeypatch):
+    import sys
+
+    from kinetix.util import init_wandb
+    from kinetix.util.saving import load_params_from_wandb_artifact_path
+
+    monkeypatch.setitem(sys.modules, "wandb", None)
+    with pytest.raises(KinetixError, match=r"pip install 'kinetix-editor\[wandb\]'"):
+        load_params_from_wandb_artifact_path("team/project/model:latest")
+    with pytest.raises(KinetixError, match="package wandb is missing"):
+        init_wandb({"wandb_project": "mine"}, "PPO")

@@ -180,6 +180,9 @@ def test_time_limits_of_the_level_and_of_the_parameters(
     assert done_after(with_limit(1), EnvParams())
     assert not done_after(with_limit(2), EnvParams(max_timesteps=1))
     assert done_after(with_limit(0), EnvParams(max_timesteps=1))
+    endless: Any = jnp.inf
+    assert not done_after(with_limit(1), EnvParams(max_timesteps=endless))
+    assert not done_after(with_limit(0), EnvParams(max_timesteps=endless))
 
 
 def test_no_gradient_flows(small_env: KinetixEnv, small_state: EnvState, keys: jax.Array) -> None:
