@@ -202,8 +202,6 @@ def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Termi
     if is_leader():
         setup = make_setup(config, gradient_steps=1, teacher=teacher)
         terminal.say(_announcement(algorithm, config, estimate(setup)))
-        if setup.cut_short():
-            terminal.say(f"warning: {setup.cut_short()}")
     last = train(
         algorithm,
         config,

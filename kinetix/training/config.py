@@ -21,6 +21,18 @@ Prioritization = Literal["rank", "topk"]
 LearnabilityMode = Literal["timesteps", "episodes"]
 
 _NETWORK = NetworkConfig()
+_COUNTS = ("num_train_envs", "num_steps", "num_minibatches", "update_epochs", "frame_skip")
+_LEAST = {
+    1: (
+        *_COUNTS,
+        *("checkpoint_save_freq", "eval_num_attempts", "level_filter_sample_ratio"),
+        *("batch_size", "num_batches", "rollout_steps", "num_to_save", "train_buffer_size"),
+        *("buffer_update_frequency", "rollout_episodes", "outer_rollout_steps"),
+        *("level_buffer_capacity", "topk_k"),
+    ),
+    0: ("eval_freq", "video_frequency", "eval_sampled_levels", "level_filter_n_steps", "num_edits"),
+}
+"""The least that numbers may be, where a configuration has them."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -160,9 +172,9 @@ class PpoConfig:
         """
         for field in dataclasses.fields(self):
             _check_choice(field, getattr(self, field.name))
-        for name in ("num_train_envs", "num_steps", "num_minibatches", "update_epochs"):
-            if getattr(self, name) < 1:
-                raise KinetixError(f"{name}: expected at least 1, got {getattr(self, name)}")
+        for least, names in _LEAST.items():
+            for name in names:
+                _check_number(name, getattr(self, name, least), least)
         units = self.num_train_envs
         if self.full_minibatch_shuffle:
             if self.network.recurrent_model:
@@ -237,10 +249,6 @@ class SflConfig(PpoConfig):
             raise KinetixError(
                 f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
                 f"{self.batch_size * self.num_batches} levels that are scored"
-            )
-        if self.train_buffer_size < 1:
-            raise KinetixError(
-                f"train_buffer_size: expected at least 1, got {self.train_buffer_size}"
             )
 
     @property
@@ -341,6 +349,11 @@ RESUMABLE = frozenset(
     }
 )
 """Fields that may change when a run goes on: they do not alter what has been learnt so far."""
+
+
+def _check_number(name: str, number: int, least: int) -> None:
+    if number < least:
+        raise KinetixError(f"{name}: expected at least {least}, got {number}")
 
 
 def _check_choice(field: "dataclasses.Field[object]", value: object) -> None:

@@ -144,6 +144,8 @@ def train(
     _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
+    if trainer.setup.cut_short():
+        say(f"warning: {trainer.setup.cut_short()}")
     with contextlib.ExitStack() as stack:
         if is_leader():
             stack.enter_context(locked_folder(out, "another training"))

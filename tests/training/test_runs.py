@@ -516,3 +516,14 @@ def test_films_are_made_now_and_then(tmp_path):
     with Image.open(tmp_path / films[-1]) as film:
         assert film.size == (250, 250)
         assert getattr(film, "n_frames") > 8  # noqa: B009 (only animated pictures have it)
+
+
+@pytest.mark.parametrize("algorithm", ["plr", "accel"])
+def test_levels_that_are_cut_before_their_end_are_warned_about(algorithm):
+    told = make_trainer(_config(algorithm, dummy_env=True)).setup.cut_short()
+    assert told.startswith(
+        "num_steps × outer_rollout_steps = 8 is less than the longest episode (256 steps): later "
+        "steps are never learnt from"
+    )
+    enough = _config(algorithm, dummy_env=True, num_steps=128, total_timesteps=8 * 128 * 2)
+    assert not make_trainer(enough).setup.cut_short()

@@ -58,6 +58,9 @@ def test_levels_bring_the_mode_and_the_size():
         ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
         ({"observation_type": "smell"}, "Invalid enum value 'smell'"),
         ({"num_steps": 0}, "num_steps: expected at least 1"),
+        ({"checkpoint_save_freq": 0}, "checkpoint_save_freq: expected at least 1, got 0"),
+        ({"video_frequency": -1}, "video_frequency: expected at least 0, got -1"),
+        ({"eval_freq": -4}, "eval_freq: expected at least 0, got -4"),
         ({"gamma": "much"}, "Expected `float`, got `str`"),
         ({"anneal_lr": True, "warmup_lr": True}, "choose one of them"),
         (
@@ -71,6 +74,15 @@ def test_levels_bring_the_mode_and_the_size():
 def test_what_cannot_work_is_refused(values, sentence):
     with pytest.raises(KinetixError, match=sentence):
         make_config("ppo", values=values)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "name"),
+    [("sfl", "buffer_update_frequency"), ("sfl", "num_batches"), ("plr", "outer_rollout_steps")],
+)
+def test_numbers_of_curricula_are_refused_too(algorithm, name):
+    with pytest.raises(KinetixError, match=f"{name}: expected at least 1, got 0"):
+        make_config(algorithm, values={name: 0})
 
 
 def test_sfl_cannot_save_more_than_it_scores():
