@@ -21,7 +21,7 @@ _EVERY: Final = 2
 """Environment steps between two frames."""
 
 
-class Camera:
+class Filming:
     """Films an agent on the first levels that it is evaluated on."""
 
     def __init__(self, run: Path, config: PpoConfig) -> None:

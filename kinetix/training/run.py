@@ -30,7 +30,7 @@ from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
-from kinetix.training.films import Camera
+from kinetix.training.films import Filming
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks, read_metrics
 from kinetix.training.pace import Pace
 from kinetix.training.ppo.train import Ppo
@@ -242,7 +242,7 @@ class _View:
     """What a training is watched by."""
 
     evaluation: TrainingEvaluation
-    camera: Camera
+    camera: Filming
     averages: EpisodeAverages
     pace: Pace
 
@@ -261,11 +261,11 @@ def _view(run: _Run, progress: StoredProgress) -> _View:
         per_update=run.trainer.parts_per_update,
         evaluation_share=evaluation.steps / config.steps_per_update,
     )
-    camera = Camera(run.out, config)
+    camera = Filming(run.out, config)
     return _View(evaluation=evaluation, camera=camera, averages=averages, pace=pace)
 
 
-def _film(run: _Run, camera: Camera, agent: Agent, steps: int) -> None:
+def _film(run: _Run, camera: Filming, agent: Agent, steps: int) -> None:
     """Film the agent and hand the films to whatever takes metrics."""
     if is_leader():
         for film in camera.film(agent, steps, run.status):
