@@ -300,12 +300,12 @@ def _check_teacher(teacher: AgentCard, card: AgentCard) -> None:
         parts.append("capacity")
     for part in parts:
         have, need = getattr(teacher, part), getattr(card, part)
-        for field in dataclasses.fields(need):
-            old, new = getattr(have, field.name, None), getattr(need, field.name)
+        for name in need.__annotations__:
+            old, new = getattr(have, name), getattr(need, name)
             if old != new:
                 raise KinetixError(
                     f"the agent {teacher.name!r} cannot be trained on: its {part} has "
-                    f"{field.name} = {json.dumps(old)}, the configuration's has {json.dumps(new)}"
+                    f"{name} = {json.dumps(old)}, the configuration's has {json.dumps(new)}"
                 )
 
 
