@@ -77,11 +77,11 @@ class Inspector(Panel):
                     draw(session, [record for _, record in chosen])
 
     def _heading(self, session: "Session", records: list[Record]) -> None:
-        ids = session.selection
+        first, *others = session.selection
         with widgets.font(FONTS.bold, 17):
-            widgets.wrapped(counts(records) if len(ids) > 1 else session.document.name_of(ids[0]))
-        if isinstance(ids[0], int) and len(ids) == 1:
-            self._name(session, ids[0])
+            widgets.wrapped(counts(records) if others else session.document.name_of(first))
+        if isinstance(first, int) and not others:
+            self._name(session, first)
         imgui.dummy((0, px(2)))
 
     def _name(self, session: "Session", entity: int) -> None:
