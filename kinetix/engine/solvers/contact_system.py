@@ -52,6 +52,8 @@ class ContactSystem:
     """Those of the rows that have a gap: the contacts' normals and the limits."""
     friction: Float[Array, "c n"]
     restitution: Float[Array, "c n"]
+    loose: Float[Array, "c n"]
+    """The smaller value of its two bodies (`Step.loose`)."""
 
 
 def contact_system(
@@ -109,8 +111,12 @@ def contact_system(
         compliance=store(responses.compliance),
         inverse_own=store(responses.inverse_own),
     )
-    (friction_a, restitution_a, load_a), (friction_b, restitution_b, load_b) = touching.look_up(
-        (bodies.friction, bodies.restitution, _loads(step.world))
+    of_a, of_b = touching.look_up(
+        (bodies.friction, bodies.restitution, _loads(step.world), step.loose)
+    )
+    (friction_a, restitution_a, load_a, loose_a), (friction_b, restitution_b, load_b, loose_b) = (
+        of_a,
+        of_b,
     )
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
     system = ContactSystem(
@@ -121,6 +127,7 @@ def contact_system(
         prepared=block.prepare(responses, _contrast(load_a, load_b, used)),
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
+        loose=store(jnp.minimum(loose_a, loose_b)),
     )
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
 

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import actuators, constants
-from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts
+from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts, share_of_way
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
 from kinetix.engine.solvers.base import AbstractSolver
@@ -142,6 +142,7 @@ class Direct(AbstractSolver):
             parameters=parameters,
             masses=masses,
             held=held(world, control, links, masses, loose, store),
+            loose=loose,
             store=store,
             features=spec.features,
         )
@@ -166,6 +167,7 @@ class Direct(AbstractSolver):
             return self._substep(this, phase, system, spec), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
+        end = _before_walls(world, state, store(end))
         return _finish(state, end, found, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
@@ -181,13 +183,15 @@ class Direct(AbstractSolver):
         bias = phase.joints.error * (self.joint_bias / h)
         nothing = jnp.zeros_like(phase.joint_impulse)
         velocity, joint_impulse = project(step, phase.joints, velocity, nothing, bias)
-        offset = speeds(system.rows, velocity) + self._gap_bias(phase.gap, h, count)
+        offset = speeds(system.rows, velocity) + self._gap_bias(system, phase.gap, h)
         cone = Cone(friction=system.friction, closed=live, limited=limit_live)
         bias_impulse = self.block.solve(
             system.prepared, system.responses, offset, phase.bias_impulse, cone
         )
+        # How arms bend hangs on how bodies turn once joints have answered to the contacts.
+        turning = velocity.angular + system.responses.turned(bias_impulse)
         velocity = apply(system.rows, bias_impulse, velocity, masses)
-        bias += curvature(step, phase.joints, velocity, h)
+        bias += curvature(step, phase.joints, turning, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
         # Drift.
@@ -234,10 +238,17 @@ class Direct(AbstractSolver):
         )
 
     def _gap_bias(
-        self, gap: Float[Array, "g n"], h: Float[Array, " n"], count: int
+        self, system: ContactSystem, gap: Float[Array, "g n"], h: Float[Array, " n"]
     ) -> Float[Array, "m n"]:
-        """Closing speeds that are allowed (open gaps) or wanted away (overlaps)."""
-        overlap = jnp.minimum(gap + constants.SLOP, 0) * (self.contact_bias / h)
+        """Closing speeds that are allowed (open gaps) or wanted away (overlaps).
+
+        What lies on taut joints is pressed into them anew whenever they are drawn straight, so all
+        of its overlap is taken away at once.
+        """
+        count = system.friction.shape[0]
+        share = self.contact_bias + (1 - self.contact_bias) * (1 - system.loose)
+        share = jnp.concatenate([share, jnp.full_like(gap[count:], self.contact_bias)], axis=0)
+        overlap = jnp.minimum(gap + constants.SLOP, 0) * (share / h)
         bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -constants.PUSH_SPEED))
         tangents = jnp.zeros_like(bias[:count])
         return jnp.concatenate([bias[:count], tangents, bias[count:]], axis=0)
@@ -313,7 +324,7 @@ class Direct(AbstractSolver):
 
 def _effective_masses(
     world: World, state: State, links: Links, h: Float[Array, " n"]
-) -> tuple[Masses, Float[Array, "j n"]]:
+) -> tuple[Masses, Float[Array, "b n"]]:
     """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
 
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
@@ -333,9 +344,8 @@ def _effective_masses(
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         stiffness += sign * onto(dot(arm, force), body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    fastest = jnp.maximum(*links.look_up(swing))
     masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
-    return masses, jnp.clip((constants.TAUT - fastest) / (0.8 * constants.TAUT), 0, 1)
+    return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:
@@ -372,6 +382,17 @@ def _warm_start(
     return (
         jnp.concatenate([normal, tangent, cache.bias_limit], axis=0),
         jnp.concatenate([relax_normal, relax_tangent, cache.relax_limit], axis=0),
+    )
+
+
+def _before_walls(world: World, state: State, end: Phase) -> Phase:
+    """The end of a step in which no body's centre has entered a fixed polygon."""
+    share = share_of_way(world, state, end.position)
+    start = vec(state.position)
+    return dataclasses.replace(
+        end,
+        position=start + (end.position - start) * share,
+        rotation=state.rotation + (end.rotation - state.rotation) * share,
     )
 
 

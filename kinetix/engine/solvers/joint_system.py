@@ -69,7 +69,7 @@ class Held:
     """Rows that hold whatever a motor does."""
     motors: Motors
     loose: Float[Array, "j n"]
-    """1 for a joint whose bodies swing slowly for the substep, 0 for one under great tension."""
+    """The smaller value of its two bodies (`Step.loose`)."""
 
     @property
     def links(self) -> Links:
@@ -87,6 +87,8 @@ class Step:
     masses: Masses
     """Inverse masses that the solver uses."""
     held: Held
+    loose: Float[Array, "b n"]
+    """1 for a body that swings slowly for the substep, 0 for one under great tension."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
@@ -106,7 +108,7 @@ def held(
     control: Control,
     links: Links,
     masses: Masses,
-    loose: Float[Array, "j n"],
+    loose: Float[Array, "b n"],
     store: Store,
 ) -> Held:
     """Return the parts of a step's joints that do not depend on poses.
@@ -116,7 +118,7 @@ def held(
         control: What drives them.
         links: The joints' bodies, from `joint_links`.
         masses: Inverse masses that the solver uses.
-        loose: See `Held`.
+        loose: See `Step`.
         store: Keeps intermediate results.
     """
     joints = world.joints
@@ -134,7 +136,7 @@ def held(
         rows=make_rows(links, links.look_up(masses), directions[:each], store),
         live=store(jnp.concatenate([acts, acts, acts & joints.fixed][:each], axis=0)),
         motors=store(motors(world, control.motor)),
-        loose=loose,
+        loose=jnp.minimum(*links.look_up(loose)),
     )
 
 
@@ -244,7 +246,10 @@ def project(
 
 
 def curvature(
-    step: Step, system: JointSystem, velocity: Velocity, duration: Float[Array, " n"]
+    step: Step,
+    system: JointSystem,
+    turning: Float[Array, "b n"],
+    duration: Float[Array, " n"],
 ) -> Float[Array, "k n"]:
     """Speeds that arms which turn, instead of moving straight on, add to the gaps' in a drift.
 
@@ -257,10 +262,10 @@ def curvature(
     Args:
         step: The worlds.
         system: The joints at the pose before the drift.
-        velocity: With which the bodies will drift.
+        turning: Angular velocities with which the bodies will drift [rad/s].
         duration: Of the drift [s].
     """
-    spin_a, spin_b = step.held.links.look_up(velocity.angular)
+    spin_a, spin_b = step.held.links.look_up(turning)
 
     def bend(spin: Float[Array, "j n"], arm: Vec) -> Vec:
         angle = spin * duration

@@ -87,7 +87,7 @@ def _off_a_corner() -> tuple[Trial, ...]:
 
     def trial(kind: str, speed: float, phase: int) -> Trial:
         b = LevelBuilder("Off a corner", gravity=(0.0, 0.0), arena=False)
-        b.rectangle(WALL / 2, 0.0, WALL, 6.0, fixed=True)
+        b.rectangle(WALL / 2, 0.0, WALL, 60.0, fixed=True)
         b.rectangle(-0.5, -0.3, 0.3, 0.6, fixed=True)
         # Its middle passes from below to above the block's upper edge, by phases.
         x, y = -2.0 - phase * speed * STEP / 16, -0.04 + 0.005 * phase
