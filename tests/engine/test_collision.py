@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
-from kinetix.engine.collision.driver import compact
+from kinetix.engine.collision.compact import compact
 from kinetix.engine.collision.moving import (
     MovingCircle,
     MovingPolygon,
@@ -152,8 +152,8 @@ def test_the_normal_is_that_of_the_impact():
 
 def test_the_last_gap_that_closes_is_the_face_that_is_hit():
     gaps, closings = [one(0.1), one(0.5), one(-0.3)], [one(50.0), one(50.0), one(0.0)]
-    time, face = meeting(gaps, closings, DT)
-    assert float(time[0, 0]) == pytest.approx(0.01) and int(face[0, 0]) == 1
+    time, face, meets = meeting(gaps, closings, DT)
+    assert float(time[0, 0]) == pytest.approx(0.01) and int(face[0, 0]) == 1 and meets[0, 0]
 
 
 def test_a_whirling_body_is_pushed_through_its_centre():

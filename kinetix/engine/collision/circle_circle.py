@@ -3,9 +3,10 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from kinetix.engine import constants
 from kinetix.engine.collision.moving import MovingCircle, round_meeting
 from kinetix.engine.collision.points import Approach, Spot
-from kinetix.engine.maths import dot, length
+from kinetix.engine.maths import dot, length, nonzero
 from kinetix.engine.store import Store
 
 
@@ -13,11 +14,15 @@ def approach(a: MovingCircle, b: MovingCircle, dt: Float[Array, " n"]) -> Approa
     """Return the distance of the surfaces; circles have one face."""
     apart, motion = b.centre - a.centre, b.velocity - a.velocity
     gap = length(apart) - a.radius - b.radius
-    coming = dot(apart, motion) < 0
+    half = dot(apart, motion)
+    coming = half < 0
+    time = jnp.clip(-half / nonzero(dot(motion, motion)), 0, dt)
+    nearest = length(apart + motion * time) - a.radius - b.radius
     return Approach(
         separation=gap,
         face=jnp.zeros(gap.shape, jnp.int32),
         time=jnp.where(coming | (gap <= 0), 0, dt),
+        meets=nearest <= constants.TOUCH_SLOP,
     )
 
 

@@ -30,8 +30,8 @@ def approach(a: MovingCircle, b: MovingPolygon, dt: Float[Array, " n"]) -> Appro
     distance = jnp.where(at_corner, length(offset - corner), face) - a.radius
     gaps = [column[:, 0] - a.radius for column in jnp.split(heights, heights.shape[1], axis=1)]
     closings = [-dot(column[:, 0], motion) for column in columns(b.normals)]
-    time, face = meeting(gaps, closings, dt)
-    return Approach(separation=distance, face=face, time=time)
+    time, face, meets = meeting(gaps, closings, dt)
+    return Approach(separation=distance, face=face, time=time, meets=meets)
 
 
 def points(

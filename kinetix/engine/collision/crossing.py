@@ -10,58 +10,50 @@ Detection", 5.3.8.
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from kinetix.engine import constants
-from kinetix.engine.lookup import accumulate, put, row
+from kinetix.engine.collision.compact import compact
+from kinetix.engine.in_use import InUse
+from kinetix.engine.lookup import accumulate, row, take
 from kinetix.engine.maths import Vec, dot, length, nonzero, vec
 from kinetix.engine.pairs import may_push
-from kinetix.engine.shapes import FAR, Polygons, turn_polygons
+from kinetix.engine.shapes import FAR, Polygons
 from kinetix.engine.spec import ARENA_BODIES
-from kinetix.engine.types import Bodies, State, World
+from kinetix.engine.types import State, World
 
 
-def share_of_way(world: World, state: State, end: Vec) -> Float[Array, "b n"]:
+def share_of_way(world: World, state: State, polygons: Polygons, end: Vec) -> Float[Array, "b n"]:
     """Return how much of its way each body can go before its centre enters a fixed polygon.
 
     Args:
         world: The worlds.
         state: At the start of the step.
+        polygons: At the start of the step.
         end: Where the bodies' centres would be at its end [m].
 
     Returns:
         1 where nothing is in the way. What is jointed together gets the least share of its parts.
     """
     move = end - vec(state.position)
-    core = _cores(world.bodies)
+    within = jnp.concatenate([jnp.min(polygons.offsets, axis=1), world.bodies.radius], axis=0)
+    way = length(move)
     moves = world.bodies.active & (world.bodies.inverse_mass > 0)
-    fast = moves & (length(move) > core)
-    whole = jnp.ones_like(core)
+    fast = (moves & (way > within))[ARENA_BODIES:]
+    whole = jnp.ones_like(way)
+    numbers = jnp.arange(len(way), dtype=jnp.int32)[:, None]
 
     def stopped() -> Float[Array, "b n"]:
-        polygons = turn_polygons(world.bodies, state.rotation)
+        bodies, valid = compact(fast, len(fast))
 
         def visit(k: Int[Array, ""], share: Float[Array, "b n"]) -> Float[Array, "b n"]:
-            body = k + ARENA_BODIES
-            found = _way_of_one(world, state, polygons, move, core, body)
-            return put(share, jnp.where(row(fast, body), found, 1), body, 0)
+            body = row(bodies, k) + ARENA_BODIES
+            found = _way_of_one(world, state, polygons, move, within, body)
+            return jnp.where((numbers == body) & row(valid, k), found, share)
 
-        return _shared(world, accumulate(len(core) - ARENA_BODIES, visit, whole))
+        return _shared(world, InUse.of((valid, 1)).each(visit, whole))
 
     return jax.lax.cond(jnp.any(fast), stopped, lambda: whole)
-
-
-def _cores(bodies: Bodies) -> Float[Array, "b n"]:
-    """Half the radius of a circle around the centre that lies within the body [m]."""
-    corners = bodies.vertices.shape[1]
-    used = np.arange(corners)[None, :, None] < bodies.vertex_count[:, None]
-    x, y = bodies.vertices[:, :, 0], bodies.vertices[:, :, 1]
-    x, y = jnp.where(used, x, x[:, :1]), jnp.where(used, y, y[:, :1])
-    along = Vec(x=jnp.roll(x, -1, axis=1) - x, y=jnp.roll(y, -1, axis=1) - y)
-    size = length(along)
-    height = jnp.where(size > 0, (along.x * y - along.y * x) / nonzero(size), FAR)
-    return 0.5 * jnp.concatenate([jnp.min(height, axis=1), bodies.radius], axis=0)
 
 
 def _way_of_one(
@@ -69,31 +61,30 @@ def _way_of_one(
     state: State,
     polygons: Polygons,
     move: Vec,
-    core: Float[Array, "b n"],
-    body: Int[Array, ""],
+    within: Float[Array, "b n"],
+    body: Int[Array, "1 n"],
 ) -> Float[Array, "1 n"]:
-    """The share for one body; it ends where the body's core touches the polygon at the latest."""
+    """The share for one body; it ends where half of the body touches the polygon at the latest.
+
+    What it touches there is its inner circle of half the size: a contact for the next step to see.
+    """
     count = polygons.offsets.shape[0]
     centre = vec(state.position)
-    apart = _row(centre, body) - centre[:count]
-    motion = _row(move, body) - move[:count]
+    mode, push = world.bodies.collision_mode, world.collides
+    own_centre, own_move, own_within, own_mode, own_push = take(
+        (centre, move, within, mode, push), body
+    )
+    apart, motion = own_centre - centre[:count], own_move - move[:count]
     heights = dot(polygons.normals, apart[:, None]) - polygons.offsets - constants.LINEAR_SLOP
     closings = -dot(polygons.normals, motion[:, None])
     enters = jnp.where(closings > 0, heights / nonzero(closings), jnp.where(heights > 0, FAR, -FAR))
     leaves = jnp.where(closings < 0, heights / nonzero(closings), FAR)
     enter, leave = jnp.max(enters, axis=1), jnp.min(leaves, axis=1)
-    outside = jnp.max(heights, axis=1) > 0
-    crosses = outside & (enter <= 1) & (enter <= leave) & _stops(world, count, body)
-    share = jnp.maximum(enter - row(core, body) / nonzero(length(motion)), 0)
+    fixed = world.bodies.active[:count] & (world.bodies.inverse_mass[:count] == 0)
+    stops = fixed & own_push[0, :count] & may_push(own_mode, mode[:count])
+    crosses = (jnp.max(heights, axis=1) > 0) & (enter <= 1) & (enter <= leave) & stops
+    share = jnp.maximum(enter - 0.5 * own_within / nonzero(length(motion)), 0)
     return jnp.min(jnp.where(crosses, share, 1), axis=0, keepdims=True)
-
-
-def _stops(world: World, count: int, body: Int[Array, ""]) -> Bool[Array, "p n"]:
-    """Which polygons are fixed and push a body."""
-    bodies = world.bodies
-    mode = bodies.collision_mode
-    fixed = bodies.active[:count] & (bodies.inverse_mass[:count] == 0)
-    return fixed & row(world.collides, body)[0, :count] & may_push(row(mode, body), mode[:count])
 
 
 def _shared(world: World, share: Float[Array, "b n"]) -> Float[Array, "b n"]:
@@ -106,7 +97,3 @@ def _shared(world: World, share: Float[Array, "b n"]) -> Float[Array, "b n"]:
         return jnp.where(together, jnp.minimum(found, row(share, k)), found)
 
     return accumulate(len(share), least, share)
-
-
-def _row(v: Vec, index: Int[Array, ""]) -> Vec:
-    return Vec(x=row(v.x, index), y=row(v.y, index))

@@ -11,20 +11,23 @@ Source: speculative contacts and feature ids after Catto, "Continuous Collision"
 """
 
 import dataclasses
+import functools
 import itertools
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from kinetix.engine import constants
 from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
+from kinetix.engine.collision.compact import compact
 from kinetix.engine.collision.points import Approach, Found, PointList, Slots, Spot
 from kinetix.engine.collision.scene import MovingShapes, Pairs, Rules
 from kinetix.engine.in_use import InUse
-from kinetix.engine.lookup import accumulate, row, take
+from kinetix.engine.lookup import row, take
 from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
 from kinetix.engine.shapes import rows
 from kinetix.engine.spec import SceneSpec
@@ -74,6 +77,9 @@ KINDS: Final = (
 )
 """In the order of `pairs.pair_counts`."""
 
+HALVINGS: Final = 12
+"""Of the range of ranks, to find those that there is room for."""
+
 
 def find_contacts(
     world: World,
@@ -100,7 +106,7 @@ def find_contacts(
     ]
     separation = jnp.concatenate([coming.separation for coming in approaches], axis=0)
     reach = jnp.where(rules.pushes, constants.TOUCH_SLOP, 0)
-    near, overflow = store(_near(rules, approaches, places, slots, parameters))
+    near, overflow = store(_near(rules, approaches, places, slots))
     points = PointList.empty(slots.points, state.rotation)
     for kind, place, listed, coming in zip(
         KINDS, places, pushing_candidates(spec.capacity, spec.features), approaches, strict=True
@@ -123,6 +129,7 @@ def find_contacts(
         points=points.points,
         touching=rules.may_touch & (separation <= reach),
         overflow=overflow | (points.count > slots.points),
+        polygons=shapes.polygons,
     )
 
 
@@ -137,33 +144,60 @@ def _near(
     approaches: Sequence[Approach],
     places: Sequence[slice],
     slots: Slots,
-    parameters: Parameters,
 ) -> tuple[Bool[Array, "q n"], Bool[Array, " n"]]:
-    """Choose the pairs that get contact points, and tell where there is no room even for them.
+    """Choose the pairs that get contact points, and tell where there is no room for all that touch.
 
-    Where there is not room for all that are near, only those count that touch or will hit each
-    other within the step.
+    Where there is not room for all that are near, the most urgent ones count: those that touch,
+    then those that will meet within the step, then the others, by the gap between them.
     """
-    separation, time = (
+    separation, meets = (
         jnp.concatenate([getattr(coming, name) for coming in approaches], axis=0)
-        for name in ("separation", "time")
+        for name in ("separation", "meets")
     )
     near = rules.pushes & (separation <= rules.margin)
-    urgent = (separation <= constants.TOUCH_SLOP) | (time < parameters.dt)
+    counts = [place.stop - place.start for place in places]
     rooms = [getattr(slots, kind.name) for kind in KINDS]
+    most = sum(kind.most_points * count for kind, count in zip(KINDS, counts, strict=True))
+    if most <= slots.points and all(
+        count <= room for count, room in zip(counts, rooms, strict=True)
+    ):
+        return near, jnp.zeros(near.shape[-1], bool)
+
+    def crowded(near: Bool[Array, "q n"]) -> Bool[Array, " n"]:
+        """Whether there are too many pairs of a kind."""
+        found = [
+            jnp.sum(near[place], axis=0) > room for place, room in zip(places, rooms, strict=True)
+        ]
+        return functools.reduce(jnp.logical_or, found)
 
     def full(near: Bool[Array, "q n"]) -> Bool[Array, " n"]:
-        counts = [jnp.sum(near[place], axis=0) for place in places]
-        return jnp.any(
-            jnp.stack([count > room for count, room in zip(counts, rooms, strict=True)]), axis=0
-        )
+        """Whether there are too many, or they may have too many points."""
+        points = [
+            kind.most_points * jnp.sum(near[place], axis=0)
+            for kind, place in zip(KINDS, places, strict=True)
+        ]
+        return crowded(near) | (functools.reduce(jnp.add, points) > slots.points)
 
-    most = sum(
-        kind.most_points * jnp.sum(near[place], axis=0)
-        for kind, place in zip(KINDS, places, strict=True)
+    def ranked() -> tuple[Bool[Array, "q n"], Bool[Array, " n"]]:
+        share = jnp.clip(separation / rules.margin, 0, 1)
+        touches = separation <= constants.TOUCH_SLOP
+        rank = jnp.where(touches, 0, jnp.where(meets, 1, 2) + share)
+
+        def halve(_: Int[Array, ""], bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+            fits, too_many = bounds
+            middle = (fits + too_many) / 2
+            over = full(near & (rank <= middle))
+            return jnp.where(over, fits, middle), jnp.where(over, middle, too_many)
+
+        everything = jnp.full(near.shape[-1], 3.0, separation.dtype)
+        nothing = jnp.zeros_like(everything)
+        last, _ = jax.lax.fori_loop(0, HALVINGS, halve, (nothing, everything))
+        chosen = near & ((rank <= last) | ~full(near))
+        return chosen, crowded(chosen)
+
+    return jax.lax.cond(
+        jnp.any(full(near)), ranked, lambda: (near, jnp.zeros(near.shape[-1], bool))
     )
-    near &= urgent | ~(full(near) | (most > slots.points))
-    return near, full(near)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -200,18 +234,3 @@ class _Gatherer:
             return found
 
         return InUse.of((valid, 1)).each(visit, found)
-
-
-def compact(mask: Bool[Array, "q n"], room: int) -> tuple[Int[Array, "k n"], Bool[Array, "k n"]]:
-    """Return the rows where the mask holds, in order, in `room` slots; and which slots are used."""
-    count, worlds = mask.shape
-    numbers = np.arange(1, room + 1, dtype=np.int32)[:, None]
-
-    def pass_row(k: Int[Array, ""], carry: tuple[Array, Array]) -> tuple[Array, Array]:
-        seen, index = carry
-        seen += row(mask, k)
-        return seen, index + (seen < numbers)
-
-    start = jnp.zeros((1, worlds), jnp.int32), jnp.zeros((room, worlds), jnp.int32)
-    _, index = accumulate(count, pass_row, start)
-    return jnp.minimum(index, count - 1), index < count

@@ -10,7 +10,7 @@ Source: time of impact by separating axes after Ericson (2005), "Real-Time Colli
 from collections.abc import Sequence
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
 from kinetix.engine.maths import Vec, dot, length, nonzero
@@ -46,7 +46,7 @@ def meeting(
     gaps: Sequence[Float[Array, "q n"]],
     closings: Sequence[Float[Array, "q n"]],
     dt: Float[Array, " n"],
-) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
+) -> tuple[Float[Array, "q n"], Int[Array, "q n"], Bool[Array, "q n"]]:
     """Find the face along which two bodies meet that go straight on.
 
     At the moment when the last gap has closed, the face of that gap is hit. If another face is
@@ -59,7 +59,8 @@ def meeting(
         dt: The time step [s].
 
     Returns:
-        When they meet, or `dt` if they do not within the step [s]; and the number of the face.
+        When they meet, or are nearest if they do not within the step [s]; the number of the face;
+        and whether they meet.
     """
     time = jnp.zeros_like(gaps[0])
     for gap, closing in zip(gaps, closings, strict=True):
@@ -77,7 +78,7 @@ def meeting(
         gentler = (gap > widest - constants.GRAZE) & (closing < slowest - constants.GRAZE_SPEED)
         face = jnp.where(gentler, number, face)
         slowest = jnp.where(gentler, closing, slowest)
-    return time, face
+    return time, face, widest <= constants.TOUCH_SLOP
 
 
 def round_meeting(

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.maths import Vec
-from kinetix.engine.shapes import FAR
+from kinetix.engine.shapes import FAR, Polygons
 from kinetix.pytree import pytree
 
 FEATURES: Final = 16
@@ -56,6 +56,8 @@ class Approach:
     """The face that will be hit or that keeps them apart: 0–3 of body a, 4–7 of body b."""
     time: Float[Array, "q n"]
     """When [s]: of the impact if there is one in the step, else of the nearest approach."""
+    meets: Bool[Array, "q n"]
+    """Whether there is an impact within the step; true where they touch now."""
 
 
 @pytree
@@ -113,6 +115,8 @@ class Found:
     points: Points
     touching: Bool[Array, "q n"]
     overflow: Bool[Array, " n"]
+    polygons: Polygons
+    """At the start of the step."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

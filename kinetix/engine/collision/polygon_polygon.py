@@ -20,12 +20,13 @@ def approach(a: MovingPolygon, b: MovingPolygon, dt: Float[Array, " n"]) -> Appr
     gaps = [*_gaps(a, b, apart), *_gaps(b, a, -apart)]
     normals = [*columns(a.normals), *columns(-b.normals)]
     closings = [-dot(normal[:, 0], motion) for normal in normals]
-    time, face = meeting(gaps, closings, dt)
+    time, face, meets = meeting(gaps, closings, dt)
     corners = a.offsets.shape[1]
     return Approach(
         separation=functools.reduce(jnp.maximum, gaps),
         face=jnp.where(face >= corners, face + 4 - corners, face),
         time=time,
+        meets=meets,
     )
 
 

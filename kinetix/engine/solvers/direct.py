@@ -37,7 +37,7 @@ from kinetix.engine.solvers.joint_system import (
 )
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import Links, Masses, Velocity, apply, match, speeds
-from kinetix.engine.spec import SceneSpec
+from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree
@@ -167,7 +167,7 @@ class Direct(AbstractSolver):
             return self._substep(this, phase, system, spec), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
-        end = _before_walls(world, state, store(end))
+        end = _before_walls(world, state, found, store(end))
         return _finish(state, end, found, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
@@ -189,7 +189,8 @@ class Direct(AbstractSolver):
             system.prepared, system.responses, offset, phase.bias_impulse, cone
         )
         # How arms bend hangs on how bodies turn once joints have answered to the contacts.
-        turning = velocity.angular + system.responses.turned(bias_impulse)
+        pushed_motion = system.responses.moved(bias_impulse)
+        turning = velocity.angular.at[ARENA_BODIES:].add(pushed_motion[2])
         velocity = apply(system.rows, bias_impulse, velocity, masses)
         bias += curvature(step, phase.joints, turning, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
@@ -211,7 +212,8 @@ class Direct(AbstractSolver):
         cone = dataclasses.replace(
             cone, closed=live & closed[:count], limited=limit_live & closed[count:]
         )
-        offset = speeds(system.rows, velocity) - system.responses.speeds(bias_impulse)
+        offset = speeds(system.rows, velocity)
+        offset -= system.responses.speeds_in(pushed_motion, bias_impulse)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
@@ -385,9 +387,9 @@ def _warm_start(
     )
 
 
-def _before_walls(world: World, state: State, end: Phase) -> Phase:
+def _before_walls(world: World, state: State, found: Found, end: Phase) -> Phase:
     """The end of a step in which no body's centre has entered a fixed polygon."""
-    share = share_of_way(world, state, end.position)
+    share = share_of_way(world, state, found.polygons, end.position)
     start = vec(state.position)
     return dataclasses.replace(
         end,

@@ -63,14 +63,12 @@ class Responses:
 
         return self.in_use.each(add, jnp.zeros(self.of_rows.shape[1:], impulse.dtype))
 
-    def turned(self, impulse: Float[Array, "m n"]) -> Float[Array, "b n"]:
-        """The angular velocities that impulses make; those of rows not in use must be 0."""
-        turn = self.moved(impulse)[2]
-        return jnp.concatenate([jnp.zeros_like(turn[:1])] * ARENA_BODIES + [turn], axis=0)
-
     def speeds(self, impulse: Float[Array, "m n"]) -> Float[Array, "m n"]:
         """Speeds that impulses give to the rows in use; 0 for the others."""
-        motion = self.moved(impulse)
+        return self.speeds_in(self.moved(impulse), impulse)
+
+    def speeds_in(self, motion: Motion, impulse: Float[Array, "m n"]) -> Float[Array, "m n"]:
+        """The same, where the motion that the impulses make is known."""
 
         def put_speed(k: Int[Array, ""], found: Float[Array, "m n"]) -> Float[Array, "m n"]:
             here = (np.arange(found.shape[0]) == k)[:, None]

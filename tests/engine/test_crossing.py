@@ -1,0 +1,121 @@
+"""Nothing crosses a fixed wall, whatever threw it off course; and who gets contacts in a crowd."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from kinetix.engine import Capacity, SceneSpec, solver_named
+from kinetix.engine.collision import Slots, share_of_way
+from kinetix.engine.collision.driver import _near
+from kinetix.engine.collision.points import Approach
+from kinetix.engine.collision.scene import Rules
+from kinetix.engine.maths import Vec
+from kinetix.engine.shapes import turn_polygons
+from kinetix.environment.runs import simulate
+from kinetix.level.builder import LevelBuilder
+from kinetix.level.compile import compile_level
+
+SPEC = SceneSpec(capacity=Capacity(polygons=7, circles=2, joints=1, thrusters=0))
+DISC, BOX, WALL = 7, 5, 4
+
+
+def share(way, *, wall=(0.05, 2.0), hinged=False, collision="normal"):
+    """Of the way of a disc of 5 cm at the origin; a box of 10 cm is beside it."""
+    b = LevelBuilder("Wall", arena=False)
+    b.rectangle(0.5, 0, *wall, fixed=True, collision=collision)
+    box = b.rectangle(0, 0.5, 0.1, 0.1)
+    disc = b.circle(0, 0, 0.05)
+    if hinged:
+        b.hinge(box, disc, (0, 0.25))
+    scene = compile_level(b.build(), spec=SPEC, solver=solver_named("balanced"))
+    world, state = jax.tree.map(lambda x: jnp.asarray(x)[..., None], (scene.world, scene.state))
+    start = state.position
+    end = Vec(x=start[:, 0].at[DISC].add(way[0]), y=start[:, 1].at[DISC].add(way[1]))
+    return np.asarray(share_of_way(world, state, turn_polygons(world.bodies, state.rotation), end))[
+        :, 0
+    ]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.2])
+@pytest.mark.parametrize("distance", [0.6, 3.0])
+def test_a_centre_ends_before_the_wall_and_its_body_touches_it(angle, distance):
+    way = (distance, distance * math.tan(angle) * 0.5)
+    found = share(way)
+    length = math.hypot(*way)
+    # The wall's near side is at .475; half of the disc's radius before it the body stops.
+    reached = found[DISC] * way[0]
+    crosses = abs(way[1] / way[0] * 0.475) < 1
+    if crosses:
+        assert 0.475 - 0.026 * way[0] / length - 1e-3 < reached < 0.475
+        assert found[DISC] * length > 0
+    others = np.delete(found, DISC)
+    np.testing.assert_array_equal(others, 1)
+
+
+@pytest.mark.parametrize(
+    ("way", "options"),
+    [
+        ((0.4, 0.0), {}),
+        ((-3.0, 0.0), {}),
+        ((3.0, 9.0), {}),
+        ((3.0, 0.0), {"collision": "ghost"}),
+    ],
+)
+def test_who_does_not_reach_a_wall_goes_all_of_its_way(way, options):
+    np.testing.assert_array_equal(share(way, **options), 1)
+
+
+def test_what_is_jointed_stops_together():
+    found = share((3.0, 0.0), hinged=True)
+    assert found[DISC] < 0.2 and found[BOX] == found[DISC] and found[WALL] == 1
+
+
+def test_a_fast_body_in_a_narrow_box_stays_there():
+    """It bounces many times within each step."""
+    b = LevelBuilder("Between walls", gravity=(0.0, 0.0), arena=False)
+    for side in (-1, 1):
+        b.rectangle(side * 0.175, 0, 0.05, 40.0, fixed=True, restitution=1)
+    b.rectangle(0.01, 0, 0.1, 0.1, angle=0.3, velocity=(95.0, 3.0), restitution=1)
+    run = simulate(b.build(), 0.5)
+    assert np.abs(run.position[:, -1, 0]).max() < 0.15
+
+
+def chosen(separation, meets, room, points=100):
+    """Which of the polygon pairs get contacts."""
+    count = len(separation)
+    gap = jnp.asarray(separation, jnp.float32)[:, None]
+    some = jnp.zeros((0, 1))
+    coming = Approach(
+        separation=gap,
+        face=jnp.zeros((count, 1), jnp.int32),
+        time=jnp.zeros((count, 1)),
+        meets=jnp.asarray(meets)[:, None],
+    )
+    nothing = Approach(separation=some, face=some.astype(int), time=some, meets=some.astype(bool))
+    rules = Rules(
+        may_touch=jnp.ones((count, 1), bool),
+        pushes=jnp.ones((count, 1), bool),
+        margin=jnp.full((count, 1), 1.0),
+    )
+    slots = Slots(polygon_polygon=room, circle_polygon=0, circle_circle=0, points=points)
+    places = [slice(0, count), slice(count, count), slice(count, count)]
+    near, overflow = _near(rules, [coming, nothing, nothing], places, slots)
+    return np.flatnonzero(np.asarray(near)[:, 0]).tolist(), bool(overflow[0])
+
+
+def test_where_room_is_short_the_urgent_pairs_are_kept():
+    separation = [0.9, 0.5, 0.001, 0.7, 0.3, 2.0]
+    meets = [False, False, True, True, False, True]
+    assert chosen(separation, meets, 6) == ([0, 1, 2, 3, 4], False)
+    assert chosen(separation, meets, 4) == ([1, 2, 3, 4], False)
+    assert chosen(separation, meets, 2) == ([2, 3], False)
+    assert chosen(separation, meets, 1) == ([2], False)
+    assert chosen(separation, meets, 6, points=4) == ([2, 3], False)
+
+
+def test_more_pairs_that_touch_than_there_is_room_for_are_told():
+    found, overflow = chosen([0.0, 0.0, 0.0], [True, True, True], 2)
+    assert overflow and found == [0, 1, 2]
