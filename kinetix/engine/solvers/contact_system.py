@@ -54,6 +54,8 @@ class ContactSystem:
     restitution: Float[Array, "c n"]
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
+    free: Bool[Array, "b n"]
+    """Which bodies are not fixed."""
 
 
 def contact_system(
@@ -128,6 +130,7 @@ def contact_system(
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
         loose=store(jnp.minimum(loose_a, loose_b)),
+        free=bodies.inverse_mass > 0,
     )
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
 

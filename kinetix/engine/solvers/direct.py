@@ -22,6 +22,7 @@ from kinetix.engine import actuators, constants
 from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts, share_of_way
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
+from kinetix.engine.solvers import impacts
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
 from kinetix.engine.solvers.contact_system import ContactSystem, contact_system
@@ -214,17 +215,18 @@ class Direct(AbstractSolver):
         )
         offset = speeds(system.rows, velocity)
         offset -= system.responses.speeds_in(pushed_motion, bias_impulse)
+        own = impacts.until_the_impact(
+            system, (phase.bias_impulse, phase.relax_impulse), cone.closed, before, phase.gap, h
+        )
+        offset = impacts.with_impulse(system, offset, own)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
-            bounce, least = self._bounce(system, before, phase.gap, push, closed[:count], h)
-            offset, knock = self._knocks(system, offset, bounce, cone, least)
-        total = self.block.solve(
-            system.prepared,
-            system.responses,
-            offset,
-            bias_impulse + phase.relax_impulse,
-            cone,
-        )
+            bounce, least = impacts.bounces(system, before, phase.gap, push, closed[:count], h)
+            offset, knock = impacts.knocks(
+                self.block, system, offset, bounce, cone, least, self.passes
+            )
+        start = bias_impulse + phase.relax_impulse - own
+        total = own + self.block.solve(system.prepared, system.responses, offset, start, cone)
         velocity = apply(system.rows, total - bias_impulse + knock, velocity, masses)
         velocity, relaxed = project(step, joints, velocity, relaxed, nothing)
         return Phase(
@@ -254,74 +256,6 @@ class Direct(AbstractSolver):
         bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -constants.PUSH_SPEED))
         tangents = jnp.zeros_like(bias[:count])
         return jnp.concatenate([bias[:count], tangents, bias[count:]], axis=0)
-
-    def _bounce(
-        self,
-        system: ContactSystem,
-        before: Float[Array, "c n"],
-        gap: Float[Array, "g n"],
-        push: tuple[Vec, Float[Array, "b n"]],
-        closed: Bool[Array, "c n"],
-        h: Float[Array, " n"],
-    ) -> tuple[Float[Array, "c n"], Float[Array, " n"]]:
-        """Speed with which contacts that closed in this substep leave.
-
-        The approach speed is that of the moment of touching, wherever in the substep it lies, so
-        that the energy after the bounce does not depend on it.
-        """
-        count = system.friction.shape[0]
-        linear, angular = push
-        closing = -speeds(system.gaps, Velocity(linear=linear, angular=angular))[:count]
-        free_fall = jnp.maximum(closing, 0)
-        speed = jnp.sqrt(jnp.maximum(0, before**2 + 2 * free_fall * jnp.maximum(gap[:count], 0)))
-        hardest = jnp.sqrt(dot(linear, linear)).max(axis=0)
-        threshold = jnp.maximum(2 * h * hardest, constants.LEAST_BOUNCE)
-        bounces = closed & (speed > threshold) & (before < 0)
-        return jnp.where(bounces, system.restitution * speed, 0), threshold
-
-    def _knocks(
-        self,
-        system: ContactSystem,
-        offset: Float[Array, "m n"],
-        bounce: Float[Array, "c n"],
-        cone: Cone,
-        threshold: Float[Array, " n"],
-    ) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
-        """Blows one after the other: what a blow sets in motion hits in the next pass.
-
-        Args:
-            system: Contacts and limits.
-            offset: Speeds of all rows without the contacts' impulses.
-            bounce: Speeds with which the contacts leave that hit by themselves; 0 for the rest.
-            cone: Which contacts are closed.
-            threshold: Contacts that close more slowly do not bounce [m/s].
-
-        Returns:
-            The rows' speeds after all blows, and the impulses of the blows.
-        """
-        count = system.friction.shape[0]
-
-        def going(carry: tuple) -> Bool[Array, ""]:
-            _, _, bounce, number = carry
-            return jnp.any(bounce > 0) & (number < self.passes)
-
-        def blow(carry: tuple) -> tuple:
-            offset, knock, bounce, number = carry
-            # A world without a blow stays as it is, whatever happens in the others of its tile.
-            struck = jnp.any(bounce > 0, axis=0)
-            hit = dataclasses.replace(cone, closed=bounce > 0, limited=cone.limited & struck)
-            wanted = offset.at[:count].add(-bounce)
-            impulse = self.block.solve(
-                system.prepared, system.responses, wanted, jnp.zeros_like(knock), hit
-            )
-            offset += system.responses.speeds(impulse)
-            closing = -offset[:count]
-            again = cone.closed & (closing > threshold)
-            bounce = jnp.where(again, system.restitution * closing, 0)
-            return offset, knock + impulse, bounce, number + 1
-
-        carry = (offset, jnp.zeros_like(offset), bounce, jnp.zeros((), jnp.int32))
-        return jax.lax.while_loop(going, blow, carry)[:2]
 
 
 def _effective_masses(

@@ -1,0 +1,148 @@
+"""Impacts within a substep: bounces, blows passed on, what held until then. Worlds last.
+
+A substep sees its forces and its impacts at once. What depends on their order is put right here.
+"""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.engine import constants
+from kinetix.engine.lookup import row
+from kinetix.engine.maths import Vec, dot, nonzero
+from kinetix.engine.solvers.blocks import AbstractBlock, Cone
+from kinetix.engine.solvers.contact_system import ContactSystem
+from kinetix.engine.solvers.rows import Velocity, speeds
+
+Impulses = Float[Array, "m n"]
+
+
+def bounces(
+    system: ContactSystem,
+    before: Float[Array, "c n"],
+    gap: Float[Array, "g n"],
+    push: tuple[Vec, Float[Array, "b n"]],
+    closed: Bool[Array, "c n"],
+    h: Float[Array, " n"],
+) -> tuple[Float[Array, "c n"], Float[Array, " n"]]:
+    """Return the speeds with which contacts that closed in this substep leave.
+
+    The approach speed is that of the moment of touching, wherever in the substep it lies, so that
+    the energy after the bounce does not depend on it.
+
+    Returns:
+        The speeds, and the speed below which contacts do not bounce [m/s].
+    """
+    count = system.friction.shape[0]
+    linear, angular = push
+    closing = -speeds(system.gaps, Velocity(linear=linear, angular=angular))[:count]
+    free_fall = jnp.maximum(closing, 0)
+    speed = jnp.sqrt(jnp.maximum(0, before**2 + 2 * free_fall * jnp.maximum(gap[:count], 0)))
+    hardest = jnp.sqrt(dot(linear, linear)).max(axis=0)
+    threshold = jnp.maximum(2 * h * hardest, constants.LEAST_BOUNCE)
+    hit = closed & (speed > threshold) & (before < 0)
+    return jnp.where(hit, system.restitution * speed, 0), threshold
+
+
+def knocks(
+    block: AbstractBlock,
+    system: ContactSystem,
+    offset: Impulses,
+    bounce: Float[Array, "c n"],
+    cone: Cone,
+    threshold: Float[Array, " n"],
+    passes: int,
+) -> tuple[Impulses, Impulses]:
+    """Pass blows on, one after the other: what a blow sets in motion hits in the next pass.
+
+    Args:
+        block: Who solves.
+        system: Contacts and limits.
+        offset: Speeds of all rows without the contacts' impulses.
+        bounce: Speeds with which the contacts leave that hit by themselves; 0 for the rest.
+        cone: Which contacts are closed.
+        threshold: Contacts that close more slowly do not bounce [m/s].
+        passes: At most.
+
+    Returns:
+        The rows' speeds after all blows, and the impulses of the blows.
+    """
+    count = system.friction.shape[0]
+
+    def going(carry: tuple) -> Bool[Array, ""]:
+        _, _, bounce, number = carry
+        return jnp.any(bounce > 0) & (number < passes)
+
+    def blow(carry: tuple) -> tuple:
+        offset, knock, bounce, number = carry
+        # A world without a blow stays as it is, whatever happens in the others of its tile.
+        struck = jnp.any(bounce > 0, axis=0)
+        hit = dataclasses.replace(cone, closed=bounce > 0, limited=cone.limited & struck)
+        wanted = offset.at[:count].add(-bounce)
+        impulse = block.solve(system.prepared, system.responses, wanted, jnp.zeros_like(knock), hit)
+        offset += system.responses.speeds(impulse)
+        closing = -offset[:count]
+        again = cone.closed & (closing > threshold)
+        bounce = jnp.where(again, system.restitution * closing, 0)
+        return offset, knock + impulse, bounce, number + 1
+
+    carry = (offset, jnp.zeros_like(offset), bounce, jnp.zeros((), jnp.int32))
+    return jax.lax.while_loop(going, blow, carry)[:2]
+
+
+def until_the_impact(
+    system: ContactSystem,
+    last: tuple[Impulses, Impulses],
+    closed: Bool[Array, "c n"],
+    before: Float[Array, "c n"],
+    gap: Float[Array, "g n"],
+    h: Float[Array, " n"],
+) -> Impulses:
+    """Return what contacts gave to a body until another one hit it within the substep.
+
+    A contact that an impact opens has carried the body up to then. Without that share a block that
+    rocks lost half as much energy again at each impact as it should, and a ball at each corner of a
+    valley.
+
+    Args:
+        system: Contacts and limits.
+        last: Impulses of the last substep, of both its solves.
+        closed: Which contacts are closed at the end of this substep.
+        before: Speeds of the contacts at its start.
+        gap: Gaps at its start.
+        h: The substep [s].
+    """
+    count = before.shape[0]
+    links = system.rows.links
+    hits = closed & (gap[:count] > constants.CLOSED_DISTANCE) & (before < 0)
+    time = jnp.clip(gap[:count] / nonzero(-before * h), 0, 1)
+    limits = jnp.zeros_like(gap[count:])
+    # What a body has left of the substep at the first impact; 0: none.
+    left = jnp.concatenate([jnp.where(hits, jnp.maximum(1 - time, 1e-6), 0), limits], axis=0)
+    numbers = np.arange(system.free.shape[0])[:, None]
+
+    def add(k: Int[Array, ""], most: Float[Array, "b n"]) -> Float[Array, "b n"]:
+        here = (numbers == row(links.body_a, k)) | (numbers == row(links.body_b, k))
+        return jnp.where(here & system.free, jnp.maximum(most, row(left, k)), most)
+
+    nobody = jnp.zeros(system.free.shape, gap.dtype)
+    left_a, left_b = links.look_up(links.in_use.each_link(add, nobody))
+    left = jnp.maximum(left_a, left_b)[:count]
+    share = jnp.where((left > 0) & ~hits, 1 - left, 0)
+    share = jnp.concatenate([share, share, limits], axis=0)
+    bias, relax = last
+    # Twice what both solves agree on: half of a force's impulse each, but nothing of an impact's.
+    agreed = jnp.where(bias * relax > 0, jnp.minimum(jnp.abs(bias), jnp.abs(relax)), 0)
+    return 2 * share * jnp.sign(bias) * agreed
+
+
+def with_impulse(system: ContactSystem, offset: Impulses, impulse: Impulses) -> Impulses:
+    """Return the speeds of the rows with impulses added; nothing is computed where they are 0."""
+    return jax.lax.cond(
+        jnp.any(impulse != 0),
+        lambda: offset + system.responses.speeds(impulse),
+        lambda: offset,
+    )
