@@ -53,6 +53,8 @@ class Episodes:
     """Ended, or a row that does not count."""
     ending: Int[Array, " n"]
     """From `outcome_index`; 0 while the episode goes on."""
+    dropped: Int[Array, " n"]
+    """Steps without room for all contacts."""
     returns: Float[Array, " n"]
     lengths: Int[Array, " n"]
     last: LastStep
@@ -118,6 +120,7 @@ def _begin(
         begins=jnp.ones(BATCH, bool),
         over=over,
         ending=jnp.zeros(BATCH, jnp.int32),
+        dropped=jnp.zeros(BATCH, jnp.int32),
         returns=jnp.zeros(BATCH),
         lengths=jnp.zeros(BATCH, jnp.int32),
         last=LastStep(action=action, reward=jnp.zeros(BATCH), distance=jnp.zeros(BATCH), info=info),
@@ -181,6 +184,7 @@ def _step(
         begins=jnp.zeros_like(episodes.begins),
         over=episodes.over | done,
         ending=jnp.where(running, outcome_index(info), episodes.ending),
+        dropped=episodes.dropped + (running & info["overflow"]),
         returns=episodes.returns + jnp.where(running, reward, 0.0),
         lengths=episodes.lengths + running,
         last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),

@@ -264,14 +264,15 @@ def _reading(env: KinetixEnv, episodes: Episodes) -> Reading:
 
 def episode_results(episodes: Episodes) -> list[EpisodeResult]:
     """Return how every episode of a batch ended; a row that is not over counts as a timeout."""
-    columns = _numpy((episodes.ending, episodes.returns, episodes.lengths))
+    columns = _numpy((episodes.ending, episodes.returns, episodes.lengths, episodes.dropped))
     return [
         EpisodeResult(
             outcome=OUTCOMES[ending - 1] if ending else "timeout",
             total_reward=float(reward),
             length=int(length),
+            dropped_contacts=int(dropped),
         )
-        for ending, reward, length in zip(*columns, strict=True)
+        for ending, reward, length, dropped in zip(*columns, strict=True)
     ]
 
 

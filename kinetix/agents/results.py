@@ -22,6 +22,8 @@ class EpisodeResult:
     """Sum of the rewards, the distance reward included."""
     length: int
     """Environment steps."""
+    dropped_contacts: int = 0
+    """Steps in which bodies overlapped so much that there was no room for all contacts."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -64,6 +66,11 @@ class LevelResult:
         return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
 
     @property
+    def dropped_contacts(self) -> int:
+        """Steps of all attempts without room for all contacts."""
+        return sum(episode.dropped_contacts for episode in self.episodes)
+
+    @property
     def solve_rate(self) -> float:
         """Share of solved attempts."""
         return self.solved / self.attempts
@@ -76,6 +83,7 @@ class LevelResult:
     def as_dict(self) -> dict[str, Any]:
         """The line that `kinetix eval --json` prints."""
         low, high = self.bounds
+        dropped = self.dropped_contacts
         return {
             "level": self.level,
             "solve_rate": self.solve_rate,
@@ -84,6 +92,7 @@ class LevelResult:
             "attempts": self.attempts,
             "mean_return": self.mean_return,
             "mean_length": self.mean_length,
+            **({"dropped_contacts": dropped} if dropped else {}),
         }
 
 

@@ -82,6 +82,11 @@ def _print_level(row: dict[str, Any], *, as_json: bool) -> None:
         f"{row['level']:32} {row['solve_rate']:5.2f}  [{row['low']:.2f}, {row['high']:.2f}]  "
         f"return {row['mean_return']:6.3f}  length {row['mean_length']:5.1f}"
     )
+    if "dropped_contacts" in row:
+        print(
+            f"{'':32}   bodies overlapped so much that {row['dropped_contacts']} steps left "
+            f"contacts out"
+        )
 
 
 def _print_summary(summary: dict[str, Any], *, as_json: bool) -> None:

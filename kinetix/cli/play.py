@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import sys
 from typing import Annotated
 
 import tyro
@@ -57,11 +58,19 @@ def run(command: Play) -> int:
         "outcome": episode.outcome,
         "return": round(episode.total_reward, 6),
     }
+    if episode.dropped_contacts:
+        row["dropped_contacts"] = episode.dropped_contacts
     if command.json:
         print(json.dumps(row))
     else:
         print(
             f"{document.level.name}: {row['outcome']} after {row['steps']} steps, "
             f"return {row['return']:.3f}"
+        )
+    if episode.dropped_contacts:
+        print(
+            f"{document.level.name}: in {episode.dropped_contacts} steps bodies overlapped so much "
+            f"that contacts were left out",
+            file=sys.stderr,
         )
     return 0

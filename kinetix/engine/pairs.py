@@ -53,6 +53,19 @@ def pushing_candidates(capacity: Capacity, features: Features) -> tuple[Int[np.n
     return tuple(np.flatnonzero(part) for part in np.split(kept, edges))
 
 
+def touching_points(polygons: int, circles: int) -> int:
+    """Return how many contact points so many bodies can have at once if they do not overlap.
+
+    Convex bodies in the plane touch along the edges of a planar graph: each adds at most three
+    pairs (Euler). Two polygons have two contact points, other pairs one.
+
+    Args:
+        polygons: Without the arena's.
+        circles: How many.
+    """
+    return 6 * polygons + 3 * circles
+
+
 def may_push(mode_a: Any, mode_b: Any) -> Any:
     """Return whether bodies of these collision modes (0, 1, 2) may touch: 2 all, 0 only 2.
 

@@ -33,6 +33,8 @@ class Episode:
     outcome: Outcome
     total_reward: float
     """Sum of the rewards."""
+    dropped_contacts: int = 0
+    """Steps in which bodies overlapped so much that there was no room for all contacts."""
 
 
 @pytree
@@ -52,6 +54,8 @@ class EpisodeState:
     total_reward: Float[Array, ""]
     ending: Int[Array, ""]
     """From `outcome_index`: 0 while the episode goes on."""
+    dropped: Int[Array, ""]
+    """Steps so far without room for all contacts."""
 
     @property
     def outcome(self) -> Outcome | None:
@@ -119,6 +123,7 @@ def play_episode(
         steps=int(end.step),
         outcome=end.outcome or "timeout",
         total_reward=float(end.total_reward),
+        dropped_contacts=int(end.dropped),
     )
 
 
@@ -140,6 +145,7 @@ def _start(
         said=said,
         total_reward=jnp.float32(0),
         ending=jnp.int32(0),
+        dropped=jnp.int32(0),
     )
 
 
@@ -173,6 +179,7 @@ def _play(
             said=said,
             total_reward=now.total_reward + reward,
             ending=outcome_index(info),
+            dropped=now.dropped + info["overflow"],
         )
 
     return jax.lax.while_loop(goes_on, advance, start)

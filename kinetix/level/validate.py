@@ -12,6 +12,8 @@ import math
 from collections.abc import Iterator
 from typing import Final, Literal
 
+from kinetix.engine.pairs import touching_points
+from kinetix.engine.spec import ARENA_BODIES
 from kinetix.level.canonical import record_tree
 from kinetix.level.faults import EnoughFaults, FaultCollector
 from kinetix.level.geometry import (
@@ -324,6 +326,7 @@ def _control_issues(level: Level) -> Iterator[Issue]:
 
 def _pair_issues(level: Level, placed: list[_Placed]) -> Iterator[Issue]:
     component = components(level)
+    contacts = 0
     for a, b in itertools.combinations(placed, 2):
         gap = TOUCH_SLOP
         if (
@@ -339,7 +342,24 @@ def _pair_issues(level: Level, placed: list[_Placed]) -> Iterator[Issue]:
         roles = {a.body.role, b.body.role}
         if pushing or "green" in roles:
             depth = overlap_depth(a.body, b.body)
+            if pushing and depth >= -TOUCH_SLOP:
+                both = isinstance(a.body.shape, Polygon) and isinstance(b.body.shape, Polygon)
+                contacts += 2 if both else 1
             yield from _touch_issues(a, b, depth, pushing=pushing)
+
+    yield from _crowd_issues(level, contacts)
+
+
+def _crowd_issues(level: Level, contacts: int) -> Iterator[Issue]:
+    capacity = capacity_of(level)
+    room = touching_points(capacity.polygons - ARENA_BODIES, capacity.circles)
+    if contacts > room:
+        message = (
+            f"Bodies overlap so much that {contacts} contact points meet at the start, and size "
+            f"{describe_capacity(capacity)} has room for {room}: some will be left out. Move "
+            f"bodies apart."
+        )
+        yield _issue("W210", message)
 
 
 def _touch_issues(a: _Placed, b: _Placed, depth: float, *, pushing: bool) -> Iterator[Issue]:

@@ -153,6 +153,7 @@ def _rollout(value, reward, done, solved=None, returns=None):
         done=done,
         solved=done if solved is None else solved,
         bad=jnp.zeros_like(done),
+        dropped=jnp.zeros_like(done),
         episode_return=zeros if returns is None else returns,
         episode_length=zeros,
     )

@@ -117,6 +117,7 @@ def _learnt(live):
         done=begins,
         solved=begins,
         bad=begins,
+        dropped=begins,
         episode_return=jnp.zeros(shape),
         episode_length=jnp.zeros(shape, jnp.int32),
     )

@@ -3,7 +3,7 @@
 import dataclasses
 
 from kinetix.engine.collision import Slots
-from kinetix.engine.pairs import pushing_candidates
+from kinetix.engine.pairs import pushing_candidates, touching_points
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 
 MOST_NEAR = 64
@@ -14,9 +14,7 @@ at once."""
 def usual_room(spec: SceneSpec) -> Slots:
     """Return room for all contacts that bodies can have at once.
 
-    Convex bodies in the plane that do not overlap touch along the edges of a planar graph: each
-    adds at most three pairs (Euler). Two polygons have two contact points, other pairs one. What
-    only comes near may be more; it is left out first.
+    What only comes near may be more than `touching_points`; it is left out first.
     """
     polygons = spec.capacity.polygons - ARENA_BODIES
     circles = spec.capacity.circles
@@ -29,4 +27,4 @@ def usual_room(spec: SceneSpec) -> Slots:
         points=0,
     )
     most = 2 * near.polygon_polygon + near.circle_polygon + near.circle_circle
-    return dataclasses.replace(near, points=min(most, 6 * polygons + 3 * circles))
+    return dataclasses.replace(near, points=min(most, touching_points(polygons, circles)))

@@ -55,6 +55,8 @@ class Trajectory:
     """True where it reached the goal."""
     bad: Bool[Array, "k n"]
     """True where it ended in NaN."""
+    dropped: Bool[Array, "k n"]
+    """Whether the step had no room for all contacts."""
     episode_return: Float[Array, "k n"]
     """Reward of the episode so far, this step included."""
     episode_length: Int[Array, "k n"]
@@ -196,6 +198,7 @@ def _play(
             done=done,
             solved=info["GoalR"],
             bad=info["nan"],
+            dropped=info["overflow"],
             episode_return=returns,
             episode_length=lengths,
         )
@@ -258,6 +261,7 @@ def episode_means(trajectory: Trajectory) -> dict[str, Float[Array, ""]]:
         "episode_solved": mean(trajectory.solved),
         "episodes": ended,
         "nan_episodes": jnp.sum(trajectory.done & trajectory.bad),
+        "dropped_contacts": jnp.sum(trajectory.dropped),
     }
 
 
