@@ -39,9 +39,13 @@ TAUT = 0.5
 """(Substep · swing rate)² of a body at which its joint counts as taut; a fifth of it as loose.
 Larger: light chains gain energy as they swing; smaller: long pendulums lose it."""
 
-CALM_TURN = 0.14
+CALM_TURN = 0.3
 """Turn in a substep up to which a joint foresees how its arms bend the path [rad]; at twice this it
-does not. Larger: wedged machines tear themselves apart; smaller: fast pendulums lose energy."""
+does not. Larger: wedged machines are torn; smaller: joints open that turn fast."""
+
+SETTLED = 0.3
+"""How taut a joint is whose gaps are taken out of the positions alone; less so where it is looser.
+Larger: joints under tension open as they turn; smaller: what swings loses energy."""
 
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""

@@ -298,7 +298,9 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
         return system, still
     in_use = step.held.links.in_use
     ((_, each),) = in_use.groups
-    left = system.error * jnp.concatenate([step.held.loose] * each, axis=0)
+    # As soon as arms are not foreseen to bend, gaps open with every substep: all of them go.
+    kept = jnp.clip(1 - (1 - step.held.loose) / constants.SETTLED, 0, 1)
+    left = system.error * jnp.concatenate([kept] * each, axis=0)
     gained = jnp.where(system.live, in_use.product(system.answers, system.error - left), 0)
     move = apply(system.rows, gained, still, step.masses)
     return dataclasses.replace(system, error=left), move
