@@ -17,12 +17,13 @@ from kinetix.engine.shapes import turn_polygons
 from kinetix.environment.runs import simulate
 from kinetix.level.builder import LevelBuilder
 from kinetix.level.compile import compile_level
+from kinetix.level.model import Collision, Motor
 
 SPEC = SceneSpec(capacity=Capacity(polygons=7, circles=2, joints=1, thrusters=0))
 DISC, BOX, WALL = 7, 5, 4
 
 
-def share(way, *, wall=(0.05, 2.0), hinged=False, collision="normal"):
+def share(way, *, wall=(0.05, 2.0), hinged=False, collision: Collision = "normal"):
     """Of the way of a disc of 5 cm at the origin; a box of 10 cm is beside it."""
     b = LevelBuilder("Wall", arena=False)
     b.rectangle(0.5, 0, *wall, fixed=True, collision=collision)
@@ -119,3 +120,33 @@ def test_where_room_is_short_the_urgent_pairs_are_kept():
 def test_more_pairs_that_touch_than_there_is_room_for_are_told():
     found, overflow = chosen([0.0, 0.0, 0.0], [True, True, True], 2)
     assert overflow and found == [0, 1, 2]
+
+
+def test_a_ball_that_motors_press_does_not_creep():
+    """Their arms are not foreseen to bend as if the ball were not there."""
+    b = LevelBuilder("Held ball", arena=False)
+    for side in (-1, 1):
+        post = b.rectangle(side * 0.25, 0.0, 0.1, 0.1, fixed=True, collision="ghost")
+        arm = b.rectangle(side * 0.25, 0.4, 0.1, 0.8)
+        b.hinge(post, arm, (side * 0.25, 0.0), motor=Motor(speed=side * 1.0, power=5.0))
+    b.circle(0.0, 0.6, 0.2)
+    run = simulate(b.build(), 1.0, actions=np.eye(1, 6)[0])
+    assert np.abs(run.position[:, -1] - run.position[0, -1]).max() < 1e-4
+
+
+def test_an_impact_takes_what_housner_says():
+    """A slender block that rocks: the old corner holds it until the new one hits the floor."""
+    width, height = 0.4, 1.6
+    alpha, reach = math.atan(width / height), math.hypot(width, height) / 2
+    b = LevelBuilder("Rocking block", arena=False)
+    b.rectangle(0, -0.5, 10, 1, fixed=True, friction=2.0)
+    place = (reach * math.sin(alpha / 2), reach * math.cos(alpha / 2))
+    b.rectangle(*place, width, height, angle=alpha / 2, friction=2.0)
+    run = simulate(b.build(), 2.0)
+    turn, spin = run.rotation[:, 1], run.angular_velocity[:, 1]
+    impacts = np.flatnonzero(np.sign(turn[1:]) * np.sign(turn[:-1]) < 0) + 1
+    # About a corner the block turns by the law of a pendulum upside down.
+    size = 4 / 3 * reach**2
+    energy = 0.5 * size * spin**2 + 9.81 * reach * np.cos(alpha - np.abs(turn)) - 9.81 * height / 2
+    loss = 1 - energy[impacts[:2] + 2] / energy[impacts[:2] - 2]
+    np.testing.assert_allclose(loss, 1 - (1 - 1.5 * math.sin(alpha) ** 2) ** 2, rtol=0.12)

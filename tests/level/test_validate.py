@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.codec import load_document
 from kinetix.level.model import (
     Arena,
@@ -109,6 +110,22 @@ def test_each_code_is_found_alone(code):
 def test_a_good_level_has_no_issue():
     assert codes(GOOD) == []
     assert codes(with_joint()) == []
+
+
+def test_more_contacts_than_a_step_has_room_for_are_foreseen():
+    """Size l has room for sixty points: twelve bodies in one place would need more."""
+
+    def heap(spread):
+        b = LevelBuilder("Heap")
+        for k in range(8):
+            b.rectangle(1 + spread * k, 1, 0.4, 0.4)
+        for k in range(4):
+            b.circle(1 + spread * k, 2 if spread else 1, 0.2)
+        return validate(b.build())
+
+    (issue,) = [issue for issue in heap(0.0) if issue.code == "W210"]
+    assert "94 contact points" in issue.message and "size l has room for 60" in issue.message
+    assert "W210" not in [issue.code for issue in heap(0.4)]
 
 
 def test_every_static_code_has_a_case():
