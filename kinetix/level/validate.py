@@ -359,7 +359,7 @@ def _crowd_issues(level: Level, contacts: int) -> Iterator[Issue]:
             f"{describe_capacity(capacity)} has room for {room}: some will be left out. Move "
             f"bodies apart."
         )
-        yield _issue("W210", message)
+        yield _issue("W211", message)
 
 
 def _touch_issues(a: _Placed, b: _Placed, depth: float, *, pushing: bool) -> Iterator[Issue]:

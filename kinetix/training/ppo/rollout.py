@@ -56,7 +56,7 @@ class Trajectory:
     bad: Bool[Array, "k n"]
     """True where it ended in NaN."""
     dropped: Bool[Array, "k n"]
-    """Whether the step had no room for all contacts."""
+    """True where the step had no room for all contacts."""
     episode_return: Float[Array, "k n"]
     """Reward of the episode so far, this step included."""
     episode_length: Int[Array, "k n"]
