@@ -37,7 +37,7 @@ SHORTER = {
     "kinetix solve": "--seconds 5",
     "kinetix bench speed": "--batches 1",
 }
-"""What is added to commands that README prints with minutes of work."""
+"""Words added to commands that README prints with minutes of work."""
 SKIPPED = ("kinetix bench chart",)
 """Commands that need the extra `bench`."""
 MAY_FAIL = ("kinetix solve",)
@@ -214,7 +214,7 @@ def check_readme(bin_folder: Path, work: Path, name: str, *, quick: bool) -> lis
 
 
 def _files(word: str) -> list[str]:
-    """What a shell in a checkout makes of a word; names of bundled things stay names."""
+    """Return the words that a shell in a checkout makes of one; bundled things go by name."""
     if "*" not in word:
         return [word]
     found = sorted(glob.glob(word, root_dir=ROOT))

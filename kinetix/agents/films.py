@@ -19,7 +19,7 @@ from kinetix.render.scene import draw
 FRAME_RATE: Final = 30
 """Environment steps in a second of a film."""
 TAIL: Final = 15
-"""How often a film repeats its last frame, so that the end can be seen."""
+"""Copies of a film's last frame, so that the end can be seen."""
 
 _drawing = jax.jit(draw, static_argnames=("width", "height"))
 

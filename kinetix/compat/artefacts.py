@@ -17,7 +17,7 @@ from kinetix.errors import CheckpointError, KinetixError
 WEIGHTS: Final = "params.safetensors"
 CONFIG: Final = "config.json"
 _FOLDER: Final = "checkpoints"
-"""Where `save_model` writes, unless `save_path` says otherwise."""
+"""Folder of `save_model`, unless `save_path` names another."""
 
 
 def init_wandb(config: Mapping[str, Any], name: str) -> Any:

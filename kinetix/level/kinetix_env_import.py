@@ -58,6 +58,7 @@ _CACHE_TOLERANCE: Final = 1e-3
 
 MENDED: Final = "W210"
 """Code of what was mended when a file of kinetix-env became a document."""
+
 # Native names of fields (in paths of faults) and what kinetix-env calls them.
 _PEER_NAMES: Final = {
     "angle": "rotation",

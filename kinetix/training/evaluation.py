@@ -43,7 +43,7 @@ class TrainingEvaluation:
         self._longest = setup.longest_episode
         self._evaluated = False
         self.seconds: float | None = None
-        """How long the last one took, compilation left out [s]; None: that cannot be told."""
+        """Duration of the last one, compilation left out [s]; None: that cannot be told."""
 
     @property
     def steps(self) -> int:

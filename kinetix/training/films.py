@@ -15,7 +15,7 @@ from kinetix.training.telling import Say
 FILMS: Final = "films"
 """Folder of a run; a folder per number of environment steps, a GIF per level."""
 MOST_LEVELS: Final = 4
-"""How many of the levels that are evaluated on are filmed."""
+"""Number of levels that are filmed, the first of those that are evaluated on."""
 _PIXELS: Final = 250
 _EVERY: Final = 2
 """Environment steps between two frames."""

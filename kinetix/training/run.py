@@ -64,7 +64,7 @@ class Trainer(Protocol):
 
     @property
     def parts_per_update(self) -> Mapping[str, float]:
-        """How often each part occurs in an update, on average."""
+        """Mean number of parts of each name in an update."""
         ...
 
     def start(self) -> Any:
@@ -239,7 +239,7 @@ def _loop(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _View:
-    """What a training is watched by."""
+    """Evaluation, films, averages and pace of a training."""
 
     evaluation: TrainingEvaluation
     camera: Filming
@@ -248,7 +248,7 @@ class _View:
 
 
 def _view(run: _Run, progress: StoredProgress) -> _View:
-    """Prepare what a training is watched by; averages go on where the run stopped."""
+    """Prepare evaluation, films and pace; averages go on where the run stopped."""
     config = run.trainer.setup.config
     evaluation = TrainingEvaluation(run.trainer.setup)
     averages = EpisodeAverages(config.num_train_envs)

@@ -17,7 +17,7 @@ class Part:
     name: str
     seconds: float
     compiled: bool
-    """Whether it was the first of its name, whose time is mostly that of compiling."""
+    """True for the first of its name, whose time is mostly that of compiling."""
 
 
 class Work:

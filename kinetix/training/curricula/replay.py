@@ -27,7 +27,7 @@ from kinetix.training.work import Work
 
 _NEW, _REPLAY, _MUTATE = "new", "replay", "mutate"
 _TOLD = {_NEW: "new levels", _REPLAY: "replay", _MUTATE: "mutations"}
-"""What the terminal calls each kind of step."""
+"""Each kind of step in the terminal's words."""
 
 
 @pytree
