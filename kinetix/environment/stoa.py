@@ -18,8 +18,8 @@ from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 
 METRICS = ("solve_rate", "distance")
-"""Keys of `extras` in every time step: 1 where it won the episode, and the distance between green and
-blue [m]."""
+"""Keys of `extras` in every time step: 1 where it won the episode, and how far green is from blue
+[m]."""
 
 
 def as_stoa_env(env: KinetixEnv) -> Any:
