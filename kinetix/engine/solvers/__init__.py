@@ -3,28 +3,17 @@
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import BLOCKS
 from kinetix.engine.solvers.direct import Direct
-from kinetix.engine.solvers.jacobi import Jacobi
 from kinetix.engine.solvers.pgs_baumgarte import PgsBaumgarte
-from kinetix.engine.solvers.pgs_soft import PgsSoft
-from kinetix.engine.solvers.soft_step import SoftStep
+from kinetix.engine.solvers.soft import SOFT, Soft
 from kinetix.engine.solvers.xpbd import Xpbd
 
 SOLVERS: dict[str, AbstractSolver] = {
-    PgsBaumgarte.name: PgsBaumgarte(),
-    PgsSoft.name: PgsSoft(),
-    SoftStep.name: SoftStep(),
-    Xpbd.name: Xpbd(),
-    Jacobi.name: Jacobi(),
-    **{f"{Direct.name}+{name}": Direct(block=block()) for name, block in BLOCKS.items()},
+    "pgs_baumgarte": PgsBaumgarte(),
+    "pgs_soft": SOFT["pgs_soft"],
+    "soft_step": SOFT["soft_step"],
+    "xpbd": Xpbd(),
+    "jacobi": SOFT["jacobi"],
+    **{f"direct+{name}": Direct(block=block()) for name, block in BLOCKS.items()},
 }
 
-__all__ = [
-    "SOLVERS",
-    "AbstractSolver",
-    "Direct",
-    "Jacobi",
-    "PgsBaumgarte",
-    "PgsSoft",
-    "SoftStep",
-    "Xpbd",
-]
+__all__ = ["SOLVERS", "AbstractSolver", "Direct", "PgsBaumgarte", "Soft", "Xpbd"]

@@ -1,7 +1,7 @@
 """The contract of every solver."""
 
 import abc
-from typing import Any, ClassVar
+from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array, Int
@@ -16,8 +16,6 @@ class AbstractSolver(abc.ABC):
     Subclasses are frozen dataclasses of Python numbers: hashable, hence static under jit; two
     settings, two compilations. Arrays of the arguments carry the worlds on their last axis.
     """
-
-    name: ClassVar[str]
 
     @abc.abstractmethod
     def empty_cache(self, spec: SceneSpec) -> Any:

@@ -11,7 +11,7 @@ stiffness of taut joints as inertia; Catto (2024), Solver2D, for biased and rela
 """
 
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -83,7 +83,6 @@ class Phase:
 class Direct(AbstractSolver):
     """Joints by a direct solve, contacts by a block (`direct+pgs`, `direct+admm`)."""
 
-    name: ClassVar[str] = "direct"
     substeps: int = 2
     block: AbstractBlock = DEFAULT_BLOCK
     joint_bias: float = 0.5

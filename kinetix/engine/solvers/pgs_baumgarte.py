@@ -7,7 +7,7 @@ where it fails. Worlds are on the last axis.
 """
 
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -77,7 +77,6 @@ class PgsBaumgarte(AbstractSolver):
     Source: the behaviour of jax2d 1.0.1 (Matthews, Beukman, Lu & Foerster 2025).
     """
 
-    name: ClassVar[str] = "pgs_baumgarte"
     iterations: int = 10
     """Sweeps over all joints and contacts."""
     batch_size: int = 16

@@ -1,16 +1,15 @@
-"""Substeps with soft constraints: what `pgs_soft`, `soft_step` and `jacobi` have in common.
+"""Substeps with soft constraints: one solver, and the three settings `SOFT` of it.
 
-A substep is kick – warm start – soft sweeps – drift – relaxing sweeps. The soft sweeps also correct
-positions; the relaxing ones demand nothing of positions, so that they take the speed of the
-correction out again. Bounces come last, once a step.
+The solve also corrects positions; `relax` demands nothing of positions, so that it takes the speed
+of the correction out again. Restitution comes last, once per step.
 
 Worlds are on the last axis.
-Source: Catto (2024), "Solver2D".
+Source: Catto (2011), "Soft Constraints"; Catto (2024), "Solver2D".
 """
 
 import dataclasses
 import functools
-from typing import Any
+from typing import Any, Final
 
 import jax
 import jax.numpy as jnp
@@ -21,6 +20,8 @@ from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.lookup import marked, onto
 from kinetix.engine.maths import dot, unvec, vec
+from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import match
 from kinetix.engine.solvers.soft_rows import (
     ContactDrive,
@@ -58,29 +59,10 @@ from kinetix.engine.solvers.visit import (
     in_turn,
     together,
 )
-from kinetix.engine.spec import SceneSpec
+from kinetix.engine.spec import Features, SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Scheme:
-    """Numbers of substeps, sweeps and relax sweeps."""
-
-    substeps: int
-    sweeps: int
-    """Soft sweeps over all joints and contacts in a substep."""
-    relax: int
-    """Sweeps without position correction after each drift."""
-    bounce: int
-    """Sweeps over the bouncing contacts at the end of the step."""
-    contact: Spring
-    joint: Spring
-    split: bool
-    """Solve everything at once on split bodies, instead of one after the other."""
-    threshold: float
-    """Contacts that close slower than this do not bounce [m/s]."""
 
 
 @pytree
@@ -128,41 +110,131 @@ class SoftPhase:
     """True for contacts that have pushed in any substep."""
 
 
-def empty_cache(spec: SceneSpec, room: Slots) -> Any:
-    """No impulses."""
-    points, joints = room.points, spec.capacity.joints
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Soft(AbstractSolver):
+    """Soft constraints: projected Gauss–Seidel or mass splitting, in substeps or sweeps.
 
-    def zeros(count: int) -> Any:
-        return np.zeros(count, np.float32)
+    Soft constraints take their share of a position error away without the energy that Baumgarte's
+    bias leaves behind.
+    """
 
-    keys: Any = np.full(points, -1, np.int32)
-    return SoftCache(
-        key=keys,
-        contacts=ContactImpulse(normal=zeros(points), tangent=zeros(points)),
-        joints=JointImpulse(
-            x=zeros(joints), y=zeros(joints), turn=zeros(joints), stop=zeros(joints)
-        ),
-    )
+    substeps: int = 1
+    sweeps: int = 1
+    """Soft sweeps over all joints and contacts in a substep."""
+    relax: int = 1
+    """Sweeps without position correction after the positions of a substep."""
+    bounce: int = 1
+    """Sweeps over the bouncing contacts at the end of the step."""
+    contact: Spring
+    joint: Spring
+    split: bool = False
+    """Solve everything at once on split bodies, instead of one after the other."""
+    threshold: float = 1.0
+    """Contacts that close slower than this do not bounce [m/s]."""
+    slots: Slots | None = None
+    """Room for contacts; None: by the capacity."""
+
+    def slots_for(self, spec: SceneSpec) -> Slots:
+        """Return the room for contacts in scenes of this capacity."""
+        return self.slots or usual_room(spec)
+
+    def empty_cache(self, spec: SceneSpec) -> Any:
+        """Return a cache without impulses."""
+        points, joints = self.slots_for(spec).points, spec.capacity.joints
+
+        def zeros(count: int) -> Any:
+            return np.zeros(count, np.float32)
+
+        keys: Any = np.full(points, -1, np.int32)
+        return SoftCache(
+            key=keys,
+            contacts=ContactImpulse(normal=zeros(points), tangent=zeros(points)),
+            joints=JointImpulse(
+                x=zeros(joints), y=zeros(joints), turn=zeros(joints), stop=zeros(joints)
+            ),
+        )
+
+    def step(
+        self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
+    ) -> State:
+        """See the contract."""
+        store = Store.beside(state.rotation)
+        found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
+        step, start = _prepared(self, world, state, control, parameters, spec, found, store)
+
+        def substep(phase: SoftPhase, _: None) -> tuple[SoftPhase, None]:
+            phase = step.integrate_velocities(phase)
+            phase = step.warm_start(phase)
+            phase = step.solve(phase)
+            phase = step.integrate_positions(phase)
+            return step.relax(phase), None
+
+        end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
+        if spec.features.restitution:
+            end = step.restitution(end)
+        return finish(
+            state,
+            end.moving,
+            found,
+            end.hit,
+            parameters,
+            SoftCache(key=found.points.key, contacts=end.contact_impulse, joints=end.joint_impulse),
+        )
 
 
-def soft_step(
+SOFT: Final = {
+    # One kick, soft sweeps, one drift, relaxing sweeps. What Gauss–Seidel cannot do: heavy loads on
+    # light bodies, long chains and welds; and a single explicit step is of first order.
+    "pgs_soft": Soft(
+        sweeps=8,
+        relax=4,
+        contact=Spring(hertz=30.0, damping=10.0, share=0.5),
+        joint=Spring(hertz=60.0, damping=2.0, share=0.5),
+    ),
+    # The method "TGS soft" of Box2D 3 with its published settings. A substep is as good as many
+    # sweeps, since its errors shrink with the square of its length. Loads of a thousand times a
+    # link's mass still tear chains, long welds sag, a box sinks under a hundred times its mass, and
+    # an elastic ball loses up to 8 % of its energy per bounce: it leaves with the speed of the
+    # start of the step, not with that of the impact.
+    "soft_step": Soft(
+        substeps=4,
+        contact=Spring(hertz=30.0, damping=10.0, share=0.25),
+        joint=Spring(hertz=60.0, damping=2.0, share=0.25),
+    ),
+    # A body with k contacts and joints is split into k bodies of a k-th of its mass; every contact
+    # is solved on its own copies, then the copies are averaged. That converges where plain Jacobi
+    # overshoots, and is wide instead of deep; but it takes four to five times the iterations of
+    # Gauss–Seidel, so stacks, chains and welds are soft. Source: Tonge, Benevolenski & Voroshilov
+    # (2012), "Mass Splitting for Jitter-Free Parallel Rigid Body Simulation".
+    "jacobi": Soft(
+        sweeps=24,
+        relax=12,
+        bounce=4,
+        split=True,
+        contact=Spring(hertz=30.0, damping=10.0, share=0.5),
+        joint=Spring(hertz=60.0, damping=2.0, share=0.5),
+    ),
+}
+"""The settings by name."""
+
+
+def _prepared(  # noqa: PLR0913 (everything that a step depends on)
+    solver: Soft,
     world: World,
     state: State,
     control: Control,
     parameters: Parameters,
     spec: SceneSpec,
-    scheme: Scheme,
-    room: Slots,
-) -> State:
-    """One time step, see `AbstractSolver.step`."""
-    store = Store.beside(state.rotation)
-    found = find_contacts(world, state, parameters, spec, room, store)
+    found: Found,
+    store: Store,
+) -> tuple["_Step", SoftPhase]:
+    """The constants of a step, and the state in which its first substep begins."""
     setting = Setting(
         world=world,
         control=jax.tree.map(jnp.nan_to_num, control),
         parameters=parameters,
-        masses=store(_masses(world, found, scheme)),
-        h=parameters.dt / scheme.substeps,
+        masses=store(_masses(world, found, split=solver.split)),
+        h=parameters.dt / solver.substeps,
     )
     moving = MovingBodies(
         position=vec(state.position),
@@ -182,21 +254,8 @@ def soft_step(
         joint_impulse=cache.joints,
         hit=jnp.zeros(normal.shape, bool),
     )
-
-    def substep(phase: SoftPhase, _: None) -> tuple[SoftPhase, None]:
-        return _substep(setting, parts, scheme, spec, store, phase), None
-
-    end, _ = jax.lax.scan(substep, start, None, length=scheme.substeps)
-    if spec.features.restitution:
-        end = _bounced(parts, end, scheme)
-    return finish(
-        state,
-        end.moving,
-        found,
-        end.hit,
-        parameters,
-        SoftCache(key=found.points.key, contacts=end.contact_impulse, joints=end.joint_impulse),
-    )
+    step = _Step(solver=solver, setting=setting, parts=parts, features=spec.features, store=store)
+    return step, start
 
 
 def finish(
@@ -224,12 +283,12 @@ def finish(
     )
 
 
-def _masses(world: World, found: Found, scheme: Scheme) -> SplitMasses:
+def _masses(world: World, found: Found, *, split: bool) -> SplitMasses:
     """Inverse masses, and into how many copies each body is split."""
     bodies, joints = world.bodies, world.joints
     linear, angular = bodies.inverse_mass, bodies.inverse_inertia
     copies = jnp.ones_like(linear)
-    if scheme.split:
+    if split:
         used = (found.points.key >= 0).astype(linear.dtype)
         acts = joint_acts(world).astype(linear.dtype)
         slots = jnp.zeros_like(linear)
@@ -263,110 +322,122 @@ def _parts(setting: Setting, found: Found, moving: MovingBodies) -> Parts:
     )
 
 
-def _substep(
-    setting: Setting, parts: Parts, scheme: Scheme, spec: SceneSpec, store: Store, phase: SoftPhase
-) -> SoftPhase:
-    h, contacts = setting.h, parts.contacts
-    moving = kicked(setting, phase.moving)
-    moving = dataclasses.replace(
-        moving, velocity=store(_warm_started(parts, moving.velocity, phase))
-    )
-    soft = store(
-        Drives(
-            contacts=soft_contacts(contacts, phase.gap, scheme.contact, h),
-            joints=soft_joints(phase.joints, scheme.joint, h),
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Step:
+    """The stages of a substep, with all that stays the same in a step."""
+
+    solver: Soft
+    setting: Setting
+    parts: Parts
+    features: Features
+    store: Store
+
+    def integrate_velocities(self, phase: SoftPhase) -> SoftPhase:
+        """Apply gravity, thrusters and motors."""
+        return dataclasses.replace(phase, moving=kicked(self.setting, phase.moving))
+
+    def warm_start(self, phase: SoftPhase) -> SoftPhase:
+        """Apply all accumulated impulses."""
+        velocity = phase.moving.velocity
+        for targets, (push_a, push_b) in (
+            (self.parts.joint_targets, joint_push(phase.joints, phase.joint_impulse)),
+            (self.parts.contact_targets, contact_push(self.parts.contacts, phase.contact_impulse)),
+        ):
+            velocity = add_changes(
+                velocity,
+                targets.body_a,
+                targets.body_b,
+                push_a * (1 / targets.share_a),
+                push_b * (1 / targets.share_b),
+            )
+        return _with_velocity(phase, self.store(velocity))
+
+    def solve(self, phase: SoftPhase) -> SoftPhase:
+        """Solve velocities, with position correction."""
+        solver, h = self.solver, self.setting.h
+        drives = Drives(
+            contacts=soft_contacts(self.parts.contacts, phase.gap, solver.contact, h),
+            joints=soft_joints(phase.joints, solver.joint, h),
         )
-    )
-    phase = _swept(
-        parts, dataclasses.replace(phase, moving=moving), soft, h, scheme.split, scheme.sweeps
-    )
-    moving = store(drifted(phase.moving, h))
-    moved = Twist(x=moving.position.x, y=moving.position.y, turn=moving.rotation) - parts.start
-    phase = dataclasses.replace(
-        phase,
-        moving=moving,
-        joints=store(joint_rows(setting, parts.joint_targets, spec.features, moving)),
-        gap=store(moved_gap(contacts, parts.contact_targets, parts.gap, moved)),
-        hit=phase.hit | (phase.contact_impulse.normal > 0),
-    )
-    relaxed = store(
-        Drives(contacts=relaxed_contacts(phase.gap, h), joints=relaxed_joints(phase.joints))
-    )
-    phase = _swept(parts, phase, relaxed, h, scheme.split, scheme.relax)
-    # A gap that closed exactly at the end of the drift pushes for the first time here.
-    return dataclasses.replace(phase, hit=phase.hit | (phase.contact_impulse.normal > 0))
+        return self._swept(phase, self.store(drives), solver.sweeps)
 
-
-def _warm_started(parts: Parts, velocity: Twist, phase: SoftPhase) -> Twist:
-    """Velocities with all accumulated impulses applied."""
-    for targets, (push_a, push_b) in (
-        (parts.joint_targets, joint_push(phase.joints, phase.joint_impulse)),
-        (parts.contact_targets, contact_push(parts.contacts, phase.contact_impulse)),
-    ):
-        velocity = add_changes(
-            velocity,
-            targets.body_a,
-            targets.body_b,
-            push_a * (1 / targets.share_a),
-            push_b * (1 / targets.share_b),
-        )
-    return velocity
-
-
-def _swept(
-    parts: Parts,
-    phase: SoftPhase,
-    drives: Drives,
-    h: Float[Array, " n"],
-    split: bool,
-    sweeps: int,
-) -> SoftPhase:
-    """So many visits of all joints, then all contacts, then the friction of all contacts."""
-    visit: Visit = together if split else in_turn
-    solve_joint = functools.partial(push_joint, h)
-
-    def sweep(_: Any, carry: tuple) -> tuple:
-        velocity, contact_impulse, joint_impulse = carry
-        velocity, joint_impulse = visit(
-            velocity, parts.joint_targets, (phase.joints, drives.joints), joint_impulse, solve_joint
-        )
-        velocity, contact_impulse = visit(
-            velocity,
-            parts.contact_targets,
-            (parts.contacts, drives.contacts),
-            contact_impulse,
-            push_normal,
-        )
-        velocity, contact_impulse = visit(
-            velocity, parts.contact_targets, parts.contacts, contact_impulse, push_tangent
-        )
-        return velocity, contact_impulse, joint_impulse
-
-    velocity, contact_impulse, joint_impulse = jax.lax.fori_loop(
-        0, sweeps, sweep, (phase.moving.velocity, phase.contact_impulse, phase.joint_impulse)
-    )
-    return dataclasses.replace(
-        phase,
-        moving=dataclasses.replace(phase.moving, velocity=velocity),
-        contact_impulse=contact_impulse,
-        joint_impulse=joint_impulse,
-    )
-
-
-def _bounced(parts: Parts, phase: SoftPhase, scheme: Scheme) -> SoftPhase:
-    """Contacts that came in fast and pushed leave with their share of the speed of approach."""
-    bounces = phase.hit & (parts.approach < -scheme.threshold)
-    wanted = jnp.where(bounces, -parts.contacts.restitution * parts.approach, 0)
-    visit: Visit = together if scheme.split else in_turn
-
-    def sweep(_: Any, carry: tuple) -> tuple:
-        return visit(
-            carry[0], parts.contact_targets, (parts.contacts, wanted), carry[1], bounce_contact
+    def integrate_positions(self, phase: SoftPhase) -> SoftPhase:
+        """Move the bodies; joints and gaps follow."""
+        parts, store = self.parts, self.store
+        moving = store(drifted(phase.moving, self.setting.h))
+        moved = Twist(x=moving.position.x, y=moving.position.y, turn=moving.rotation) - parts.start
+        return dataclasses.replace(
+            phase,
+            moving=moving,
+            joints=store(joint_rows(self.setting, parts.joint_targets, self.features, moving)),
+            gap=store(moved_gap(parts.contacts, parts.contact_targets, parts.gap, moved)),
+            hit=phase.hit | (phase.contact_impulse.normal > 0),
         )
 
-    velocity, impulse = jax.lax.fori_loop(
-        0, scheme.bounce, sweep, (phase.moving.velocity, phase.contact_impulse)
-    )
-    return dataclasses.replace(
-        phase, moving=dataclasses.replace(phase.moving, velocity=velocity), contact_impulse=impulse
-    )
+    def relax(self, phase: SoftPhase) -> SoftPhase:
+        """Solve velocities without position correction, whose speed goes again."""
+        drives = Drives(
+            contacts=relaxed_contacts(phase.gap, self.setting.h),
+            joints=relaxed_joints(phase.joints),
+        )
+        phase = self._swept(phase, self.store(drives), self.solver.relax)
+        # A gap that closed exactly at the end of the drift pushes for the first time here.
+        return dataclasses.replace(phase, hit=phase.hit | (phase.contact_impulse.normal > 0))
+
+    def restitution(self, phase: SoftPhase) -> SoftPhase:
+        """Give contacts that came in fast and pushed their share of the speed of approach."""
+        parts, solver = self.parts, self.solver
+        bounces = phase.hit & (parts.approach < -solver.threshold)
+        wanted = jnp.where(bounces, -parts.contacts.restitution * parts.approach, 0)
+
+        def sweep(_: Any, carry: tuple) -> tuple:
+            given = (parts.contacts, wanted)
+            return self._visit(carry[0], parts.contact_targets, given, carry[1], bounce_contact)
+
+        velocity, impulse = jax.lax.fori_loop(
+            0, solver.bounce, sweep, (phase.moving.velocity, phase.contact_impulse)
+        )
+        return dataclasses.replace(_with_velocity(phase, velocity), contact_impulse=impulse)
+
+    @property
+    def _visit(self) -> Visit:
+        return together if self.solver.split else in_turn
+
+    def _swept(self, phase: SoftPhase, drives: Drives, sweeps: int) -> SoftPhase:
+        """Visit all joints, then all contacts, then the friction of all contacts, many times."""
+        visit, parts = self._visit, self.parts
+        solve_joint = functools.partial(push_joint, self.setting.h)
+
+        def sweep(_: Any, carry: tuple) -> tuple:
+            velocity, contact_impulse, joint_impulse = carry
+            velocity, joint_impulse = visit(
+                velocity,
+                parts.joint_targets,
+                (phase.joints, drives.joints),
+                joint_impulse,
+                solve_joint,
+            )
+            velocity, contact_impulse = visit(
+                velocity,
+                parts.contact_targets,
+                (parts.contacts, drives.contacts),
+                contact_impulse,
+                push_normal,
+            )
+            velocity, contact_impulse = visit(
+                velocity, parts.contact_targets, parts.contacts, contact_impulse, push_tangent
+            )
+            return velocity, contact_impulse, joint_impulse
+
+        velocity, contact_impulse, joint_impulse = jax.lax.fori_loop(
+            0, sweeps, sweep, (phase.moving.velocity, phase.contact_impulse, phase.joint_impulse)
+        )
+        return dataclasses.replace(
+            _with_velocity(phase, velocity),
+            contact_impulse=contact_impulse,
+            joint_impulse=joint_impulse,
+        )
+
+
+def _with_velocity(phase: SoftPhase, velocity: Twist) -> SoftPhase:
+    return dataclasses.replace(phase, moving=dataclasses.replace(phase.moving, velocity=velocity))

@@ -12,7 +12,7 @@ Extended Position Based Dynamics".
 
 import dataclasses
 import functools
-from typing import Any, ClassVar
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -89,7 +89,6 @@ class Xpbd(AbstractSolver):
     crept 4 cm in 4 s where it should stick, and slid 5 % too far.
     """
 
-    name: ClassVar[str] = "xpbd"
     substeps: int = 10
     iterations: int = 4
     """Passes over joints and contacts in a substep. With one, stacks rock until they fall."""
