@@ -27,6 +27,7 @@ COMMANDS: Final[dict[str, str]] = {
     "eval": "measure an agent on levels",
     "compare": "measure several agents on the same levels and seeds",
     "levelset": "build, check and split level sets",
+    "dataset": "record episodes of people, agents and the search as data",
     "train": "train an agent",
     "bench": "measure speed, scaling, accuracy and rendering",
     "cache": "say how much compiled programs and thumbnails take, or clear them",

@@ -1,7 +1,7 @@
 """Bounded reading of arrays: NumPy archives and safetensors. Nothing in them can execute."""
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
@@ -19,8 +19,10 @@ _HEADERS: Final = {
 _LONGEST_HEADER: Final = 10_000
 
 
-def read_npz(path: Path, kind: Kind) -> dict[str, np.ndarray]:
-    """Read all arrays of a NumPy archive.
+def read_npz(
+    path: Path, kind: Kind, *, only: Collection[str] | None = None
+) -> dict[str, np.ndarray]:
+    """Read the arrays of a NumPy archive.
 
     Sizes are taken from the archive's directory and from each array's header, and compared with
     the limit and with each other before anything is unpacked.
@@ -28,6 +30,7 @@ def read_npz(path: Path, kind: Kind) -> dict[str, np.ndarray]:
     Args:
         path: The file.
         kind: Whose limit holds, for the file and for all its arrays together.
+        only: Names of the arrays that are wanted; None: all.
 
     Raises:
         FileError: It cannot be read, is no such archive, is damaged, or holds too much.
@@ -36,7 +39,7 @@ def read_npz(path: Path, kind: Kind) -> dict[str, np.ndarray]:
         # zipfile, zlib and NumPy raise whatever a damaged archive leads them to; here it is all
         # the same.
         try:
-            return dict(_members(path, file, LIMITS[kind].largest))
+            return dict(_members(path, file, LIMITS[kind].largest, only))
         except FileError:
             raise
         except Exception as error:
@@ -44,7 +47,9 @@ def read_npz(path: Path, kind: Kind) -> dict[str, np.ndarray]:
             raise FileError(path, f"not a readable archive of arrays: {reason}") from None
 
 
-def _members(path: Path, file: BinaryIO, largest: int) -> Iterator[tuple[str, np.ndarray]]:
+def _members(
+    path: Path, file: BinaryIO, largest: int, only: Collection[str] | None
+) -> Iterator[tuple[str, np.ndarray]]:
     with zipfile.ZipFile(file) as archive:
         entries = archive.infolist()
         if len(entries) > MEMBERS:
@@ -52,8 +57,11 @@ def _members(path: Path, file: BinaryIO, largest: int) -> Iterator[tuple[str, np
         if sum(entry.file_size for entry in entries) > largest:
             raise FileError(path, f"expected arrays of at most {largest // MIB} MiB in all")
         for entry in entries:
+            name = entry.filename.removesuffix(".npy")
+            if only is not None and name not in only:
+                continue
             with archive.open(entry) as member:
-                yield entry.filename.removesuffix(".npy"), _array(member, entry.file_size)
+                yield name, _array(member, entry.file_size)
 
 
 def _array(member: Any, size: int) -> np.ndarray:

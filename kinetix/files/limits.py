@@ -13,7 +13,19 @@ MEMBERS: Final = 64
 CHECKPOINT_FILES: Final = 10_000
 """Files below the folder of an agent."""
 
-Kind = Literal["level", "set", "agent", "tensors", "run", "metrics", "trace", "script", "kept"]
+Kind = Literal[
+    "level",
+    "set",
+    "agent",
+    "tensors",
+    "run",
+    "metrics",
+    "trace",
+    "episodes",
+    "curriculum",
+    "script",
+    "kept",
+]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -40,6 +52,12 @@ LIMITS: Final[dict[Kind, FileLimit]] = {
     "run": FileLimit(what="`progress.json`, `config.toml`", largest=1 * MIB, why="about 3 kB"),
     "metrics": FileLimit(what="`metrics.jsonl`", largest=1024 * MIB, why="1 kB an update"),
     "trace": FileLimit(what="recorded episode (`.npz`)", largest=256 * MIB, why="about 1 MB"),
+    "episodes": FileLimit(
+        what="shard of a data set of episodes", largest=1024 * MIB, why="about 2 MB"
+    ),
+    "curriculum": FileLimit(
+        what="history of a curriculum's buffer", largest=64 * MIB, why="below 1 MB a page"
+    ),
     "script": FileLimit(what="replay script (`.jsonl`)", largest=64 * MIB, why="about 10 kB"),
     "kept": FileLimit(
         what="settings, results, names, gallery index", largest=64 * MIB, why="up to 10 MB"

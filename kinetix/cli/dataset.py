@@ -1,0 +1,244 @@
+"""Record episodes of people, agents and the search as one data set, for imitation learning."""
+
+import dataclasses
+import json as json_module
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+from tyro.conf import Positional
+
+from kinetix.errors import KinetixError
+
+if TYPE_CHECKING:
+    from kinetix.datasets.episode import RecordedEpisode
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Record:
+    """Let an agent play, and add its episodes: the attempts of `kinetix eval` to the bit."""
+
+    out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    """The data set's folder; made where there is none, added to otherwise."""
+    agent: Annotated[str, tyro.conf.arg(metavar="DIR|NAME|noop|random")]
+    """Directory or name of an agent or a training run, or noop, or random."""
+    levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
+    """Folders of levels, level files, names of bundled levels, level sets."""
+    attempts: int = 20
+    """Episodes per level."""
+    seed: int = 0
+    """Equal seeds give equal episodes."""
+    physics: str | None = None
+    """Physics preset or solver; by default what the agent was trained under."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
+    wins: bool = False
+    """Keep only episodes that are won."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Gather:
+    """Add episodes that the editor saved, and the recorded solutions of levels."""
+
+    out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    """The data set's folder; made where there is none, added to otherwise."""
+    sources: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|EPISODE.npz|FILE|SET …")]
+    """Episodes (.npz), folders of them, levels and sets with solutions, data sets."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Verify:
+    """Check hashes and levels, play every episode again, and say what the data set holds."""
+
+    folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    """The data set."""
+    json: bool = False
+    """Print one JSON object on stdout, and nothing else there."""
+    replay: bool = True
+    """Whether to play the episodes again; without it only files are checked."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Export:
+    """Write states and actions in kinetix-env's layout, trajectories of 256 steps."""
+
+    folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    """The data set."""
+    out: Annotated[Positional[Path], tyro.conf.arg(metavar="OUT")]
+    """A new folder for the shards."""
+    size: str = "l"
+    """Size of all states: s, m, l or four capacities; larger levels are left out and told."""
+    outcomes: tuple[Literal["won", "lost", "timeout"], ...] = ("won",)
+    """Which episodes."""
+
+
+Dataset = (
+    Annotated[Record, tyro.conf.subcommand("record")]
+    | Annotated[Gather, tyro.conf.subcommand("gather")]
+    | Annotated[Verify, tyro.conf.subcommand("verify")]
+    | Annotated[Export, tyro.conf.subcommand("export")]
+)
+
+
+def run(command: Record | Gather | Verify | Export) -> int:
+    """Run one of the four.
+
+    Returns:
+        0 done, 1 nothing was added, or an episode does not replay.
+    """
+    match command:
+        case Record():
+            return _add(command.out, _recorded(command))
+        case Gather():
+            return _add(command.out, _gathered(command.sources))
+        case Verify():
+            return _verify(command)
+        case Export():
+            return _export(command)
+
+
+def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
+    from kinetix.datasets.folder import add_episodes, read_manifest
+
+    told = add_episodes(out, episodes)
+    manifest = read_manifest(out) if told.added or told.known else None
+    if manifest is None:
+        print(f"{out}: nothing to add", file=sys.stderr)
+        return 1
+    known = f", {told.known} were there already" if told.known else ""
+    print(
+        f"{out}: {told.added} episodes added{known}; now {manifest.episodes} episodes, "
+        f"{manifest.steps} steps in {len(manifest.shards)} shards"
+    )
+    return 0
+
+
+def _recorded(command: Record) -> "Iterator[RecordedEpisode]":
+    from kinetix.agents.agent import load_agent
+    from kinetix.agents.evaluate import NamedLevel, Settings
+    from kinetix.agents.recording import recorded_attempts
+    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.level.sets import gather_levels
+
+    if command.attempts < 1:
+        raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
+    name = command.agent
+    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    settings = Settings(
+        attempts=command.attempts,
+        seed=command.seed,
+        physics=command.physics or "",
+        deterministic=command.deterministic,
+    )
+    for level in gather_levels(command.levels):
+        source = level.level if level.path is None else str(level.path)
+        named = NamedLevel(name=level.name, source=source)
+        outcomes = ("won",) if command.wins else ()
+        try:
+            count = 0
+            for episode in recorded_attempts(player, named, settings, outcomes=outcomes):
+                if episode is not None:
+                    count += 1
+                    yield episode
+            print(f"{level.name}: {count} episodes", file=sys.stderr)
+        except KinetixError as error:
+            print(f"{level.name}: left out: {error}", file=sys.stderr)
+
+
+def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
+    from kinetix.datasets.episode import solution_episode
+    from kinetix.datasets.folder import MANIFEST, read_dataset
+    from kinetix.datasets.offline import is_offline, read_offline
+    from kinetix.datasets.replays import checked
+    from kinetix.datasets.traces import episode_of_trace
+    from kinetix.level.sets import gather_levels
+
+    for source in sources:
+        path = Path(source)
+        if (path / MANIFEST).is_file():
+            yield from read_dataset(path)
+            continue
+        if is_offline(path):
+            yield from map(checked, read_offline(path))
+            continue
+        saved = sorted(path.rglob("*.npz")) if path.is_dir() else [path]
+        traces = [one for one in saved if one.suffix == ".npz"]
+        for one in traces:
+            episode = checked(episode_of_trace(one))
+            if episode.replays:
+                yield episode
+            else:
+                print(
+                    f"{one}: left out: a body was pulled at, or it was played in a step that "
+                    "rounds differently; its controls alone do not tell it",
+                    file=sys.stderr,
+                )
+        if traces and path.suffix == ".npz":
+            continue
+        for level in _levels(source, gather_levels, required=not traces):
+            episode = solution_episode(level)
+            if episode is not None:
+                yield checked(episode)
+
+
+def _levels(source: str, gather: Any, *, required: bool) -> list[Any]:
+    """The levels of a source; a folder of episodes need not have any."""
+    try:
+        return [found.level for found in gather([source])]
+    except KinetixError:
+        if required:
+            raise
+        return []
+
+
+def _verify(command: Verify) -> int:
+    from collections import Counter
+
+    from kinetix.datasets.folder import read_dataset, read_manifest
+
+    manifest = read_manifest(command.folder)
+    counts: dict[str, Counter[str]] = {name: Counter() for name in ("source", "outcome", "physics")}
+    levels: set[str] = set()
+    differ: list[str] = []
+    for episode in read_dataset(command.folder):
+        for name, counter in counts.items():
+            counter[getattr(episode, name)] += 1
+        levels.add(episode.level.name)
+        if command.replay and episode.replays:
+            from kinetix.datasets.replays import checked
+
+            if not checked(episode).replays:
+                differ.append(episode.identity)
+    told: dict[str, Any] = {
+        "episodes": manifest.episodes,
+        "steps": manifest.steps,
+        "shards": len(manifest.shards),
+        "levels": len(levels),
+        **{name: dict(counter) for name, counter in counts.items()},
+        "differ": differ,
+    }
+    if command.json:
+        print(json_module.dumps(told))
+    else:
+        for name, value in told.items():
+            print(f"{name:9} {value if not isinstance(value, list) else len(value)}")
+    return 1 if differ else 0
+
+
+def _export(command: Export) -> int:
+    from kinetix.datasets.folder import read_dataset
+    from kinetix.datasets.offline import write_offline
+
+    told = write_offline(
+        command.out,
+        (one for one in read_dataset(command.folder) if one.outcome in command.outcomes),
+        size=command.size,
+    )
+    for sentence in told.left_out:
+        print(sentence, file=sys.stderr)
+    print(f"{command.out}: {told.trajectories} trajectories in {told.shards} shards")
+    return 0 if told.trajectories else 1

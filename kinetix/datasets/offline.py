@@ -1,0 +1,276 @@
+"""The layout of kinetix-env's offline data: states and actions of trajectories of 256 steps.
+
+Fields are named as there: `action`, `done`, `action_mask`, and `env_state/` with every array of a
+state. Its published shards are zarr archives; these are `.npz` files with the same fields.
+"""
+
+import dataclasses
+import io
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import numpy as np
+
+from kinetix.datasets.episode import CONTROLS, RecordedEpisode
+from kinetix.engine.pairs import pair_counts
+from kinetix.errors import KinetixError
+from kinetix.files.arrays import read_npz
+from kinetix.level.atomic import write_atomically
+from kinetix.level.codec import loads
+from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
+from kinetix.level.model import MOTOR_BINDINGS, Level
+from kinetix.level.sizes import parse_capacity
+
+STEPS: Final = 256
+"""Environment steps in a trajectory; an episode that is over begins again."""
+PREFIX: Final = "env_state/"
+PER_SHARD: Final = 64
+"""Trajectories in a shard: about 20 MB unpacked at size l."""
+_GROUPS: Final = ("polygon", "circle", "joint", "thruster")
+_ALONE: Final = (
+    "collision_matrix",
+    "gravity",
+    "thruster_bindings",
+    "motor_bindings",
+    "motor_auto",
+    "polygon_shape_roles",
+    "circle_shape_roles",
+    "polygon_highlighted",
+    "circle_highlighted",
+    "polygon_densities",
+    "circle_densities",
+    "timestep",
+    "last_distance",
+)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Written:
+    """What was written."""
+
+    trajectories: int
+    shards: int
+    left_out: tuple[str, ...]
+    """A sentence per episode that was not."""
+
+
+def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str = "l") -> Written:
+    """Write episodes in kinetix-env's layout.
+
+    Args:
+        out: A new or an empty folder.
+        episodes: Those that replay; of others the states are not known.
+        size: Of all states: a name or four capacities.
+
+    Raises:
+        KinetixError: The folder is not empty, or cannot be written.
+    """
+    _claim(out)
+    capacity = parse_capacity(size)
+    rows: list[dict[str, np.ndarray]] = []
+    left: list[str] = []
+    shards = count = 0
+    for episode in episodes:
+        if not episode.replays:
+            left.append(f"{episode.level.name}: left out: its controls alone do not tell it")
+            continue
+        try:
+            rows.append(trajectory(episode, capacity))
+        except KinetixError as error:
+            left.append(f"{episode.level.name}: left out: {error}")
+            continue
+        count += 1
+        if len(rows) == PER_SHARD:
+            _write(out, shards, rows)
+            rows, shards = [], shards + 1
+    if rows:
+        _write(out, shards, rows)
+        shards += 1
+    return Written(trajectories=count, shards=shards, left_out=tuple(left))
+
+
+def trajectory(episode: RecordedEpisode, capacity: Any) -> dict[str, np.ndarray]:
+    """Return the arrays of one trajectory, `STEPS` first.
+
+    Args:
+        episode: The episode; it is played again and again until the trajectory is full.
+        capacity: Sizes of the states.
+
+    Raises:
+        KinetixError: The level does not fit.
+    """
+    from kinetix.datasets.replays import replay  # only here is JAX needed
+
+    again = replay(episode, capacity)
+    index = np.arange(STEPS) % again.length
+    arrays = {name: np.asarray(value)[index] for name, value in state_arrays(again.states).items()}
+    return {
+        "action": episode.action[index].astype(np.int32),
+        "done": index == again.length - 1,
+        "action_mask": np.broadcast_to(episode.action_mask, (STEPS, CONTROLS)),
+        **arrays,
+    }
+
+
+def state_arrays(states: Any) -> dict[str, Any]:
+    """Return the arrays of a state, or a batch of them, by kinetix-env's names.
+
+    Args:
+        states: An `EnvState`.
+    """
+    arrays: dict[str, Any] = {}
+    for group in _GROUPS:
+        rows = getattr(states, group)
+        for field in dataclasses.fields(rows):
+            arrays[f"{PREFIX}{group}/{field.name}"] = getattr(rows, field.name)
+    return arrays | {f"{PREFIX}{name}": _told(states, name) for name in _ALONE}
+
+
+def _told(states: Any, name: str) -> Any:
+    value = np.asarray(getattr(states, name))
+    count = np.shape(np.asarray(states.timestep))
+    # What is the same in all moments may have no axis of time.
+    missing = len(count) and value.shape[: len(count)] != count
+    return np.broadcast_to(value, (*count, *value.shape)) if missing else value
+
+
+def is_offline(folder: Path) -> bool:
+    """Whether a folder holds shards in kinetix-env's layout, by the fields of the first one."""
+    shards = sorted(folder.glob("*.npz")) if folder.is_dir() else []
+    if not shards:
+        return False
+    mark = f"{PREFIX}timestep"
+    return mark in read_npz(shards[0], "episodes", only=(mark,))
+
+
+def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
+    """Return the first episode of every trajectory, its level taken from its first state.
+
+    Args:
+        folder: Shards (`.npz`) with the fields of kinetix-env's layout.
+
+    Raises:
+        KinetixError: There is no shard, or one is damaged or holds something else.
+    """
+    shards = sorted(folder.glob("*.npz"))
+    if not shards:
+        raise KinetixError(f"{folder}: expected shards (.npz) in kinetix-env's layout, found none")
+    for path in shards:
+        arrays = read_npz(path, "episodes")
+        try:
+            for k in range(len(arrays["action"])):
+                rows = {name: values[k] for name, values in arrays.items()}
+                yield _episode(rows, f"{path}: trajectory {k}")
+        except KeyError as error:
+            raise KinetixError(
+                f"{path}: expected the fields of kinetix-env's layout: {error} is missing"
+            ) from error
+        except (ValueError, TypeError, IndexError) as error:
+            raise KinetixError(f"{path}: expected trajectories of kinetix-env: {error}") from error
+
+
+def _episode(rows: dict[str, np.ndarray], name: str) -> RecordedEpisode:
+    action, done = rows["action"], rows["done"]
+    if action.ndim != 2 or action.shape[1] != CONTROLS or done.shape != action.shape[:1]:
+        raise ValueError(f"action has the shape {action.shape}, expected (steps, {CONTROLS})")
+    ends = np.flatnonzero(done)
+    length = int(ends[0]) + 1 if len(ends) else len(action)
+    motors = np.array([0.0, 1.0, -1.0], np.float32)[action[:length, :MOTOR_BINDINGS]]
+    control = np.concatenate([motors, action[:length, MOTOR_BINDINGS:]], axis=1)
+    reward = np.zeros(length, np.float32)
+    reward[-1] = float(bool(len(ends)))
+    first = {key: values[0] for key, values in rows.items() if key.startswith(PREFIX)}
+    return RecordedEpisode(
+        level=_level(first, name),
+        control=control.astype(np.float32),
+        reward=reward,
+        # Only successes are published there.
+        outcome="won" if len(ends) else "timeout",
+        physics="jax2d",
+        frame_skip=2,
+        source="agent",
+        player="kinetix-env",
+        replays=False,
+    )
+
+
+def _level(first: dict[str, np.ndarray], name: str) -> Level:
+    """The level that a first state is of."""
+    groups = {group: _rows(first, group) for group in _GROUPS}
+    for group, key in (("polygon", "polygon"), ("circle", "circle")):
+        roles, densities = first[f"{PREFIX}{key}_shape_roles"], first[f"{PREFIX}{key}_densities"]
+        for k, row in enumerate(groups[group]):
+            row |= {"role": int(roles[k]), "density": float(densities[k]), "highlighted": False}
+    for group, key, field in (
+        ("joint", "motor_bindings", "motor_binding"),
+        ("thruster", "thruster_bindings", "thruster_binding"),
+    ):
+        for k, row in enumerate(groups[group]):
+            row[field] = int(first[PREFIX + key][k])
+    for row in groups["joint"]:
+        row |= {"acc_impulse": {"0": 0.0, "1": 0.0}, "acc_r_impulse": 0.0}
+    capacity = tuple(len(groups[group]) for group in _GROUPS)
+    counts = parse_capacity(",".join(map(str, capacity)))
+    rr, cr, cc = pair_counts(counts)
+    nothing = _keyed(msgspec.to_builtins(KinetixContact()))
+    tree = {
+        "env_state": {
+            **groups,
+            "collision_matrix": _keyed(first[PREFIX + "collision_matrix"].tolist()),
+            "acc_rr_manifolds": [nothing] * (2 * rr),
+            "acc_cr_manifolds": [nothing] * cr,
+            "acc_cc_manifolds": [nothing] * cc,
+            "gravity": _keyed(first[PREFIX + "gravity"].tolist()),
+        },
+        "env_params": ENV_PARAMS,
+        "static_env_params": static_env_params(counts),
+    }
+    level = loads(json.dumps(tree), name)
+    auto = first[PREFIX + "motor_auto"][first[f"{PREFIX}joint/active"]]
+    joints_now = tuple(
+        joint.replace(motor=joint.motor.replace(auto=bool(is_auto)))
+        if joint.motor is not None
+        else joint
+        for joint, is_auto in zip(level.joints, auto, strict=True)
+    )
+    return level.replace(joints=joints_now)
+
+
+def _rows(first: dict[str, np.ndarray], group: str) -> list[dict[str, Any]]:
+    start = f"{PREFIX}{group}/"
+    columns = {key[len(start) :]: values for key, values in first.items() if key.startswith(start)}
+    if not columns:
+        raise KeyError(start)
+    count = len(next(iter(columns.values())))
+    return [
+        {field: _keyed(values[k].tolist()) for field, values in columns.items()}
+        for k in range(count)
+    ]
+
+
+def _keyed(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _keyed(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return {str(k): _keyed(one) for k, one in enumerate(value)}
+    return value
+
+
+def _claim(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        filled = any(out.iterdir())
+    except OSError as error:
+        raise KinetixError(f"{out}: cannot be written: {error.strerror or error}") from error
+    if filled:
+        raise KinetixError(f"{out}: is not empty; choose a new folder")
+
+
+def _write(out: Path, number: int, rows: list[dict[str, np.ndarray]]) -> None:
+    stacked = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    packed = io.BytesIO()
+    np.savez_compressed(packed, **stacked)  # pyright: ignore[reportArgumentType]
+    write_atomically(out / f"shard-{number:05d}.npz", packed.getvalue())

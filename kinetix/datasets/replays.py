@@ -1,0 +1,106 @@
+"""Recorded episodes played again: whether the controls alone tell them, and the states they pass.
+
+Nothing but controls is kept on disk, so observations of any kind can be made anew.
+"""
+
+import dataclasses
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from kinetix.datasets.episode import RecordedEpisode
+from kinetix.engine.spec import Capacity
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.reset import level_state
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.level.sizes import capacity_of
+
+_ROWS = 256
+"""Steps are padded to a multiple of this, so that episodes of any length share compilations."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Replay:
+    """What came of playing controls again; axis `k` is environment steps."""
+
+    states: EnvState
+    """Before each step, numpy arrays with a leading axis `k`."""
+    reward: Float[np.ndarray, " k"]
+    length: int
+    """Steps until the episode ended or the controls ran out."""
+    outcome: str
+
+
+def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay:
+    """Play an episode's controls from the start of its level.
+
+    Args:
+        episode: The episode.
+        capacity: Sizes of the states; by default those of the level's own size.
+
+    Returns:
+        The state before each step, cut where the episode ends; the last outcome is `timeout` where
+        the controls run out first.
+
+    Raises:
+        KinetixError: The level does not fit, or the physics does not exist.
+    """
+    env = _environment(capacity or capacity_of(episode.level), episode.physics, episode.frame_skip)
+    count = episode.length
+    rows = np.zeros((-(-max(count, 1) // _ROWS) * _ROWS, episode.control.shape[1]), np.float32)
+    rows[:count] = episode.control
+    state = level_state(episode.level, env.static_env_params)
+    told = jax.device_get(_played(env, jax.tree.map(jnp.asarray, state), jnp.asarray(rows)))
+    states, reward, done, won, lost = told
+    ends = np.flatnonzero(done[:count])
+    length = int(ends[0]) + 1 if len(ends) else count
+    last = length - 1
+    outcome = "timeout"
+    if len(ends):
+        outcome = "won" if won[last] else "lost" if lost[last] else "timeout"
+    return Replay(
+        states=jax.tree.map(lambda x: x[:length], states),
+        reward=reward[:length],
+        length=length,
+        outcome=outcome,
+    )
+
+
+def checked(episode: RecordedEpisode) -> RecordedEpisode:
+    """Return the episode with `replays` as playing it again tells.
+
+    Args:
+        episode: The episode.
+    """
+    again = replay(episode)
+    same = again.length == episode.length and again.outcome == episode.outcome
+    return dataclasses.replace(episode, replays=same)
+
+
+@functools.lru_cache(maxsize=16)
+def _environment(capacity: Capacity, physics: str, frame_skip: int) -> KinetixEnv:
+    static = static_env_params_of(capacity, frame_skip=frame_skip, physics=physics)
+    env = make_kinetix_env(
+        ActionType.CONTINUOUS, ObservationType.BLIND, None, EnvParams(), static, False
+    )
+    assert isinstance(env, KinetixEnv)
+    return env
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _played(env: KinetixEnv, state: EnvState, rows: Float[Array, "k u"]) -> Any:
+    key = jax.random.key(0)  # nothing in a step of one level is random
+
+    def step(state: EnvState, row: Array) -> tuple[EnvState, Any]:
+        _, after, reward, done, info = env.step(key, state, row)
+        won = info["GoalR"]
+        lost = (info["terminated"] & ~won) | info["nan"]
+        return after, (state, reward, done, won, lost)
+
+    return jax.lax.scan(step, state, rows)[1]

@@ -1,0 +1,76 @@
+"""Recorded play that is played again, and kinetix-env's layout of it."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
+from kinetix.agents.recording import recorded_attempts
+from kinetix.agents.scripted import ScriptedPlayer
+from kinetix.cli.dataset import Gather, Verify, run
+from kinetix.datasets.episode import solution_episode
+from kinetix.datasets.folder import read_dataset
+from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
+from kinetix.datasets.replays import checked, replay
+from kinetix.level.codec import load_level
+from kinetix.level.sizes import SIZES
+
+LEVEL = "s/goalkeeper"
+
+
+def test_a_solution_replays_and_a_broken_one_does_not() -> None:
+    """`replays` says whether the controls alone end the episode alike."""
+    found = solution_episode(load_level(LEVEL))
+    assert found is not None
+    assert checked(found).replays
+    idle = dataclasses.replace(found, control=np.zeros_like(found.control))
+    assert not checked(idle).replays
+    again = replay(found)
+    assert again.length == found.length and again.outcome == "won"
+    assert again.states.physics.position.shape[0] == found.length
+
+
+def test_recorded_attempts_are_those_of_an_evaluation() -> None:
+    """Outcome and length of every attempt are those that `kinetix eval` counts."""
+    player, settings = ScriptedPlayer("random"), Settings(attempts=5, seed=3)
+    level = NamedLevel(name=LEVEL, source=LEVEL)
+    *_, last = evaluate(player, [level], settings)
+    found = [one for one in recorded_attempts(player, level, settings) if one is not None]
+    measured = last.results[0].episodes
+    assert [(e.outcome, e.length) for e in found] == [(e.outcome, e.length) for e in measured]
+    for episode, result in zip(found, measured, strict=True):
+        assert np.isclose(episode.reward.sum(), result.total_reward, atol=1e-4)
+
+
+def test_kinetix_env_layout_goes_both_ways(tmp_path: Path) -> None:
+    """States and actions of 256 steps, begun again after the end; read back as the same episode."""
+    found = solution_episode(load_level(LEVEL))
+    assert found is not None
+    told = write_offline(tmp_path / "out", [found, dataclasses.replace(found, replays=False)])
+    assert (told.trajectories, told.shards, len(told.left_out)) == (1, 1, 1)
+    (shard,) = (tmp_path / "out").glob("*.npz")
+    with np.load(shard) as arrays:
+        assert arrays["action"].shape == (1, STEPS, 6)
+        assert arrays["env_state/polygon/position"].shape == (1, STEPS, SIZES["l"].polygons, 2)
+        assert arrays["env_state/timestep"][0, found.length] == 0  # begun again
+        assert np.flatnonzero(arrays["done"][0])[0] == found.length - 1
+    assert is_offline(tmp_path / "out")
+    (back,) = read_offline(tmp_path / "out")
+    assert np.array_equal(back.control, found.control)
+    ours = {body.shape for body in found.level.bodies}
+    assert len(back.level.bodies) == len(found.level.bodies) and len(ours) > 0
+    places = lambda level: sorted(body.position for body in level.bodies)  # noqa: E731
+    assert np.allclose(places(back.level), places(found.level), atol=1e-5)
+    assert [joint.motor for joint in back.level.joints] == [
+        joint.motor for joint in found.level.joints
+    ]
+
+
+def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
+    """Solutions of levels go in; a second time they are there already; all replay."""
+    out = tmp_path / "set"
+    assert run(Gather(out=out, sources=(LEVEL,))) == 0
+    assert run(Gather(out=out, sources=(LEVEL, str(out)))) == 0
+    assert len(list(read_dataset(out))) == 1
+    assert run(Verify(folder=out)) == 0
