@@ -26,6 +26,7 @@ from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
 from kinetix.training.averages import EpisodeAverages
 from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
@@ -162,8 +163,28 @@ def train(
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
             stack.callback(sink.close)
+        history = None
+        if isinstance(trainer, Sfl | Replay):
+            history = History(
+                out,
+                trainer,
+                state,
+                Course(
+                    algorithm=algorithm,
+                    update=progress.updates,
+                    updates=config.num_updates,
+                    steps_per_update=config.steps_per_update,
+                ),
+                say,
+            )
         run = _Run(
-            algorithm=algorithm, trainer=trainer, out=out, sinks=sinks, stop=stop, status=status
+            algorithm=algorithm,
+            trainer=trainer,
+            out=out,
+            sinks=sinks,
+            stop=stop,
+            status=status,
+            history=history,
         )
         state, progress = _loop(run, state, progress, report)
         if progress.updates < config.num_updates:
@@ -197,6 +218,8 @@ class _Run:
     sinks: Sequence[Sink]
     stop: StopRequest
     status: Say
+    history: History | None
+    """Of the buffer, where the algorithm keeps levels."""
 
 
 def _loop(
@@ -230,7 +253,10 @@ def _loop(
         if view.camera.films_after(done, last=last):
             _film(run, view.camera, agent(), done * config.steps_per_update)
         stopping = run.stop.agreed
-        if done % config.checkpoint_save_freq == 0 or last or stopping:
+        saving = done % config.checkpoint_save_freq == 0 or last or stopping
+        if run.history is not None:
+            run.history.follow(done, state, page=saving)
+        if saving:
             _save(run, state, progress, numbers)
         if report is not None and is_leader():
             report(_report(config, progress, took, numbers, view.pace.seconds_left(done)))

@@ -26,7 +26,7 @@ def _levels(*numbers):
 def _filled(scores, config=_CONFIG, capacity=4):
     buffer = empty_buffer(_LEVEL, capacity)
     score = jnp.asarray(scores)
-    return insert(buffer, _levels(*range(1, len(scores) + 1)), score, score, config)
+    return insert(buffer, _levels(*range(1, len(scores) + 1)), score, score, config)[0]
 
 
 def _numbers(buffer):
@@ -58,9 +58,9 @@ def test_temperature_and_topk():
 
 def test_a_full_buffer_only_takes_what_is_better_than_its_least():
     buffer = _filled([0.4, 0.3, 0.2, 0.1])
-    worse = insert(buffer, _levels(8, 9), jnp.array([0.05, 0.1]), jnp.zeros(2), _CONFIG)
+    worse = insert(buffer, _levels(8, 9), jnp.array([0.05, 0.1]), jnp.zeros(2), _CONFIG)[0]
     assert sorted(_numbers(worse)) == [1, 2, 3, 4]
-    better = insert(buffer, _levels(8, 9), jnp.array([0.15, 0.5]), jnp.zeros(2), _CONFIG)
+    better = insert(buffer, _levels(8, 9), jnp.array([0.15, 0.5]), jnp.zeros(2), _CONFIG)[0]
     # 8 replaces 4 (0.1), then 9 replaces 8 (0.15), now the least.
     assert sorted(_numbers(better)) == [1, 2, 3, 9]
 
@@ -68,14 +68,14 @@ def test_a_full_buffer_only_takes_what_is_better_than_its_least():
 def test_duplicates_stay_out_when_asked():
     config = dataclasses.replace(_CONFIG, buffer_duplicate_check=True)
     buffer = _filled([0.4, 0.3, 0.2, 0.1], config)
-    offered = insert(buffer, _levels(2, 9, 9), jnp.array([0.9, 0.8, 0.7]), jnp.zeros(3), config)
+    offered = insert(buffer, _levels(2, 9, 9), jnp.array([0.9, 0.8, 0.7]), jnp.zeros(3), config)[0]
     assert sorted(_numbers(offered)) == [1, 2, 3, 9]
 
 
 def test_duplicates_stay_out_of_a_buffer_that_is_not_full():
     config = dataclasses.replace(_CONFIG, buffer_duplicate_check=True)
     buffer = _filled([0.4, 0.3], config)
-    offered = insert(buffer, _levels(2, 9, 9), jnp.array([0.9, 0.8, 0.7]), jnp.zeros(3), config)
+    offered = insert(buffer, _levels(2, 9, 9), jnp.array([0.9, 0.8, 0.7]), jnp.zeros(3), config)[0]
     assert sorted(_numbers(offered)) == [0, 1, 2, 9]
     assert int(offered.filled.sum()) == 3
 

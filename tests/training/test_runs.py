@@ -24,6 +24,7 @@ from kinetix.failures import Terminated
 from kinetix.files.lock import locked_folder
 from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
+from kinetix.training.curricula.pages import page_updates, read_page
 from kinetix.training.logging import read_metrics
 from kinetix.training.run import make_trainer, train
 from kinetix.training.schedule import learning_rate
@@ -297,6 +298,7 @@ def test_curricula_run_and_go_on_exactly(algorithm, tmp_path):
     assert len(rows) == 6
     assert _without_time(rows)[2] == third
     assert all(np.isfinite(value) for row in rows for value in row.values())
+    _check_history(tmp_path / "run", rows, algorithm)
     if algorithm == "accel":
         kinds = [
             kind for row in rows for kind in ("replay", "mutate") if row[f"level_sampler/{kind}"]
@@ -308,6 +310,29 @@ def test_curricula_run_and_go_on_exactly(algorithm, tmp_path):
         assert all(row["level_sampler/new"] == 1 for row in rows)
     if algorithm != "sfl":
         assert rows[-1]["level_sampler/filled"] == 1.0
+
+
+def _check_history(run, rows, algorithm):
+    """A page an update, also over the interruption; ages and parents fit together."""
+    assert page_updates(run) == [int(row["timing/num_updates"]) for row in rows]
+    pages = [read_page(run, update) for update in page_updates(run)]
+    seen: set[int] = set()
+    for page in pages:
+        head = page.head
+        assert head.algorithm == algorithm and len(page.levels) == len(head.levels)
+        assert [one.score for one in head.levels] == sorted(
+            (one.score for one in head.levels), reverse=True
+        )
+        assert all(one.born <= head.update for one in head.levels)
+        assert all(one.serial in seen for one in head.gone)
+        seen |= {one.serial for one in head.levels}
+    last = pages[-1].head
+    # A resumed run goes on counting where the checkpoint stood.
+    assert max(one.serial for one in last.levels) < sum(page.head.entered for page in pages)
+    if algorithm == "accel":
+        assert any(one.kind == "mutated" and one.ancestry for p in pages for one in p.head.levels)
+    if algorithm == "sfl":
+        assert any(one.reason == "refilled" for page in pages for one in page.head.gone)
 
 
 @pytest.mark.slow

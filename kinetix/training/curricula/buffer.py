@@ -103,7 +103,7 @@ def insert(
     score: Float[Array, " n"],
     max_return: Float[Array, " n"],
     config: ReplayConfig,
-) -> LevelBuffer:
+) -> tuple[LevelBuffer, Int[Array, " m"]]:
     """Offer levels: they fill free entries, then replace the entry of least weight if better.
 
     Args:
@@ -112,6 +112,9 @@ def insert(
         score: Their scores.
         max_return: Their best returns.
         config: As for `weights`.
+
+    Returns:
+        The buffer, and which of the levels is in each entry now; −1: it kept its own.
     """
     capacity = buffer.filled.shape[0]
     # The levels themselves are large: first it is decided who goes where, then they move at once.
@@ -148,7 +151,7 @@ def insert(
         chosen = fresh[jnp.maximum(source, 0)]
         return jnp.where(taken.reshape(-1, *[1] * (old.ndim - 1)), chosen, old)
 
-    return dataclasses.replace(bare, levels=jax.tree.map(move, buffer.levels, levels))
+    return dataclasses.replace(bare, levels=jax.tree.map(move, buffer.levels, levels)), source
 
 
 def revise(

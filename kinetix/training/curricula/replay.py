@@ -9,6 +9,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from kinetix.agents.agent import Agent
@@ -20,6 +21,8 @@ from kinetix.pytree import pytree
 from kinetix.training.config import ReplayConfig
 from kinetix.training.curricula.buffer import LevelBuffer, draw, empty_buffer, insert, revise
 from kinetix.training.curricula.scores import best_return, level_scores
+from kinetix.training.curricula.turnover import BufferView, Turnover
+from kinetix.training.devices import to_host
 from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
@@ -44,6 +47,15 @@ class ReplayState:
     """True where the last step was a replay."""
 
 
+@pytree
+class _Visits:
+    """What an update did to the buffer, besides changing it."""
+
+    source: Int[Array, " m"]
+    episodes: Int[Array, " n"]
+    solved: Int[Array, " n"]
+
+
 class Replay:
     """Keeps the levels that are worth replaying, and replays them."""
 
@@ -65,6 +77,7 @@ class Replay:
         self.work = Work()
         self.parts_per_update = _kinds_per_update(config)
         self._teacher = teacher
+        self.turnover: Turnover | None = None
         self._start = jax.jit(self._first_state)
         self._steps = {
             _NEW: jax.jit(self._new),
@@ -99,8 +112,11 @@ class Replay:
         # The kind is chosen here and not inside the compiled step, so that only it is computed.
         key, choice_key = jax.random.split(state.key)
         kind = self._kind(state, choice_key)
-        step = self._steps[kind]
-        state, metrics = self.work(_TOLD[kind], step, dataclasses.replace(state, key=key))
+        step, before = self._steps[kind], state.replayed
+        state, metrics, visits = self.work(
+            _TOLD[kind], step, dataclasses.replace(state, key=key)
+        )
+        self.turnover = self._turned_over(kind, before, state.replayed, visits)
         buffer = state.buffer
         finite = buffer.filled & jnp.isfinite(buffer.score)
         kinds = {f"level_sampler/{name}": jnp.asarray(kind == name) for name in self._steps}
@@ -110,6 +126,24 @@ class Replay:
             / jnp.maximum(jnp.sum(finite), 1),
         }
 
+    def buffer(self, state: Any) -> BufferView:
+        """Return the buffer of a state."""
+        kept = state.buffer
+        filled, score = to_host((kept.filled, kept.score))
+        return BufferView(levels=kept.levels, filled=filled, score=score)
+
+    def _turned_over(self, kind: str, before: Array, after: Array, visits: Any) -> Turnover:
+        visits = to_host(visits)
+        none = np.full(len(visits.episodes), -1, np.int32)
+        slots = {_NEW: none, _REPLAY: to_host(after), _MUTATE: to_host(before)}
+        return Turnover(
+            kind="mutated" if kind == _MUTATE else "new",
+            source=visits.source,
+            slot=slots[kind],
+            episodes=visits.episodes,
+            solved=visits.solved,
+        )
+
     def _kind(self, state: ReplayState, key: Array) -> str:
         config = self.config
         if config.use_accel and bool(state.just_replayed):
@@ -118,7 +152,7 @@ class Replay:
         wanted = float(jax.random.uniform(key)) < config.replay_prob
         return _REPLAY if full_enough and wanted else _NEW
 
-    def _new(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+    def _new(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array], _Visits]:
         key, level_key, step_key = jax.random.split(state.key, 3)
         count = self.config.num_train_envs
         if self.config.use_accel and self.config.accel_start_from_empty:
@@ -128,7 +162,7 @@ class Replay:
             levels = self.setup.fresh_levels(level_key, count)
         return self._explore(dataclasses.replace(state, key=key), levels, step_key)
 
-    def _mutate(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+    def _mutate(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array], _Visits]:
         key, edit_key, step_key = jax.random.split(state.key, 3)
         keys = jax.random.split(edit_key, self.config.num_train_envs)
         parents = jax.tree.map(lambda x: x[state.replayed], state.buffer.levels)
@@ -138,18 +172,18 @@ class Replay:
 
     def _explore(
         self, state: ReplayState, levels: EnvState, key: Array
-    ) -> tuple[ReplayState, dict[str, Array]]:
+    ) -> tuple[ReplayState, dict[str, Array], _Visits]:
         """Play levels that are not in the buffer, and offer them to it."""
         learning = self.config.exploratory_grad_updates
         state, played, metrics = self._play(state, levels, key, learning=learning)
         best = best_return(played, gamma=self._gamma)
-        buffer = insert(state.buffer, levels, self._score(played, best), best, self.config)
+        buffer, source = insert(state.buffer, levels, self._score(played, best), best, self.config)
         following = dataclasses.replace(
             state, buffer=buffer, just_replayed=jnp.zeros_like(state.just_replayed)
         )
-        return following, metrics
+        return following, metrics, _visits(played, source)
 
-    def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array]]:
+    def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array], _Visits]:
         key, draw_key, order_key, step_key = jax.random.split(state.key, 4)
         count = self.config.num_train_envs
         buffer, index = draw(state.buffer, draw_key, count, self.config, distinct=self._distinct)
@@ -165,7 +199,7 @@ class Replay:
             replayed=index.astype(jnp.int32),
             just_replayed=jnp.ones_like(state.just_replayed),
         )
-        return following, metrics
+        return following, metrics, _visits(played, jnp.full(buffer.filled.shape, -1, jnp.int32))
 
     def _score(self, played: Rollout, best: Array) -> Array:
         config = self.config
@@ -223,3 +257,12 @@ def _kinds_per_update(config: ReplayConfig) -> dict[str, float]:
     mutations = replays if config.use_accel else 0.0
     shares = {_NEW: 1 - replays - mutations, _REPLAY: replays, _MUTATE: mutations}
     return {_TOLD[kind]: share for kind, share in shares.items() if share}
+
+
+def _visits(played: Rollout, source: Int[Array, " m"]) -> _Visits:
+    done, solved = played.trajectory.done, played.trajectory.solved
+    return _Visits(
+        source=source,
+        episodes=jnp.sum(done, axis=0, dtype=jnp.int32),
+        solved=jnp.sum(done & solved, axis=0, dtype=jnp.int32),
+    )

@@ -19,7 +19,8 @@ from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
 from kinetix.training.config import SflConfig
 from kinetix.training.curricula.tally import Tally, learnability, play_tally, sfl_score
-from kinetix.training.devices import everywhere
+from kinetix.training.curricula.turnover import BufferView, Turnover
+from kinetix.training.devices import everywhere, to_host
 from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
@@ -84,6 +85,7 @@ class Sfl:
         self._include = jax.jit(self._with_evaluation_levels)
         self._play_again = jax.jit(self._replayed)
         self._train = jax.jit(self._one_update)
+        self.turnover: Turnover | None = None
 
     def start(self) -> SflState:
         """The state before the first update; the buffer counts as too old to be used."""
@@ -126,10 +128,39 @@ class Sfl:
             The next state, and metrics by their published names.
         """
         report: dict[str, Array] = {}
+        self.turnover = None
         if self._drawn and int(state.age) >= self.config.buffer_update_frequency:
             state, report = self._refill(state)
+            self.turnover = self._all_new(state)
         state, metrics = self.work(_UPDATE, self._train, state)
         return state, report | metrics
+
+    def buffer(self, state: Any) -> BufferView:
+        """Return the buffer of a state; before it is filled for the first time it is empty."""
+        chosen = state.chosen
+        score, episodes, solved = to_host(
+            (chosen.score, chosen.tally.episodes, chosen.tally.solved)
+        )
+        return BufferView(
+            levels=chosen.levels,
+            filled=np.isfinite(score),
+            score=score,
+            episodes=episodes,
+            solved=solved,
+        )
+
+    def _all_new(self, state: SflState) -> Turnover:
+        view = self.buffer(state)
+        assert view.episodes is not None and view.solved is not None
+        count = len(view.score)
+        rows = np.arange(count, dtype=np.int32)
+        return Turnover(
+            kind="refilled",
+            source=np.where(view.filled, rows, -1),
+            slot=np.full(count, -1, np.int32),
+            episodes=view.episodes,
+            solved=view.solved,
+        )
 
     def _refill(self, state: SflState) -> tuple[SflState, dict[str, Array]]:
         """Fill the buffer; if so configured, measure what training on the last one has changed."""
