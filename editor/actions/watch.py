@@ -80,6 +80,8 @@ def update_viewer(session: Session) -> None:
     viewer.evaluation.tick()
     keep_results(session)
     viewer.run.tick(session.time, functools.partial(_newer, session))
+    viewer.curriculum.watch(viewer.run.path)
+    viewer.curriculum.tick(session.time)
     for other in viewer.other_runs:
         other.tick(session.time, lambda _: None)
     _rival(session)

@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Final, Literal, TypeAlias
 
+from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation
 from editor.agents.run_watch import RunWatch
 from editor.play.playback import Simulator
@@ -61,6 +62,7 @@ class Viewer:
         self.rival = Follower(rival)
         self.evaluation = Evaluation(evaluator)
         self.run = RunWatch(worker)
+        self.curriculum = CurriculumWatch(worker)
         self.other_runs: tuple[RunWatch, ...] = ()
         """Runs whose curves are shown beside those of `run`; their agents are not taken."""
         self.follow_run = True

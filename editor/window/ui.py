@@ -22,6 +22,7 @@ from editor.window.dialogs import Dialogs
 from editor.window.panels.agents import AgentsPanel
 from editor.window.panels.base import Panel
 from editor.window.panels.controls import ControlsPanel
+from editor.window.panels.curriculum import CurriculumPanel
 from editor.window.panels.debug import DebugPanel
 from editor.window.panels.evaluate import EvaluatePanel
 from editor.window.panels.eye import EyePanel
@@ -117,6 +118,7 @@ class Ui:
             EyePanel(textures),
             EvaluatePanel(),
             TrainingPanel(),
+            CurriculumPanel(textures),
             DebugPanel(),
             LogPanel(),
         )
@@ -175,6 +177,7 @@ class Ui:
             or (session.gallery.open and self._gallery.animating(session))
             or not session.worker.idle
             or not session.evaluator.idle
+            or (session.viewer.curriculum.open and session.viewer.curriculum.drawing)
             or imgui.get_io().want_text_input
         )
 
@@ -227,6 +230,7 @@ class Ui:
             # Before the panels are drawn: they and the canvas show the same moment.
             actions.advance(session, dt)
         session.viewer.eye_open = session.viewer.timeline_open = False
+        session.viewer.curriculum.open = False
         session.highlighted = ()
         with session.guard():
             self._keys()

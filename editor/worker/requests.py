@@ -12,6 +12,7 @@ from editor.worker.recording import Snapshot, Trace
 from kinetix.agents.results import LevelFailure, LevelResult
 from kinetix.environment.outcome import Outcome
 from kinetix.level.model import Level
+from kinetix.training.curricula.pages import Page
 
 MUTATIONS: Final = (
     ("add_shape", "Add a shape"),
@@ -270,6 +271,27 @@ class RunNews:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class ReadCurriculum:
+    """Look at the history of a run's level buffer. Gives a `CurriculumNews`."""
+
+    path: str
+    update: int | None = None
+    """The page to read; None: the newest, where it is another than `known`."""
+    known: int | None = None
+    """The page that is there already."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class CurriculumNews:
+    """What is new in the history of a level buffer."""
+
+    updates: tuple[int, ...]
+    """Updates of which there are pages."""
+    page: Page | None
+    """The one that was asked for; None where there is none, or nothing newer."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class WarmUp:
     """Import JAX and compile the step for some sizes, so that Play starts at once.
 
@@ -441,6 +463,7 @@ Request: TypeAlias = (
     | PlaySolution
     | Observe
     | ReadRun
+    | ReadCurriculum
     | StartEpisode
     | Advance
     | Restore

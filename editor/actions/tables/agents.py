@@ -184,6 +184,7 @@ AGENTS: Final = (
             ("timeline", "Timeline", ("f8",), "Look back: scrub, loop, start from any moment."),
             ("eye", "What the Agent Sees", (), "The picture and the numbers of its observation."),
             ("training", "Training", (), "Metrics of a training run while it trains."),
+            ("curriculum", "Curriculum", (), "The levels that SFL, PLR or ACCEL keep, over time."),
         )
     ),
 )

@@ -22,6 +22,7 @@ from editor.worker.requests import (
     PlaySolution,
     Progress,
     RandomLevel,
+    ReadCurriculum,
     ReadRun,
     Rehearse,
     RenderState,
@@ -33,6 +34,7 @@ from editor.worker.requests import (
     WarmUp,
 )
 from editor.worker.simulation.cast import load, rehearse
+from editor.worker.simulation.curriculum import read_curriculum
 from editor.worker.simulation.episode import Episode, play_solution
 from editor.worker.simulation.evaluating import open_episode, read_run, run_evaluation, trace_paths
 from editor.worker.simulation.levels import check_dynamics, drawn, mutated
@@ -79,6 +81,7 @@ class _Bridge:
             PlaySolution: play_solution,
             Observe: lambda request, _: observe(request),
             ReadRun: lambda request, _: read_run(request),
+            ReadCurriculum: lambda request, _: read_curriculum(request),
         }
 
     def perform(self, request: Request, progress: Progress) -> Any:

@@ -68,7 +68,9 @@ class TransformerLayer(nn.Module):
         attention = nn.MultiHeadDotProductAttention(
             num_heads=options.num_heads, qkv_features=options.size, name="attention1"
         )
-        y = attention(nn.LayerNorm(name="ln1")(x), mask=mask)
+        # Weights are kept only for those who ask for them (`kinetix.agents.explain`).
+        asked = self.is_mutable_collection("intermediates") and not self.is_initializing()
+        y = attention(nn.LayerNorm(name="ln1")(x), mask=mask, sow_weights=asked)
         x = Gate(name="gate1")(x, jax.nn.relu(y))
         e = nn.LayerNorm(name="ln2")(x)
         width = x.shape[-1]
