@@ -5,6 +5,7 @@ from pathlib import Path
 
 from editor.actions.agents import load_agent
 from editor.actions.measure import keep_results
+from editor.agents.reasons import OVERLAYS
 from editor.agents.run_watch import RunWatch
 from editor.base.prompts import FileQuestion
 from editor.session import Session
@@ -87,6 +88,7 @@ def update_viewer(session: Session) -> None:
     _rival(session)
     if viewer.eye_open:
         _look(session)
+    _ask_why(session)
     if not playback.active:
         viewer.by_hand = False
 
@@ -129,6 +131,39 @@ def _challenge(session: Session, level: Level) -> bool:
         viewer.rival.start(level, playback.physics, casting, player=summary.name)
     viewer.compared_episode = playback.episode
     return True
+
+
+def _ask_why(session: Session) -> None:
+    """Ask agent A about the moment on show, where something of it is to be drawn."""
+    viewer, playback = session.viewer, session.playback
+    summary = viewer.slots["a"].summary
+    wanted = [name for name in OVERLAYS if name in session.settings.agent_overlay]
+    level = playback.level if playback.active else session.document.level
+    if not wanted or summary is None or not summary.parameters or level is None:
+        viewer.reasons.forget()
+        return
+    if not level.bodies or not session.view.settled:
+        return
+    snapshot = playback.snapshot if playback.active else None
+    if snapshot is not None and snapshot.state is None:
+        return
+    body = _asked_body(session, level) if "places" in wanted else None
+    viewer.reasons.ask(level, snapshot, summary.ref, playback.physics, body)
+
+
+def _asked_body(session: Session, level: Level) -> int | None:
+    """Return the body whose places are told: pulled at, chosen, or else the green one."""
+    viewer = session.viewer
+    if session.pull is not None:
+        viewer.asked_body = session.pull.body
+    free = [body.id for body in level.bodies if not body.fixed]
+    chosen = [one for one in session.selection if one in free]
+    if session.editing and chosen:
+        return chosen[0]
+    if viewer.asked_body in free:
+        return viewer.asked_body
+    green = [body.id for body in level.bodies if body.role == "green" and body.id in free]
+    return next(iter([*green, *free]), None)
 
 
 def _look(session: Session) -> None:

@@ -5,6 +5,7 @@ from typing import Final, Literal, TypeAlias
 
 from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation
+from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
 from editor.play.playback import Simulator
 from editor.play.second_player import Follower
@@ -63,6 +64,9 @@ class Viewer:
         self.evaluation = Evaluation(evaluator)
         self.run = RunWatch(worker)
         self.curriculum = CurriculumWatch(worker)
+        self.reasons = Reasons(worker)
+        self.asked_body: int | None = None
+        """Id of the body that was pulled at last, whose places are told."""
         self.other_runs: tuple[RunWatch, ...] = ()
         """Runs whose curves are shown beside those of `run`; their agents are not taken."""
         self.follow_run = True

@@ -22,6 +22,7 @@ from editor.drawing.marks import CapPlace, Marker
 from editor.drawing.minimap import Minimap
 from editor.drawing.name_tags import paint_names
 from editor.drawing.path_overlay import paint_paths
+from editor.drawing.reasons import paint_legend, paint_places, paint_reasons
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
 from editor.editing import gauges, picking
 from editor.play.playback import Mode
@@ -259,6 +260,7 @@ class Canvas:
         settings = session.settings
         grid = settings.grid_step if settings.grid_visible and session.editing else None
         painter.paper(grid=grid)
+        paint_places(session, painter)
         snapshot = session.playback.snapshot if session.playback.active else None
         paint_level(
             painter,
@@ -271,6 +273,7 @@ class Canvas:
             self._picture(session, painter)
         if session.view.debug_draw:
             paint_debug(session, painter, where)
+        paint_reasons(session, painter, where)
         if settings.key_caps:
             self._key_caps(session, marker)
         if settings.names:
@@ -287,6 +290,7 @@ class Canvas:
             self._teach(draw)
         self._minimap.paint(session, draw, where, high)
         self._frame(session, draw)
+        paint_legend(session, draw, (x + px(12), y + height - px(12)))
         draw.pop_clip_rect()
 
     def _picture(self, session: "Session", painter: Painter) -> None:

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Any, Final, Literal, Protocol, TypeAlias
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
@@ -44,6 +44,9 @@ class Pull:
     teleport: bool = False
     """Put the body there instead of pulling (while paused)."""
 
+
+About: TypeAlias = Literal["value", "action"]
+"""What a gradient is of (a test keeps it that of `kinetix.agents.explain`)."""
 
 SCRIPTED: Final = ("noop", "random")
 """Agents that need no folder (a test keeps them those of `kinetix.agents`)."""
@@ -247,6 +250,44 @@ class AgentView:
     """Rows from the top."""
     observation: str
     tables: tuple[ViewTable, ...]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Explain:
+    """Why an agent does what it does at a moment. Gives an `Explained`."""
+
+    level: Level
+    state: Any
+    """A snapshot's `state`, or None for the first state of the level."""
+    memory: Any
+    """The agent's at that moment; None: it has just begun."""
+    agent: AgentRef
+    physics: str
+    about: About = "value"
+    """What the gradient is of: the value, or the likeliest action's log-probability."""
+    body: int | None = None
+    """Id of a body whose places the value is told for; None: of none."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Explained:
+    """Why an agent does what it does; rows in the order of the level's entities."""
+
+    attention: Float[np.ndarray, " b"] | None
+    """Each body's share; None for networks without attention."""
+    bodies: Float[np.ndarray, " b"]
+    """How much each body matters: see `kinetix.agents.explain.Saliency`."""
+    joints: Float[np.ndarray, " j"]
+    thrusters: Float[np.ndarray, " t"]
+    value: float
+    """What the agent expects as things are."""
+    body: int | None = None
+    places: Float[np.ndarray, "h w"] | None = None
+    """What it would expect with the body's origin in the middle of each cell; rows from below."""
+    low: tuple[float, float] = (0.0, 0.0)
+    """Lower left corner of the places [m]."""
+    cell: float = 0.0
+    """Side of a cell [m]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -462,6 +503,7 @@ Request: TypeAlias = (
     | TracePaths
     | PlaySolution
     | Observe
+    | Explain
     | ReadRun
     | ReadCurriculum
     | StartEpisode

@@ -16,7 +16,9 @@ from kinetix.agents.compare import (
 )
 from kinetix.agents.comparison_files import text_of
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
+from kinetix.agents.stored_comparison import is_comparison, read_comparison
 from kinetix.cli import main
+from kinetix.errors import KinetixError
 
 
 def _whence(agent="a", digest="1" * 64, physics="balanced"):
@@ -99,3 +101,36 @@ def test_the_command_measures_prints_and_writes(tmp_path, capsys):
     assert len(board["leaderboard"]) == 2
     assert out.read_text().startswith("<!doctype html>")
     assert main([*command, "--out", "x.txt"]) == 1
+
+
+def test_a_stored_comparison_is_read_again(tmp_path):
+    """Everything that it holds comes back; written again it is the same file."""
+    hashes = {"s/x": "1" * 64, "s/y": "2" * 64}
+    text = text_of(".json", [A, B, C], hashes, "1.0")
+    path = tmp_path / "compared.json"
+    path.write_text(text)
+    assert is_comparison(path)
+    found = read_comparison(path)
+    assert found.contenders == (A, B, C) and found.hashes == hashes
+    assert text_of(".json", found.contenders, found.hashes, "1.0") == text
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda tree: tree.update(format="x"), "expected a comparison"),
+        (lambda tree: tree.update(version=9), "version: expected 1"),
+        (lambda tree: tree["policies"][0]["results"].pop(), r"policies\[0\].results"),
+        (lambda tree: tree["policies"][0]["results"][0]["episodes"].pop(), "4 attempts, got 3"),
+        (lambda tree: tree["policies"][0]["results"][0]["episodes"][0].pop(), "episodes"),
+        (lambda tree: tree["policies"][1].update(seed=5), "one seed"),
+        (lambda tree: tree.update(policies=[]), "at least one policy"),
+    ],
+)
+def test_a_bad_comparison_is_one_sentence(tmp_path, change, sentence):
+    tree = json.loads(text_of(".json", [A, B], {"s/x": "1", "s/y": "2"}, "1.0"))
+    change(tree)
+    path = tmp_path / "bad.json"
+    path.write_text(json.dumps(tree))
+    with pytest.raises(KinetixError, match=sentence):
+        read_comparison(path)

@@ -12,16 +12,36 @@ from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.worker.requests import AgentSummary
+from editor.worker.requests import About, AgentSummary
 
 if TYPE_CHECKING:
     from editor.session import Session
 
 OVERLAYS: Final[dict[str, tuple[str, str]]] = {
     "heat": ("Actions on joints and thrusters", "Colour: where the policy leans. Arrow: chosen."),
-    "numbers": ("Value and entropy", "What it expects of the future, and how unsure it is."),
+    "numbers": (
+        "Value, entropy, probabilities",
+        "What it expects of the future, how unsure it is, and each control's choices.",
+    ),
+    "attention": (
+        "Attention",
+        "Entity networks: the share of attention that each body gets over all layers.",
+    ),
+    "saliency": (
+        "What matters to it",
+        "Rings: how far the number would go if the entity were moved by 10 cm, turned by "
+        "0.1 rad and 1 m/s faster; motors and thrusters twice as strong.",
+    ),
+    "places": (
+        "Value of places",
+        "The value if the chosen body (or the one that was dragged last) stood elsewhere, with "
+        "what is jointed to it. Red: more than now, blue: less.",
+    ),
 }
 """Names in the settings, labels and explanations."""
+
+
+_ABOUT: Final[dict[About, str]] = {"value": "its value", "action": "its choice"}
 
 
 class AgentsPanel(Panel):
@@ -152,6 +172,22 @@ class AgentsPanel(Panel):
             if changed:
                 kept = [other for other in settings.agent_overlay if other != name]
                 settings.agent_overlay = [*kept, name] if on else kept
+            if name == "saliency" and on:
+                self._about(session)
+        if session.viewer.reasons.error:
+            widgets.small(session.viewer.reasons.error, COLOURS.bad)
+
+    def _about(self, session: "Session") -> None:
+        """What the rings are about."""
+        reasons = session.viewer.reasons
+        imgui.indent(px(22))
+        for index, (about, label) in enumerate(_ABOUT.items()):
+            if index:
+                imgui.same_line()
+            if imgui.radio_button(f"{label}###about.{about}", reasons.about == about):
+                reasons.about = about
+            widgets.probe(session, f"agents.about.{about}")
+        imgui.unindent(px(22))
 
     def _more(self, session: "Session") -> None:
         run = session.viewer.run

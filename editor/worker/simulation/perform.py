@@ -11,6 +11,7 @@ from editor.worker.requests import (
     Advance,
     CheckDynamics,
     Evaluate,
+    Explain,
     ExportFilm,
     ExportPicture,
     GetReady,
@@ -37,6 +38,7 @@ from editor.worker.simulation.cast import load, rehearse
 from editor.worker.simulation.curriculum import read_curriculum
 from editor.worker.simulation.episode import Episode, play_solution
 from editor.worker.simulation.evaluating import open_episode, read_run, run_evaluation, trace_paths
+from editor.worker.simulation.explaining import explain
 from editor.worker.simulation.levels import check_dynamics, drawn, mutated
 from editor.worker.simulation.observing import observe
 from editor.worker.simulation.pictures import export_film, export_picture, render_state
@@ -80,6 +82,7 @@ class _Bridge:
             TracePaths: trace_paths,
             PlaySolution: play_solution,
             Observe: lambda request, _: observe(request),
+            Explain: lambda request, _: explain(request),
             ReadRun: lambda request, _: read_run(request),
             ReadCurriculum: lambda request, _: read_curriculum(request),
         }
