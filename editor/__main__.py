@@ -15,7 +15,6 @@ from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
-from editor.play.trace_files import SUFFIX
 from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded
@@ -35,8 +34,10 @@ _PARTING_SECONDS: Final = 0.3
 class Options:
     """Draw, edit and play 2D physics levels."""
 
-    files: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Levels to open, in either format; episodes (`.npz`) to look at."""
+    files: Annotated[
+        tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE|ADDRESS")
+    ] = ()
+    """Levels in either format, episodes (`.npz`), comparisons (`.json`); files or addresses."""
     agent: Path | None = None
     """Folder of an agent or of a training run to load; F6 lets it play."""
     offscreen: bool = False
@@ -188,7 +189,7 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import export, file, guide, recover
+    from editor.actions import address, file, guide, recover
 
     if not options.files:
         if options.replay is None:
@@ -200,10 +201,7 @@ def _open_files(options: Options, session: Session) -> None:
             recover.offer(session)
         return
     mark = session.log.serial
-    opened = [
-        export.open_trace(session, path) if path.suffix == SUFFIX else file.open_path(session, path)
-        for path in options.files
-    ]
+    opened = [address.open_any(session, words) for words in options.files]
     if not any(opened):
         raise KinetixError("\n".join(session.log.since(mark)))
     if options.replay is None:

@@ -36,6 +36,7 @@ from editor.gallery.view import GalleryView
 from editor.play.moment import Moment
 from editor.play.motion import Motion
 from editor.play.playback import Mode, Playback, Simulator
+from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
 from editor.worker.requests import Pull
 from kinetix.errors import CommandError, KinetixError
@@ -184,6 +185,7 @@ class Session:
         self.view = View()
         self.gallery = GalleryView()
         self.library = library or Library()
+        self.fetches = Fetches()
         """The levels that the gallery shows."""
         self.results = results or Results()
         """Results of players on levels."""

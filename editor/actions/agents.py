@@ -49,6 +49,34 @@ def is_run(path: Path) -> bool:
     return (path / "checkpoints").is_dir() and (path / "metrics.jsonl").is_file()
 
 
+def run_of(path: Path) -> Path | None:
+    """Return the training run that a checkpoint's folder belongs to; None where it is of none."""
+    run = path.parent.parent
+    return run if path.parent.name == "checkpoints" and is_run(run) else None
+
+
+def checkpoints_of(path: Path) -> list[Path]:
+    """Return the folders of all checkpoints of a run, oldest first.
+
+    Args:
+        path: The run, or one of its checkpoints.
+    """
+    run = path if is_run(path) else run_of(path)
+    if run is None:
+        return []
+    folder = run / "checkpoints"
+    found = [one for one in folder.glob("*") if one.name.isdecimal() and is_agent_folder(one)]
+    return sorted(found, key=lambda one: int(one.name))
+
+
+def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
+    """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
+    session.viewer.follow_run = False
+    load_agent(session, path, slot)
+    if slot == "a" and agent_playing(session):
+        session.expected = session.viewer.slots["a"].job
+
+
 def agent_folder(path: Path) -> Path | None:
     """The agent that a dropped or chosen path means: itself, or the folder that a file is in."""
     if is_agent_folder(path):
@@ -98,6 +126,8 @@ def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
         session.expected = None
         if job.state is JobState.DONE and session.editing:
             play_agent(session)
+        elif job.state is JobState.DONE:
+            restart(session)
 
 
 def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
@@ -122,7 +152,7 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
-    if path not in SCRIPTED:
+    if path not in SCRIPTED and run_of(Path(path)) is None:
         recents = [path, *(other for other in session.settings.recent_agents if other != path)]
         session.settings.recent_agents = recents[:RECENT_AGENTS]
     use = "F6 lets it play." if slot == "a" else "It can be compared with agent A, or with you."

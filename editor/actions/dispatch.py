@@ -4,7 +4,7 @@ import functools
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, export, file, outside, play, watch
+from editor.actions import address, agents, outside, play, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, use_pointer
@@ -22,7 +22,6 @@ from editor.base.events import (
     TextEvent,
     WheelEvent,
 )
-from editor.play.trace_files import SUFFIX
 from editor.session import Session
 from kinetix.errors import CommandError
 
@@ -149,10 +148,8 @@ def _dropped(session: Session, path: Path) -> None:
     if folder is not None:
         agents.load_agent(session, folder)
         session.view.front = "agents"
-    elif path.suffix == SUFFIX:
-        export.open_trace(session, path)
     else:
-        file.open_path(session, path)
+        address.open_any(session, str(path))
 
 
 def _key(session: Session, event: KeyEvent) -> bool:
@@ -237,6 +234,7 @@ def advance(session: Session, seconds: float) -> None:
     session.toasts = [toast for toast in session.toasts if toast.until > session.time]
     with session.guard():
         session.worker.poll()
+        session.fetches.poll()
         session.library.poll()
         session.evaluator.poll()
     debugging = session.view.debug_draw and bool(session.settings.debug_draw)

@@ -5,6 +5,7 @@ from typing import Final
 
 from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
+from editor.actions.comparison import present
 from editor.agents.evaluation import Plan
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
@@ -187,7 +188,9 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     request = TracePaths(
         level=plan.levels[level],
         casting=Casting(
-            agent=plan.agents[agent].ref, seed=plan.seed, deterministic=plan.deterministic
+            agent=present(session, plan.agents[agent]).ref,
+            seed=plan.seed,
+            deterministic=plan.deterministic,
         ),
         attempts=plan.attempts,
         physics=plan.physics_of(agent),
@@ -198,7 +201,7 @@ def show_paths(session: Session, level: int, agent: int) -> None:
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
-            viewer.paths = job.result
+            viewer.paths, viewer.path_ending = job.result, None
 
     viewer.paths_pending = True
     session.evaluator.submit(request, title="Playing the attempts", done=done)
@@ -219,7 +222,7 @@ def open_attempt(
     plan = session.viewer.evaluation.plan
     if plan is None:
         return
-    summary = plan.agents[agent]
+    summary = present(session, plan.agents[agent])
     casting = Casting(
         agent=summary.ref, seed=plan.seed, attempt=attempt, deterministic=plan.deterministic
     )
@@ -230,6 +233,10 @@ def open_attempt(
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
+            if level_hash(job.result.level) != plan.hashes[level]:
+                name = plan.levels[level].name
+                session.toast(f"{name} is another level by now; evaluate it again.", "error")
+                return
             _show(session, job.result, source, casting, summary)
             if at is not None and session.mode is Mode.REPLAY:
                 session.playback.running = False

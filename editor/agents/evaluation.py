@@ -8,7 +8,15 @@ from collections.abc import Sequence
 from typing import Any, Final, Literal, TypeAlias
 
 from editor.worker.jobs import Job, JobState, Worker
-from editor.worker.requests import AgentSummary, Evaluate, EvaluatedLevel, Standing
+from editor.worker.requests import (
+    SCRIPTED,
+    AgentRef,
+    AgentSummary,
+    Evaluate,
+    EvaluatedLevel,
+    Score,
+    Standing,
+)
 from kinetix.agents.compare import Contender, labels_of
 from kinetix.agents.comparison_files import text_of
 from kinetix.agents.results import LevelFailure, LevelResult, Provenance, report
@@ -31,13 +39,19 @@ class Plan:
     physics: str = ""
     """Empty: each agent's own."""
     deterministic: bool = False
+    sources: tuple[Provenance, ...] = ()
+    """Of a stored comparison: what each agent's results depend on."""
 
     def physics_of(self, agent: int) -> str:
         """Return the physics under which an agent is measured."""
+        if self.sources:
+            return self.sources[agent].physics
         return self.physics or self.agents[agent].physics
 
     def provenance(self, agent: int) -> Provenance:
         """Return what an agent's results depend on, levels aside."""
+        if self.sources:
+            return self.sources[agent]
         who = self.agents[agent]
         return Provenance(
             agent=who.name,
@@ -60,6 +74,33 @@ class Row:
     errors: tuple[str, ...]
     """Reasons why an agent could not play it; empty where it could, or where nothing is known
     yet."""
+
+
+def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummary:
+    """Return a player of which nothing was loaded: a scripted one, or one of a stored comparison.
+
+    Args:
+        name: Of a scripted one; otherwise what it was called.
+        provenance: Of a stored comparison's; then its folder is not known.
+    """
+    return AgentSummary(
+        ref=AgentRef(path=name if name in SCRIPTED else ""),
+        name=name,
+        description="",
+        observation="blind",
+        action="multi_discrete",
+        network="no network",
+        parameters=0,
+        recurrent=False,
+        capacity=None,
+        any_size=True,
+        physics="balanced" if provenance is None else provenance.physics,
+        frame_skip=2,
+        steps=None,
+        training="",
+        folder="",
+        digest="" if provenance is None else provenance.digest,
+    )
 
 
 class Evaluation:
@@ -98,6 +139,27 @@ class Evaluation:
             deterministic=plan.deterministic,
         )
         self.job = self._worker.submit(request, title="Evaluating", done=self._done)
+
+    def restore(self, plan: Plan, contenders: Sequence[Contender]) -> None:
+        """Show a comparison that was stored; one that is under way is cancelled.
+
+        Args:
+            plan: Its agents and levels.
+            contenders: What is known of each agent, in the plan's order.
+        """
+        self.cancel()
+        self.plan, self.error, self.cancelled, self.job = plan, "", False, None
+        scores, failures = [], []
+        for agent, contender in enumerate(contenders):
+            for one in contender.results:
+                if isinstance(one, LevelResult):
+                    scores.append(Score(agent=agent, result=one))
+                else:
+                    failures.append((agent, one))
+        episodes = sum(score.result.attempts for score in scores)
+        self.standing = Standing(
+            done=episodes, total=episodes, scores=tuple(scores), failures=tuple(failures)
+        )
 
     def cancel(self) -> None:
         """Stop; what is known so far stays in the table."""

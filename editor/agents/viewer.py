@@ -48,6 +48,8 @@ class Viewer:
         self.paths_pending = False
         self.path_outcomes: tuple[str, ...] = ()
         """Only ways that end so are drawn; empty: all."""
+        self.path_ending: int | None = None
+        """Only ways of this group of `paths.endings` are drawn; None: of all."""
         self.lit_path: int | None = None
         """The attempt that is pointed at."""
         self.contenders: tuple[AgentSummary, ...] = ()

@@ -27,10 +27,13 @@ def paint_paths(session: "Session", painter: Painter) -> None:
     if paths is None or paths.level_hash != session.document.hash:
         return
     draw, camera = painter.draw, painter.camera
-    lit = session.viewer.lit_path
+    lit, ending = session.viewer.lit_path, session.viewer.path_ending
+    group = None if ending is None else frozenset(paths.endings[ending].attempts)
     order = [k for k in range(min(len(paths.outcomes), _MOST)) if k != lit]
     for k in [*order, lit] if lit is not None and lit < len(paths.outcomes) else order:
         outcome = paths.outcomes[k]
+        if group is not None and k not in group and k != lit:
+            continue
         if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
             continue
         places: list[Any] = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
@@ -39,8 +42,11 @@ def paint_paths(session: "Session", painter: Painter) -> None:
         shade = u32(colour if strong else alpha(colour, 0.45))
         draw.add_polyline(places, shade, px(3.5 if strong else 1.75), 0)
         draw.add_circle_filled(places[-1], px(4), u32(colour))
-    if paths.parting is not None:
-        at = int(np.searchsorted(paths.step, paths.parting))
+    parting = paths.parting if ending is None else paths.endings[ending].parting
+    if parting is not None:
+        at = int(np.searchsorted(paths.step, parting))
         for k in order[:_MOST]:
+            if group is not None and k not in group:
+                continue
             x, y = paths.position[k][min(at, paths.position.shape[1] - 1)].tolist()
             draw.add_circle(camera.to_screen((x, y)), px(3), u32(COLOURS.backdrop), 0, px(1.5))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor import actions
-from editor.actions import agents, file
+from editor.actions import agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
 from editor.documents import files
@@ -145,9 +145,13 @@ class Replayer:
 
     def _open(self, event: Event) -> None:
         mark = self._session.log.serial
-        if not file.open_path(self._session, event["file"]):
+        if not address.open_any(self._session, event["file"]):
             raise KinetixError(" ".join(self._session.log.since(mark)) or "cannot be opened")
         self._frames(2)
+        until = time.monotonic() + _LOAD_SECONDS
+        while self._session.fetches.waiting and time.monotonic() < until:
+            time.sleep(0.01)
+            self._step()
 
     def _save(self, event: Event) -> None:
         document = self._session.document

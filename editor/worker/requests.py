@@ -189,6 +189,17 @@ class TracePaths:
     physics: str
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Ending:
+    """Attempts that end alike; the fields of `kinetix.agents.paths.Ending`."""
+
+    outcome: str
+    attempts: tuple[int, ...]
+    place: tuple[float, float]
+    length: int
+    parting: int | None
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class AttemptPaths:
     """The ways of all attempts on a level; axis `n` attempts, `k` places in time."""
@@ -201,6 +212,8 @@ class AttemptPaths:
     outcomes: tuple[Outcome, ...]
     parting: int | None
     """Step at which attempts that are won leave the others; None where they do not."""
+    endings: tuple[Ending, ...] = ()
+    """The attempts grouped by how they end, the largest group first."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterator
+from typing import Final
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +13,7 @@ from kinetix.agents.environments import environment_for
 from kinetix.agents.episodes import BATCH, Episodes, advance
 from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
 from kinetix.agents.player import Player
-from kinetix.agents.results import EpisodeResult
+from kinetix.agents.results import EpisodeResult, OutcomeName
 from kinetix.environment.reset import level_state
 
 GREEN = 1
@@ -112,6 +113,77 @@ def parting(paths: Paths) -> int | None:
     together = np.flatnonzero(~clear)
     index = int(together[-1]) + 1 if len(together) else 0
     return int(paths.step[index])
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Ending:
+    """Attempts that end alike: with the same outcome, in the same place."""
+
+    outcome: OutcomeName
+    attempts: tuple[int, ...]
+    place: tuple[float, float]
+    """Mean of where the green shape is at the end [m]."""
+    length: int
+    """Median of the environment steps."""
+    parting: int | None
+    """Step at which they leave the attempts that are won; None for those, or where they do not."""
+
+
+NEAR: Final = 0.5
+"""Ends that are this near to each other, or joined by others, are one place [m]."""
+
+
+def endings(paths: Paths) -> tuple[Ending, ...]:
+    """Return the attempts grouped by how they end, the largest group first.
+
+    Args:
+        paths: The ways of all attempts on a level.
+    """
+    last = paths.position[:, -1]
+    outcomes = np.array([result.outcome for result in paths.results])
+    lengths = np.array([result.length for result in paths.results])
+    won = outcomes == "won"
+    found = []
+    for outcome in dict.fromkeys(outcomes.tolist()):
+        rows = np.flatnonzero(outcomes == outcome)
+        for members in _clusters(rows, last):
+            step = None
+            if outcome != "won" and won.any():
+                among = np.concatenate([np.flatnonzero(won), members])
+                step = parting(
+                    Paths(
+                        step=paths.step,
+                        position=paths.position[among],
+                        results=tuple(paths.results[k] for k in among.tolist()),
+                    )
+                )
+            x, y = last[members].mean(axis=0).tolist()
+            found.append(
+                Ending(
+                    outcome=outcome,
+                    attempts=tuple(members.tolist()),
+                    place=(x, y),
+                    length=int(np.median(lengths[members])),
+                    parting=step,
+                )
+            )
+    return tuple(sorted(found, key=lambda one: -len(one.attempts)))
+
+
+def _clusters(rows: Int[np.ndarray, " r"], places: Float[np.ndarray, "n 2"]) -> list[np.ndarray]:
+    """Rows whose places are joined by steps of at most `NEAR`."""
+    left = rows.tolist()
+    clusters = []
+    while left:
+        members, edge = [], [left.pop(0)]
+        while edge:
+            members += edge
+            apart = np.linalg.norm(places[left][:, None] - places[edge][None], axis=-1)
+            near = (apart <= NEAR).any(axis=1) if left else np.zeros(0, bool)
+            edge = [row for row, is_near in zip(left, near, strict=True) if is_near]
+            left = [row for row, is_near in zip(left, near, strict=True) if not is_near]
+        clusters.append(np.array(sorted(members)))
+    return clusters
 
 
 def _spread(positions: Float[np.ndarray, "n k 2"]) -> Float[np.ndarray, " k"]:

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import export, file, outside
+from editor.actions import address, comparison, export, file, outside
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -55,6 +55,20 @@ FILE: Final = (
         menu="File",
         tooltip="A trace (.npz) that was exported: look at it again, step by step.",
         run=export.ask_trace,
+    ),
+    Action(
+        id="file.open_address",
+        label="Open Address…",
+        menu="File",
+        tooltip="A level, an episode or a comparison on the web.",
+        run=address.ask,
+    ),
+    Action(
+        id="file.open_comparison",
+        label="Open Comparison…",
+        menu="File",
+        tooltip="A .json of kinetix compare, or saved from the Evaluate panel: its table again.",
+        run=comparison.ask_comparison,
     ),
     Action(
         id="file.screenshot",

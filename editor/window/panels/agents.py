@@ -1,5 +1,6 @@
 """The agents: who plays, with which draws, what is shown of it, and whom it is compared with."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -41,6 +42,8 @@ OVERLAYS: Final[dict[str, tuple[str, str]]] = {
 """Names in the settings, labels and explanations."""
 
 
+_LOOK_SECONDS: Final = 3.0
+"""How often a run is looked at for new checkpoints."""
 _ABOUT: Final[dict[About, str]] = {"value": "its value", "action": "its choice"}
 
 
@@ -48,6 +51,10 @@ class AgentsPanel(Panel):
     """Two slots, the draws, the comparison, the overlays."""
 
     id, title, icon = "agents", "Agents", Icons.agent
+
+    def __init__(self) -> None:
+        self._listed: dict[str, tuple[float, list[Path]]] = {}
+        """Checkpoints by agent, and when they were looked for [s]."""
 
     def draw(self, session: "Session") -> None:
         """Draw the sections."""
@@ -110,8 +117,36 @@ class AgentsPanel(Panel):
         if slot == "a" and summary.parameters and playback.physics != summary.physics:
             words = f"It plays under {playback.physics} now, and was trained under "
             widgets.small(f"{words}{summary.physics}.", COLOURS.warn)
+        self._checkpoints(session, summary, slot)
         if widgets.button(session, f"agents.clear.{slot}", "Take out"):
             session.queue(lambda: agents.clear_slot(session, slot))
+
+    def _checkpoints(self, session: "Session", summary: AgentSummary, slot: SlotName) -> None:
+        """A slider over the checkpoints of the agent's training run."""
+        known = self._known_checkpoints(session, summary)
+        if len(known) < 2:
+            return
+        path = Path(summary.folder or summary.ref.path)
+        place = known.index(path) if path in known else len(known) - 1
+        imgui.set_next_item_width(imgui.get_content_region_avail().x)
+        steps = f"{int(known[place].name):,} steps".replace(",", " ")
+        moved, chosen = imgui.slider_int(f"###checkpoint.{slot}", place, 0, len(known) - 1, steps)
+        widgets.probe(session, f"agents.checkpoint.{slot}")
+        widgets.tooltip(
+            "Checkpoint",
+            f"{len(known)} of this run. What plays starts anew: the same level, the same draws.",
+        )
+        if moved and chosen != place and not session.viewer.slots[slot].loading:
+            target = known[chosen]
+            session.queue(lambda: agents.show_checkpoint(session, slot, target))
+
+    def _known_checkpoints(self, session: "Session", summary: AgentSummary) -> list[Path]:
+        """The run's checkpoints; the disk is asked now and then, not in every frame."""
+        key, now = summary.ref.path, session.time
+        known = self._listed.get(key)
+        if known is None or now - known[0] > _LOOK_SECONDS:
+            known = self._listed[key] = (now, agents.checkpoints_of(Path(key)))
+        return known[1]
 
     def _play(self, session: "Session") -> None:
         imgui.same_line()

@@ -1,14 +1,15 @@
 """The evaluation: which agents on which levels, how far it is, the table of solve rates."""
 
 import dataclasses
+import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import measure
+from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
-from editor.agents.evaluation import Column, Plan, Row, best
+from editor.agents.evaluation import Column, Plan, Row, bare_summary, best
 from editor.base.physics import PHYSICS
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets
@@ -16,7 +17,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.worker.requests import SCRIPTED, AgentRef, AgentSummary
+from editor.worker.requests import SCRIPTED, AgentSummary
 from kinetix.agents.compare import labels_of, leaderboard, paired
 from kinetix.agents.results import EpisodeResult, LevelResult
 from kinetix.paths import levels_dir
@@ -65,27 +66,6 @@ class _Form:
     descending: bool = False
     chosen: tuple[int, int] | None = None
     """Level and agent whose attempts are on show."""
-
-
-def scripted_summary(name: str) -> AgentSummary:
-    """A scripted agent without asking the worker: it has nothing to load."""
-    return AgentSummary(
-        ref=AgentRef(path=name),
-        name=name,
-        description="",
-        observation="blind",
-        action="multi_discrete",
-        network="no network",
-        parameters=0,
-        recurrent=False,
-        capacity=None,
-        any_size=True,
-        physics="balanced",
-        frame_skip=2,
-        steps=None,
-        training="",
-        folder="",
-    )
 
 
 def _columns(agents: int) -> tuple[Column, ...]:
@@ -164,7 +144,7 @@ class EvaluatePanel(Panel):
         self._summary(session)
 
     def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
-        scripted = tuple(scripted_summary(name) for name in self._form.scripted)
+        scripted = tuple(bare_summary(name) for name in self._form.scripted)
         loaded = tuple(a for a in session.viewer.agents if a.ref.path not in self._form.scripted)
         others = tuple(a for a in session.viewer.contenders if a not in loaded)
         return (*loaded, *others, *scripted)
@@ -281,6 +261,10 @@ class EvaluatePanel(Panel):
                 )
             )
             form.chosen = None
+        imgui.same_line()
+        if widgets.button(session, "evaluate.open", "Open…"):
+            session.queue(lambda: comparison.ask_comparison(session))
+        widgets.tooltip("Open a comparison", "A .json that was saved here or by kinetix compare.")
         if evaluation.standing is not None:
             imgui.same_line()
             if widgets.button(session, "evaluate.save", "Save the table…"):
@@ -489,9 +473,33 @@ class EvaluatePanel(Panel):
                 kept = viewer.path_outcomes or tuple(dict.fromkeys(viewer.paths.outcomes))
                 others = tuple(one for one in kept if one != outcome)
                 viewer.path_outcomes = (*others, outcome) if on else others
-        step = viewer.paths.parting
-        if step is not None:
-            widgets.small(f"Wins leave the others at step {step}; a click opens it there.")
+        self._endings(session, level, agent)
+
+    def _endings(self, session: "Session", level: int, agent: int) -> None:
+        """The attempts grouped by how they end; a click shows one group and opens its first."""
+        viewer = session.viewer
+        paths = viewer.paths
+        assert paths is not None
+        widgets.small("They end so; a click opens one where it leaves the wins:")
+        for number, ending in enumerate(paths.endings):
+            icon, name = _OUTCOMES[ending.outcome]
+            x, y = ending.place
+            words = f"{icon}  {len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
+            if ending.parting is not None:
+                words += f", apart from step {ending.parting}"
+            shown = viewer.path_ending == number
+            with widgets.coloured(text=COLOURS.of(name)):
+                pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]
+            widgets.probe(session, f"evaluate.ending.{number}")
+            told = f"About {ending.length} steps. Attempts {_listed(ending.attempts)}."
+            widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
+            if pressed and shown:
+                viewer.path_ending = None
+            elif pressed:
+                viewer.path_ending = number
+                opens = measure.open_attempt
+                which = (level, agent, ending.attempts[0])
+                session.queue(functools.partial(opens, session, *which, at=ending.parting))
 
     def _attempt(
         self, session: "Session", which: tuple[int, int, int], episode: EpisodeResult
@@ -514,6 +522,20 @@ class EvaluatePanel(Panel):
         if imgui.is_item_hovered():
             session.viewer.lit_path = which[2]
         if pressed:
-            paths = session.viewer.paths
-            at = None if paths is None else paths.parting
+            at = _parting_of(session, which[2])
             session.queue(lambda: measure.open_attempt(session, *which, at=at))
+
+
+def _parting_of(session: "Session", attempt: int) -> int | None:
+    """Return the step at which an attempt leaves the wins; None where nothing is known of it."""
+    paths = session.viewer.paths
+    if paths is None:
+        return None
+    own = next((one for one in paths.endings if attempt in one.attempts), None)
+    return paths.parting if own is None or own.parting is None else own.parting
+
+
+def _listed(numbers: tuple[int, ...]) -> str:
+    """Return numbers as words, the first dozen of them."""
+    shown = ", ".join(map(str, numbers[:12]))
+    return f"{shown} and {len(numbers) - 12} more" if len(numbers) > 12 else shown

@@ -1,5 +1,6 @@
 """Evaluations in the background, their episodes opened again, training runs looked at."""
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ from editor.worker.recording import Mind, Snapshot, Trace, channels_of
 from editor.worker.requests import (
     SCRIPTED,
     AttemptPaths,
+    Ending,
     Evaluate,
     Opened,
     OpenEpisode,
@@ -30,7 +32,7 @@ from kinetix.agents.evaluate import (
     record,
 )
 from kinetix.agents.identity import digest_of
-from kinetix.agents.paths import attempt_paths, parting
+from kinetix.agents.paths import attempt_paths, endings, parting
 from kinetix.agents.player import Player
 from kinetix.agents.results import LevelFailure
 from kinetix.engine.spec import Capacity
@@ -164,6 +166,7 @@ def trace_paths(request: TracePaths, progress: Progress) -> AttemptPaths:
         position=paths.position,
         outcomes=tuple(result.outcome for result in paths.results),
         parting=parting(paths),
+        endings=tuple(Ending(**dataclasses.asdict(one)) for one in endings(paths)),
     )
 
 

@@ -10,7 +10,7 @@ from editor.documents.commands.group import Move
 from editor.documents.commands.level import ReplaceLevel
 from editor.session import Session
 from editor.window import preparing
-from editor.window.panels.evaluate import scripted_summary
+from editor.agents.evaluation import bare_summary
 from editor.window.preparing import Preparation
 from editor.worker.jobs import Worker
 from editor.worker.requests import CheckDynamics, GetReady, Rehearse, Tailor, WarmUp
@@ -143,7 +143,7 @@ def test_the_agent_is_prepared_for_another_level_too(asked):
     session, preparation, pass_time = asked
     preparation.begin()
     pass_time(0)
-    session.viewer.slots["a"].summary = scripted_summary("random")
+    session.viewer.slots["a"].summary = bare_summary("random")
     assert pass_time(4) == [("random", "balanced")]
     assert pass_time(4) == []
     session.execute(SetLevelField(field="size", value="l"))

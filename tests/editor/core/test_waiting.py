@@ -13,7 +13,7 @@ from editor.base.settings import Settings
 from editor.documents.document import Document
 from editor.play.playback import Mode
 from editor.session import Session
-from editor.window.panels.evaluate import scripted_summary
+from editor.agents.evaluation import bare_summary
 from editor.window.waiting import awaited
 from editor.worker.jobs import JobState, Worker
 from editor.worker.requests import (
@@ -165,7 +165,7 @@ def test_the_recorded_solution_is_waited_for_on_the_canvas_and_esc_calls_it_off(
 
 def test_play_tells_who_is_prepared_and_stopping_frees_the_worker(held):
     session = Session(settings=Settings(), worker=Worker(held), level=a_level())
-    session.viewer.slots["a"].summary = scripted_summary("random")
+    session.viewer.slots["a"].summary = bare_summary("random")
     for action, title in (("run.play_human", "Preparing Play"), ("run.play_agent", "Preparing ")):
         actions.run(session, action)
         frames(session, lambda: awaited(session)[1].message == "Compiling")

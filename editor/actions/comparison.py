@@ -1,0 +1,104 @@
+"""Stored comparisons, opened again in the table."""
+
+from pathlib import Path
+
+from editor.actions import file
+from editor.agents.evaluation import Plan, bare_summary
+from editor.base.prompts import FileQuestion
+from editor.session import Session
+from editor.worker.requests import AgentSummary, EvaluatedLevel
+from kinetix.agents.results import Provenance
+from kinetix.agents.stored_comparison import StoredComparison, read_comparison
+from kinetix.errors import CommandError, KinetixError, LevelError
+from kinetix.level.codec import level_hash, load_level
+from kinetix.level.model import Level
+
+
+def ask_comparison(session: Session) -> None:
+    """Ask which stored comparison to show."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            open_comparison(session, path)
+
+    session.ask(
+        FileQuestion(
+            purpose="open",
+            title="Open a comparison (.json)",
+            folder=Path.cwd(),
+            suffixes=(".json",),
+            answer=answer,
+        )
+    )
+
+
+def open_comparison(session: Session, path: Path) -> bool:
+    """Show a stored comparison in the table; whether it is shown, else a window says why."""
+    try:
+        stored = read_comparison(path)
+    except KinetixError as error:
+        file.tell(session, "This cannot be opened", str(error))
+        return False
+    first = stored.contenders[0].provenance
+    plan = Plan(
+        agents=tuple(_agent(session, one.provenance) for one in stored.contenders),
+        levels=tuple(
+            EvaluatedLevel(name=name, source=_level(session, name, sha256))
+            for name, sha256 in stored.hashes.items()
+        ),
+        hashes=tuple(stored.hashes.values()),
+        attempts=first.attempts,
+        seed=first.seed,
+        deterministic=first.deterministic,
+        sources=tuple(one.provenance for one in stored.contenders),
+    )
+    session.gallery.open = False
+    session.viewer.evaluation.restore(plan, stored.contenders)
+    session.view.front = "evaluate"
+    session.toast(f"{path.name}: {_count(stored)}", "success")
+    return True
+
+
+def _count(stored: StoredComparison) -> str:
+    policies, levels = len(stored.contenders), len(stored.hashes)
+    return f"{policies} {'policy' if policies == 1 else 'policies'} on {levels} levels."
+
+
+def _agent(session: Session, provenance: Provenance) -> AgentSummary:
+    return known_by(session, provenance.digest) or bare_summary(provenance.agent, provenance)
+
+
+def known_by(session: Session, digest: str) -> AgentSummary | None:
+    """Return a loaded agent with these parameters, or None."""
+    loaded = (*session.viewer.agents, *session.viewer.contenders)
+    return next((one for one in loaded if digest and one.digest == digest), None)
+
+
+def _level(session: Session, name: str, sha256: str) -> str | Level:
+    """The level that a stored name means: a file with that content, else the name alone."""
+    if session.document.hash == sha256:
+        return session.document.level
+    try:
+        if level_hash(load_level(name)) == sha256:
+            return name
+    except LevelError:
+        pass
+    card = next((one for one in session.library.cards if one.sha256 == sha256), None)
+    return str(card.file) if card is not None else name
+
+
+def present(session: Session, summary: AgentSummary) -> AgentSummary:
+    """Return an agent that can play: itself, or the loaded one with the same parameters.
+
+    Raises:
+        CommandError: It is of a stored comparison, and no agent with its parameters is loaded.
+    """
+    if summary.ref.path:
+        return summary
+    found = known_by(session, summary.digest)
+    if found is None:
+        raise CommandError(
+            f"{summary.name} is not loaded: choose the agent whose parameters begin with "
+            f"{summary.digest[:12]} as agent A or B first."
+        )
+    return found

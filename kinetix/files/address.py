@@ -1,0 +1,64 @@
+"""Files from an address: bounded in size and time, only from the web, nothing runs."""
+
+import urllib.error
+import urllib.parse
+import urllib.request
+from pathlib import PurePosixPath
+from typing import Any, Final
+
+from kinetix.files.limits import LIMITS, MIB, Kind
+from kinetix.files.regular import FileError
+
+SCHEMES: Final = ("https", "http")
+SECONDS: Final = 20.0
+"""How long a server may keep silent."""
+
+
+class _Redirects(urllib.request.HTTPRedirectHandler):
+    """Follows a server elsewhere on the web, and nowhere else."""
+
+    def redirect_request(
+        self, req: Any, fp: Any, code: int, msg: str, headers: Any, newurl: str
+    ) -> Any:
+        if not is_address(newurl):
+            raise FileError(req.full_url, f"leads to {newurl}, which is no address on the web")
+        return super().redirect_request(req, fp, code, msg, headers, newurl)
+
+
+def is_address(words: str) -> bool:
+    """Whether words are an address on the web, such as `https://example.org/level.json`."""
+    parts = urllib.parse.urlsplit(words)
+    return parts.scheme.lower() in SCHEMES and bool(parts.netloc)
+
+
+def name_of(address: str) -> str:
+    """Return the file's name at the end of an address; `file` where it has none."""
+    path = urllib.parse.unquote(urllib.parse.urlsplit(address).path)
+    return PurePosixPath(path).name or "file"
+
+
+def fetch(address: str, kind: Kind) -> bytes:
+    """Return the content of an address.
+
+    Args:
+        address: Begins with `https://` or `http://`.
+        kind: Whose limit of size holds.
+
+    Raises:
+        FileError: It is no such address, cannot be reached, or is too large; one sentence.
+    """
+    if not is_address(address):
+        raise FileError(address, "expected an address that begins with https:// or http://")
+    largest = LIMITS[kind].largest
+    opener = urllib.request.build_opener(_Redirects)
+    try:
+        with opener.open(address, timeout=SECONDS) as answer:
+            data = answer.read(largest + 1)
+    except urllib.error.HTTPError as error:
+        raise FileError(address, f"the server says {error.code} {error.reason}") from None
+    except (urllib.error.URLError, OSError, ValueError) as error:
+        reason = getattr(error, "reason", None) or error
+        raise FileError(address, f"cannot be reached: {reason}") from None
+    if len(data) > largest:
+        raise FileError(address, f"expected at most {largest // MIB} MiB")
+    return data
