@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor import actions
-from editor.actions import agents
+from editor.actions import address, agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
 from editor.documents import files

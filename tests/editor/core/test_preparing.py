@@ -4,13 +4,13 @@ import threading
 
 import pytest
 
+from editor.agents.evaluation import bare_summary
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.commands.group import Move
 from editor.documents.commands.level import ReplaceLevel
 from editor.session import Session
 from editor.window import preparing
-from editor.agents.evaluation import bare_summary
 from editor.window.preparing import Preparation
 from editor.worker.jobs import Worker
 from editor.worker.requests import CheckDynamics, GetReady, Rehearse, Tailor, WarmUp
