@@ -193,7 +193,7 @@ class TracePaths:
 class Ending:
     """Attempts that end alike; the fields of `kinetix.agents.paths.Ending`."""
 
-    outcome: str
+    outcome: Outcome
     attempts: tuple[int, ...]
     place: tuple[float, float]
     length: int

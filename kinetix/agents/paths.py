@@ -13,7 +13,8 @@ from kinetix.agents.environments import environment_for
 from kinetix.agents.episodes import BATCH, Episodes, advance
 from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
 from kinetix.agents.player import Player
-from kinetix.agents.results import EpisodeResult, OutcomeName
+from kinetix.agents.results import EpisodeResult
+from kinetix.environment.outcome import Outcome
 from kinetix.environment.reset import level_state
 
 GREEN = 1
@@ -119,7 +120,7 @@ def parting(paths: Paths) -> int | None:
 class Ending:
     """Attempts that end alike: with the same outcome, in the same place."""
 
-    outcome: OutcomeName
+    outcome: Outcome
     attempts: tuple[int, ...]
     place: tuple[float, float]
     """Mean of where the green shape is at the end [m]."""

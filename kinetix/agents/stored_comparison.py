@@ -7,7 +7,8 @@ from typing import Any
 import msgspec
 
 from kinetix.agents.compare import FORMAT, Contender
-from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, OutcomeName, Provenance
+from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
+from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
 
@@ -25,7 +26,7 @@ class _Result(msgspec.Struct, frozen=True, kw_only=True):
     level: str
     error: str | None = None
     attempts: int = 0
-    episodes: tuple[tuple[OutcomeName, int, float], ...] = ()
+    episodes: tuple[tuple[Outcome, int, float], ...] = ()
 
 
 class _Policy(msgspec.Struct, frozen=True, kw_only=True):

@@ -9,15 +9,14 @@ from typing import Final, Literal, TypeAlias, get_args
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from kinetix.environment.outcome import Outcome
 from kinetix.level.codec import level_hash
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 
 Source: TypeAlias = Literal["person", "agent", "solver"]
 """Who played: hands, a policy, the search of `kinetix solve`."""
-OutcomeName: TypeAlias = Literal["won", "lost", "timeout", "broken"]
 SOURCES: Final[tuple[Source, ...]] = get_args(Source)
-OUTCOMES: Final[tuple[OutcomeName, ...]] = get_args(OutcomeName)
 CONTROLS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
 """Entries of a unified action: −1 … 1 per motor binding, then 0 … 1 per thruster binding."""
 
@@ -31,7 +30,7 @@ class RecordedEpisode:
     """The unified action of every step: −1 … 1 per motor binding, 0 … 1 per thruster binding."""
     reward: Float[np.ndarray, " k"]
     """Of every step, the distance reward included."""
-    outcome: OutcomeName
+    outcome: Outcome
     physics: str
     """Physics preset or solver that it was played under."""
     frame_skip: int

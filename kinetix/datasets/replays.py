@@ -15,6 +15,7 @@ from jaxtyping import Array, Float
 from kinetix.datasets.episode import RecordedEpisode
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.outcome import OUTCOMES, Outcome, outcome_index
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
@@ -34,7 +35,7 @@ class Replay:
     reward: Float[np.ndarray, " k"]
     length: int
     """Steps until the episode ended or the controls ran out."""
-    outcome: str
+    outcome: Outcome
 
 
 def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay:
@@ -57,13 +58,11 @@ def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay
     rows[:count] = episode.control
     state = level_state(episode.level, env.static_env_params)
     told = jax.device_get(_played(env, jax.tree.map(jnp.asarray, state), jnp.asarray(rows)))
-    states, reward, done, won, lost = told
+    states, reward, done, ending = told
     ends = np.flatnonzero(done[:count])
     length = int(ends[0]) + 1 if len(ends) else count
     last = length - 1
-    outcome = "timeout"
-    if len(ends):
-        outcome = "won" if won[last] else "lost" if lost[last] else "timeout"
+    outcome: Outcome = OUTCOMES[int(ending[last]) - 1] if len(ends) else "timeout"
     return Replay(
         states=jax.tree.map(lambda x: x[:length], states),
         reward=reward[:length],
@@ -99,8 +98,6 @@ def _played(env: KinetixEnv, state: EnvState, rows: Float[Array, "k u"]) -> Any:
 
     def step(state: EnvState, row: Array) -> tuple[EnvState, Any]:
         _, after, reward, done, info = env.step(key, state, row)
-        won = info["GoalR"]
-        lost = (info["terminated"] & ~won) | info["nan"]
-        return after, (state, reward, done, won, lost)
+        return after, (state, reward, done, outcome_index(info))
 
     return jax.lax.scan(step, state, rows)[1]

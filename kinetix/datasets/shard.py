@@ -8,7 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from kinetix.datasets.episode import CONTROLS, OUTCOMES, SOURCES, RecordedEpisode
+from kinetix.datasets.episode import CONTROLS, SOURCES, RecordedEpisode
+from kinetix.environment.outcome import OUTCOMES
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
 from kinetix.level.codec import dumps, level_hash, loads

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetix.datasets.episode import CONTROLS, OUTCOMES, RecordedEpisode
+from kinetix.datasets.episode import CONTROLS, RecordedEpisode
+from kinetix.environment.outcome import OUTCOMES
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
 from kinetix.level.codec import loads

@@ -482,7 +482,7 @@ class EvaluatePanel(Panel):
         assert paths is not None
         widgets.small("They end so; a click opens one where it leaves the wins:")
         for number, ending in enumerate(paths.endings):
-            icon, name = _OUTCOMES[ending.outcome]
+            icon, _, name = OUTCOME_LOOK[ending.outcome]
             x, y = ending.place
             words = f"{icon}  {len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
             if ending.parting is not None:

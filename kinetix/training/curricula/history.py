@@ -8,6 +8,7 @@ from typing import Any, Final
 import jax
 import numpy as np
 
+from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Scene, level_from_scene
@@ -156,5 +157,7 @@ def _finite(value: float) -> float | None:
 
 def _document(rows: EnvState, index: int, name: str) -> Level:
     one = jax.tree.map(lambda x: x[index], rows)
-    scene = Scene(world=one.world, state=one.physics, labels=one.labels)
-    return level_from_scene(scene, name=name)
+    limit = np.int32(int(one.labels.max_timesteps) or EnvParams().max_timesteps)
+    labels = dataclasses.replace(one.labels, max_timesteps=limit)
+    scene = Scene(world=one.world, state=one.physics, labels=labels)
+    return level_from_scene(scene, name=name, inertia_model="kinetix")

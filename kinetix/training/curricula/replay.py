@@ -113,9 +113,7 @@ class Replay:
         key, choice_key = jax.random.split(state.key)
         kind = self._kind(state, choice_key)
         step, before = self._steps[kind], state.replayed
-        state, metrics, visits = self.work(
-            _TOLD[kind], step, dataclasses.replace(state, key=key)
-        )
+        state, metrics, visits = self.work(_TOLD[kind], step, dataclasses.replace(state, key=key))
         self.turnover = self._turned_over(kind, before, state.replayed, visits)
         buffer = state.buffer
         finite = buffer.filled & jnp.isfinite(buffer.score)
