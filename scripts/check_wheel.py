@@ -24,6 +24,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DEFAULT = ("3.11", "3.13")
 RESOLVED_ONLY = "3.14"
+RESOLVED_EXTRAS = ("", "editor", "gymnasium", "video")
 SNIPPETS = ("README.md",)
 """Documents whose Python snippets run, in their order, in one process per document."""
 TINY = (
@@ -223,16 +224,36 @@ def _files(word: str) -> list[str]:
 
 def check_resolves(wheel: Path, folder: Path) -> list[str]:
     """Resolve everything for a Python that is not here, from wheels alone."""
-    words = [sys.executable, "-m", "pip", "download", "-q", "--disable-pip-version-check"]
-    words += ["--python-version", RESOLVED_ONLY, "--only-binary=:all:", "--dry-run"]
-    words += ["-d", str(folder / "resolved"), f"{wheel}[editor,gymnasium,video]"]
+    # pip reads markers such as python_version for the Python that runs it, so we read ours here.
+    words = [sys.executable, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
+    words += ["--dry-run", "--python-version", RESOLVED_ONLY, "--only-binary=:all:"]
+    words += ["--target", str(folder / "resolved"), *requirements(wheel, RESOLVED_ONLY)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if "no such option: --dry-run" in done.stderr:
-        words.remove("--dry-run")
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
     good = not done.returncode
     say(f"{'ok    ' if good else 'FAILED'} {RESOLVED_ONLY}: resolved from wheels alone, not run")
     return [] if good else [f"{RESOLVED_ONLY}: {done.stderr.strip()[-1500:]}"]
+
+
+def requirements(wheel: Path, version: str) -> list[str]:
+    """Return what the wheel and its extras for users need on some version of Python."""
+    from pip._vendor.packaging.requirements import Requirement
+
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        lines = archive.read(name).decode().splitlines()
+    needed: list[str] = []
+    for line in lines:
+        if not line.startswith("Requires-Dist: "):
+            continue
+        requirement = Requirement(line.removeprefix("Requires-Dist: "))
+        python = {"python_version": version, "python_full_version": f"{version}.0"}
+        wanted = requirement.marker is None or any(
+            requirement.marker.evaluate(python | {"extra": extra}) for extra in RESOLVED_EXTRAS
+        )
+        if wanted:
+            requirement.marker = None
+            needed.append(str(requirement))
+    return needed
 
 
 if __name__ == "__main__":
