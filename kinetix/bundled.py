@@ -1,4 +1,4 @@
-"""Levels and agents by name, from any folder: what a word means that is no path."""
+"""Levels and agents by name, from any folder: words that are not paths."""
 
 import os
 import re

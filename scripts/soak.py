@@ -41,7 +41,7 @@ _WARM_UP = 3
 """Laps over the levels after which everything has been compiled and every cache been filled."""
 _FRAME = 1 / 60
 _THOUGHT = 60
-"""How long a person thinks in a round [s]."""
+"""Time for which a person thinks in a round [s]."""
 _PATIENCE = 300.0
 """Longest wait for the compiler or an evaluation [s of the wall]."""
 
@@ -70,7 +70,7 @@ class Soak:
 
     @property
     def warm(self) -> bool:
-        """Whether everything has been done often enough to be judged."""
+        """True if everything has been done often enough to be judged."""
         return self.rounds >= _WARM_UP * _LEVELS
 
     def step(self, *events: InputEvent, seconds: float = _FRAME) -> None:
@@ -167,7 +167,7 @@ class Soak:
 
 
 def held() -> dict[str, int]:
-    """What may leak besides memory, counted."""
+    """Count the resources that may leak besides memory."""
     jax = sys.modules.get("jax")
     return {
         "threads": threading.active_count(),

@@ -16,7 +16,7 @@ from kinetix.errors import KinetixError
 
 
 class Window(enum.Enum):
-    """What becomes of a window's content from one frame to the next."""
+    """Changes of a window's content from one frame to the next."""
 
     FADES = enum.auto()
     """It is undefined after every frame: the picture is kept elsewhere and copied."""

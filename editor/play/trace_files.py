@@ -52,7 +52,7 @@ def read_trace(path: Path) -> Recorded:
     """Read an episode that `write_trace` wrote.
 
     Raises:
-        KinetixError: The file is missing, or is no such episode; one sentence.
+        KinetixError: The file is missing, or not an episode; one sentence.
     """
     level, arrays = read_episode(path)
     return Recorded(level=level, trace=_trace(arrays))

@@ -223,7 +223,7 @@ def check_names(path: Path, place: str, content: Any, allowed: frozenset[str]) -
         allowed: The keys that it may have.
 
     Raises:
-        CheckpointError: It has another key, or is no object.
+        CheckpointError: It has another key, or is not an object.
     """
     if not isinstance(content, dict):
         raise CheckpointError(f"{path}: {place}: expected an object, got {content!r}")

@@ -48,7 +48,7 @@ def write_checkpoint(
         extra: Writes what lies beside them, into the directory that it is given.
 
     Raises:
-        CheckpointError: The target is no checkpoint, or cannot be written.
+        CheckpointError: The target is not a checkpoint, or cannot be written.
     """
     if directory.exists() and not directory.is_dir():
         raise CheckpointError(f"{directory}: expected a folder, got a file; choose another place")

@@ -112,7 +112,7 @@ def _overview() -> str:
 def _unknown(word: str) -> str:
     near = difflib.get_close_matches(word, COMMANDS, n=1)
     hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(COMMANDS)}."
-    return f"kinetix: {word!r} is no command; {hint}"
+    return f"kinetix: {word!r} is not a command; {hint}"
 
 
 def _version() -> str:

@@ -44,7 +44,7 @@ CALM_TURN = 0.3
 does not. Larger: wedged machines are torn; smaller: joints open that turn fast."""
 
 SETTLED = 0.3
-"""How taut a joint is whose gaps are taken out of the positions alone; less so where it is looser.
+"""Tension of a joint whose gaps are taken out of the positions alone; less so where it is looser.
 Larger: joints under tension open as they turn; smaller: what swings loses energy."""
 
 JOINT_REGULARISATION = 1e-6

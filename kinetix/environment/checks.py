@@ -39,7 +39,7 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
     """Refuse a state that an environment of these sizes and this physics cannot step.
 
     Raises:
-        KinetixError: It is no state, a batch, of another size or of another physics.
+        KinetixError: It is not a state, a batch, of another size or of another physics.
     """
     if not isinstance(state, EnvState):
         inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""

@@ -94,7 +94,7 @@ def place(batch: Any) -> Any:
         The same pytree as arrays of all worlds of all processes.
 
     Raises:
-        KinetixError: The number of worlds is no multiple of the number of local devices.
+        KinetixError: The number of worlds is not a multiple of the number of local devices.
     """
     devices = jax.local_device_count()
     sharding = NamedSharding(worlds_mesh(), PartitionSpec(WORLDS))

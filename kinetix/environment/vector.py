@@ -48,7 +48,7 @@ class VectorEnv:
             Observations and states.
 
         Raises:
-            KinetixError: The number of worlds is no multiple of the number of devices.
+            KinetixError: The number of worlds is not a multiple of the number of devices.
         """
         axes = (0, None, _axis(override_reset_state))
         return _spread(self.env.reset, axes, (key, env_params, override_reset_state))
@@ -76,7 +76,7 @@ class VectorEnv:
             Observations, states, rewards, dones and info.
 
         Raises:
-            KinetixError: The number of worlds is no multiple of the number of devices.
+            KinetixError: The number of worlds is not a multiple of the number of devices.
         """
         axes = (0, 0, 0, None, _axis(override_reset_state))
         arguments = (key, state, action, env_params, override_reset_state)

@@ -33,7 +33,7 @@ def read_npz(
         only: Names of the arrays that are wanted; None: all.
 
     Raises:
-        FileError: It cannot be read, is no such archive, is damaged, or holds too much.
+        FileError: It cannot be read, is not such an archive, is damaged, or holds too much.
     """
     with open_regular(path, kind) as file:
         # zipfile, zlib and NumPy raise whatever a damaged archive leads them to; here it is all
@@ -90,7 +90,7 @@ def tensor_shapes(path: Path) -> dict[str, tuple[int, ...]]:
     """Return names and shapes from the header of a safetensors file; no array is read.
 
     Raises:
-        FileError: It cannot be read, or is no such file.
+        FileError: It cannot be read, or is not such a file.
     """
     with _safetensors(path) as file:
         names = list(file.keys())

@@ -41,7 +41,7 @@ def read_episode(path: Path) -> tuple[Level, dict[str, np.ndarray]]:
         thrusters as the level has, poses and velocities finite.
 
     Raises:
-        KinetixError: The file is missing, or is no such episode; one sentence.
+        KinetixError: The file is missing, or not an episode; one sentence.
     """
     try:
         arrays = read_npz(path, "trace")

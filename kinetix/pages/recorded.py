@@ -19,7 +19,7 @@ def film_of_file(path: Path) -> Film:
         path: Written by the editor.
 
     Raises:
-        KinetixError: The file is missing, or is no such episode; one sentence.
+        KinetixError: The file is missing, or not an episode; one sentence.
     """
     level, arrays = read_episode(path)
     step = arrays["step"]

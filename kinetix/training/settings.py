@@ -201,7 +201,7 @@ def _take(
             if name not in names:
                 near = difflib.get_close_matches(name, sorted(names), 1)
                 hint = f"; did you mean {near[0]!r}?" if near else ""
-                raise KinetixError(f"{where}: {name!r} is no field of {algorithm}{hint}")
+                raise KinetixError(f"{where}: {name!r} is not a field of {algorithm}{hint}")
         target.update(table)
 
 

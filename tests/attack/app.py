@@ -247,7 +247,7 @@ def _look(folder: Path) -> None:
 
 
 def read_gallery(data: bytes, folder: Path) -> None:
-    """What the gallery has kept is damaged: its levels are shown as before."""
+    """Damage the gallery's files and look whether its levels are shown as before."""
     for kept in (*_gallery(), data):
         name, _, content = kept.partition(b"\n")
         if name not in [one.partition(b"\n")[0] for one in _gallery()]:

@@ -11,7 +11,7 @@ from tests.attack.tally import Tally
 WORLDS = 256
 STEPS = 256
 SIZES = {"s": 8, "m": 4, "l": 1}
-"""How often each is tried in a round, WORLDS × STEPS steps at a time; larger ones take longer."""
+"""Tries of each size in a round, WORLDS × STEPS steps at a time; larger ones take longer."""
 MOST_MB = 1000.0
 """Memory may grow by so much after the first round."""
 _SETTLED: dict[str, float] = {}

@@ -51,7 +51,7 @@ def level_sets() -> tuple[bytes, ...]:
 
 
 def check_level(level: Level) -> None:
-    """What holds of every level that a reader lets through."""
+    """Check a level that a reader accepted."""
     text = dumps(level)
     assert loads(text) == level
     assert dumps(loads(text)) == text
@@ -72,7 +72,7 @@ def read_level(data: bytes, folder: Path) -> None:
 
 
 SCHEMA_CANNOT_SAY = frozenset({"E003", "E008", "E009", "E010", "E011", "E012", "E013"})
-"""What ties several values together, or is about other versions."""
+"""Rules that tie several values together, or are about other versions."""
 _NOR_THESE = ("$.tags", "$.solution.actions")
 
 

@@ -54,7 +54,7 @@ class Tally:
 
     @property
     def tried(self) -> int:
-        """How much was tried in all."""
+        """Number of tries in all."""
         return sum(row.tried for row in self.rows.values())
 
     def as_dict(self) -> dict[str, Any]:

@@ -18,4 +18,4 @@ class Target:
     damage: Callable[[Mutator, bytes], bytes] = Mutator.damaged
     """Does the damage."""
     weight: int = 100
-    """How often it is attacked in a round; slow readers get less."""
+    """Number of attacks in a round; slow readers get fewer."""

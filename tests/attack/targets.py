@@ -1,4 +1,4 @@
-"""Who reads what others wrote: one row a reader."""
+"""Readers of files: one row per reader."""
 
 import random
 from pathlib import Path

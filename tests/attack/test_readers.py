@@ -23,7 +23,7 @@ _INPUTS = {
 }
 _MOST = 400
 _SEEDS = ("command line", "level builder")
-"""What is made of a seed; there is no good sample."""
+"""Targets made from a seed; there is no good sample."""
 
 
 @pytest.mark.parametrize("name", TARGETS)

@@ -20,13 +20,13 @@ class Writer:
     longest: float = 0.03
     """Longest life of a child after it has begun [s]."""
     kills: int = 40
-    """How often in one round."""
+    """Kills in one round."""
     modules: tuple[str, ...] = ()
     """Imported before children are forked; none of them may start JAX."""
     begun: Callable[[Path], object] | None = None
-    """What changes when a child has begun; None: it begins at once."""
+    """Tells from the folder when a child has begun; None: it begins at once."""
     last: Callable[[Path], None] | None = None
-    """What must hold in the end."""
+    """Check at the end."""
 
 
 def _level(number: int):

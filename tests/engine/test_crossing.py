@@ -85,7 +85,7 @@ def test_a_fast_body_in_a_narrow_box_stays_there():
 
 
 def chosen(separation, meets, room, points=100):
-    """Which of the polygon pairs get contacts."""
+    """Return the polygon pairs that get contacts."""
     count = len(separation)
     gap = jnp.asarray(separation, jnp.float32)[:, None]
     some = jnp.zeros((0, 1))

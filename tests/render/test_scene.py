@@ -134,7 +134,7 @@ def test_resolutions_agree():
 
 
 def test_every_edge_is_the_average_of_a_finer_picture():
-    """What anti-aliasing means: a pixel has the colour of its area, sampled 64-fold."""
+    """A pixel has the colour of its area, sampled 64-fold."""
     env_state = random_env_state(4)
     small = picture(env_state, fit_arena(200, 200), 200, 200).astype(float)
     large = picture(env_state, fit_arena(1600, 1600), 1600, 1600)

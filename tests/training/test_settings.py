@@ -93,7 +93,7 @@ def test_sfl_cannot_save_more_than_it_scores():
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("num_step = 3", "'num_step' is no field of ppo; did you mean 'num_steps'"),
+        ("num_step = 3", "'num_step' is not a field of ppo; did you mean 'num_steps'"),
         ("[network]\nactor_dept = 3", "did you mean 'actor_depth'"),
         ("num_steps = ", "not valid TOML"),
     ],

@@ -180,10 +180,10 @@ ARRANGE: Final = (
         )
         for name, label, axis, place in (
             ("left", "Align Left", 0, lambda box: box[0]),
-            ("centre_x", "Align Centres Across", 0, lambda box: (box[0] + box[2]) / 2),
+            ("centre_x", "Align Horizontal Centers", 0, lambda box: (box[0] + box[2]) / 2),
             ("right", "Align Right", 0, lambda box: box[2]),
             ("top", "Align Top", 1, lambda box: box[3]),
-            ("centre_y", "Align Centres Up", 1, lambda box: (box[1] + box[3]) / 2),
+            ("centre_y", "Align Vertical Centers", 1, lambda box: (box[1] + box[3]) / 2),
             ("bottom", "Align Bottom", 1, lambda box: box[1]),
         )
     ),
@@ -198,8 +198,8 @@ ARRANGE: Final = (
             run=edit.distribute(label, axis),
         )
         for name, label, axis in (
-            ("x", "Distribute Across", 0),
-            ("y", "Distribute Up", 1),
+            ("x", "Distribute Horizontally", 0),
+            ("y", "Distribute Vertically", 1),
         )
     ),
     Action(

@@ -1,4 +1,4 @@
-"""What the page says, as input events; whatever else arrives is refused with one sentence."""
+"""Messages of the page, as input events; whatever else arrives is refused with one sentence."""
 
 import dataclasses
 import math
@@ -186,4 +186,4 @@ def _read_one(said: Any) -> Message | None:
         name, *values = said
         return _READ[name](*values)
     except (TypeError, ValueError, KeyError, OverflowError) as error:
-        raise KinetixError(f"input: {str(said)[:80]} is no message that is known") from error
+        raise KinetixError(f"input: {str(said)[:80]} is not a known message") from error

@@ -1,4 +1,4 @@
-"""What goes to the page: pictures as their changed parts, messages, never faster than it draws."""
+"""Messages to the page: pictures as their changed parts, never faster than it draws."""
 
 import json
 import struct
@@ -16,7 +16,7 @@ _REST: Final = 0.2
 _HEARTBEAT: Final = 2.0
 """Longest silence [s]: writing is how a page that is gone is noticed."""
 _PARTING: Final = 0.5
-"""How long the last messages get to leave [s]."""
+"""Time that the last messages get to leave [s]."""
 _DRAWN_WITHIN: Final = 10.0
 """A page in the background draws nothing; after this time the next picture goes out anyway [s]."""
 
@@ -47,22 +47,22 @@ class Outlet:
         """Number of the connection that takes; 0 where there is none."""
         self._connections = 0
         self._standing: dict[str, Any] = {}
-        """What a new page has to know: the last value of each message that lasts."""
+        """State for a new page: the last value of each message that lasts."""
         self._messages: list[dict[str, Any]] = []
         self._picture: Picture | None = None
         self._shown: Picture | None = None
-        """What the page shows, but for `_rough`."""
+        """Picture on the page, but for `_rough`."""
         self._rough: list[Box] = []
         """Parts that it shows with loss."""
         self._fresh = False
-        """Whether the page has not yet got a whole picture."""
+        """True if the page has not yet got a whole picture."""
         self._sent = self._drawn = 0
         self._sent_at = self._moved_at = 0.0
-        """When something was sent last, and when something that had changed [s]."""
+        """Times of the last message, and of the last change [s]."""
 
     @property
     def wanted(self) -> bool:
-        """Whether a picture would go out at once."""
+        """True if a picture would go out at once."""
         with self._changed:
             late = time.monotonic() - self._sent_at > _DRAWN_WITHIN
             free = self._sent - self._drawn < _UNDER_WAY or late
@@ -70,7 +70,7 @@ class Outlet:
 
     @property
     def fresh(self) -> bool:
-        """Whether the page needs a picture even though nothing has changed."""
+        """True if the page needs a picture even though nothing has changed."""
         with self._changed:
             return self._fresh
 

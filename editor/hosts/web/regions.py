@@ -1,4 +1,4 @@
-"""Which parts of a picture have changed, and each part as the bytes of an image file."""
+"""Changed parts of a picture, each as the bytes of an image file."""
 
 import io
 from collections.abc import Sequence

@@ -134,7 +134,7 @@ def find_contacts(
 
 
 def _places(spec: SceneSpec) -> list[slice]:
-    """Where the pairs of each kind stand among all candidates."""
+    """Return the place of each kind of pair among all candidates."""
     ends = np.cumsum([0, *pair_counts(spec.capacity)]).tolist()
     return [slice(first, last) for first, last in itertools.pairwise(ends)]
 
@@ -164,14 +164,14 @@ def _near(
         return near, jnp.zeros(near.shape[-1], bool)
 
     def crowded(near: Bool[Array, "q n"]) -> Bool[Array, " n"]:
-        """Whether there are too many pairs of a kind."""
+        """Return whether there are too many pairs of a kind."""
         found = [
             jnp.sum(near[place], axis=0) > room for place, room in zip(places, rooms, strict=True)
         ]
         return functools.reduce(jnp.logical_or, found)
 
     def full(near: Bool[Array, "q n"]) -> Bool[Array, " n"]:
-        """Whether there are too many, or they may have too many points."""
+        """Return whether there are too many, or they may have too many points."""
         points = [
             kind.most_points * jnp.sum(near[place], axis=0)
             for kind, place in zip(KINDS, places, strict=True)

@@ -48,16 +48,16 @@ class Spot:
 
 @pytree
 class Approach:
-    """How two bodies come together within the step, if they go straight on."""
+    """Relative motion of two bodies within the step, if they go straight on."""
 
     separation: Float[Array, "q n"]
     """Signed distance of the surfaces now [m]."""
     face: Int[Array, "q n"]
     """The face that will be hit or that keeps them apart: 0–3 of body a, 4–7 of body b."""
     time: Float[Array, "q n"]
-    """When [s]: of the impact if there is one in the step, else of the nearest approach."""
+    """Time [s] of the impact if there is one in the step, else of the nearest approach."""
     meets: Bool[Array, "q n"]
-    """Whether there is an impact within the step; true where they touch now."""
+    """True where there is an impact within the step; true where they touch now."""
 
 
 @pytree
@@ -66,7 +66,7 @@ class PointList:
 
     points: Points
     count: Int[Array, " n"]
-    """How many were added; more than there are slots: the last ones are missing."""
+    """Number of points added; beyond the number of slots the last ones are missing."""
 
     @staticmethod
     def empty(room: int, like: Float[Array, "b n"]) -> "PointList":
@@ -110,7 +110,7 @@ class PointList:
 
 @pytree
 class Found:
-    """What collision detection tells."""
+    """Result of collision detection."""
 
     points: Points
     touching: Bool[Array, "q n"]
@@ -121,7 +121,7 @@ class Found:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Slots:
-    """How many near pairs of each kind, and how many points in all, a world has room for."""
+    """Room of a world for near pairs of each kind, and for points in all."""
 
     polygon_polygon: int
     circle_polygon: int

@@ -31,7 +31,7 @@ def approach(a: MovingPolygon, b: MovingPolygon, dt: Float[Array, " n"]) -> Appr
 
 
 def _gaps(a: MovingPolygon, b: MovingPolygon, apart: Vec) -> list[Float[Array, "q n"]]:
-    """How far b lies beyond each face of a."""
+    """Return the distance of b beyond each face of a."""
     nearest = functools.reduce(
         jnp.minimum, [dot(a.normals, corner) for corner in columns(b.corners)]
     )

@@ -24,7 +24,7 @@ Pairs = tuple[Int[np.ndarray, " q"], Int[np.ndarray, " q"]]
 
 @pytree
 class MovingShapes:
-    """Where all shapes are and how they move."""
+    """Poses and velocities of all shapes."""
 
     polygons: Polygons
     radius: Float[Array, "r n"]
@@ -82,12 +82,12 @@ def _rows(tree: Any, bodies: Int[np.ndarray, " q"]) -> Any:
 
 @pytree
 class Rules:
-    """What holds for the candidate pairs, distances aside."""
+    """Rules of the candidate pairs, distances aside."""
 
     may_touch: Bool[Array, "q n"]
     pushes: Bool[Array, "q n"]
     margin: Float[Array, "q n"]
-    """How far ahead a contact is seen [m]."""
+    """Distance at which a contact is seen [m]."""
 
     @staticmethod
     def of(

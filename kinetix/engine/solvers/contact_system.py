@@ -46,7 +46,7 @@ class ContactSystem:
     rows: Rows
     live: Bool[Array, "m n"]
     responses: Responses
-    """What they do to all bodies with the joints eliminated."""
+    """Responses of all bodies to the impulses, with the joints eliminated."""
     prepared: Any
     gaps: Rows
     """Those of the rows that have a gap: the contacts' normals and the limits."""
@@ -55,7 +55,7 @@ class ContactSystem:
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
     free: Bool[Array, "b n"]
-    """Which bodies are not fixed."""
+    """True for bodies that are not fixed."""
 
 
 def contact_system(
@@ -196,7 +196,7 @@ def _loads(world: World) -> Float[Array, "b n"]:
 def _contrast(
     load_a: Float[Array, "c n"], load_b: Float[Array, "c n"], used: Bool[Array, "c n"]
 ) -> Float[Array, " n"]:
-    """How unlike the loads of touching bodies are: the sum of their ratios beyond the usual ones.
+    """Return how unlike the loads of touching bodies are: their ratios beyond the usual ones.
 
     Several pairs that are a little unlike slow sweeps down as much as a pair that is very unlike.
     """

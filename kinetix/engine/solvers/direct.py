@@ -63,7 +63,7 @@ class DirectCache:
 
 @pytree
 class Phase:
-    """What a substep hands to the next."""
+    """State that a substep passes to the next."""
 
     position: Vec
     rotation: Float[Array, "b n"]
@@ -76,7 +76,7 @@ class Phase:
     joint_impulse: Float[Array, "k n"]
     """Of the last substep, both solves together."""
     hit: Bool[Array, "c n"]
-    """Which contacts have pushed in any substep."""
+    """True for contacts that have pushed in any substep."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

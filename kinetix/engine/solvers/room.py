@@ -1,4 +1,4 @@
-"""How much room for contacts a scene of a given size gets."""
+"""Room for contacts in a scene of a given size."""
 
 import dataclasses
 

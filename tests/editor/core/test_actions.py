@@ -207,7 +207,7 @@ def test_alignment_and_distribution(session):
     assert lefts == pytest.approx([1.8, 1.8], abs=1e-5)
     actions.run(session, "edit.undo")
     actions.run(session, "edit.distribute_y")
-    assert session.document.history.undo_label in (None, "Distribute Up")
+    assert session.document.history.undo_label in (None, "Distribute Vertically")
     session.selection = (1,)
     actions.run(session, "edit.align_top")
     assert "Select at least 2 shapes." in texts(session)

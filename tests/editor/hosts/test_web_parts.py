@@ -1,4 +1,4 @@
-"""What is sent to a page and what it may say, without a page."""
+"""Messages to a page and from it, without a page."""
 
 import io
 import json
