@@ -1,0 +1,43 @@
+"""Lines that stay and words that pass, on a terminal and in a file."""
+
+import sys
+
+from kinetix.cli.terminal import Terminal
+from kinetix.training import telling
+from kinetix.training.telling import now_and_then
+
+
+def test_on_a_terminal_passing_words_leave_nothing_behind(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    terminal = Terminal()
+    terminal.status("scoring 1/4")
+    terminal.status("scoring 2/4")
+    terminal.say("1/8  512 steps")
+    terminal.say("2/8  1,024 steps")
+    terminal.status("evaluating 0/20 episodes")
+    terminal.close()
+    told = capsys.readouterr().err
+    assert told == (
+        "\r\x1b[Kscoring 1/4 …\r\x1b[Kscoring 2/4 …\r\x1b[K1/8  512 steps\n2/8  1,024 steps\n"
+        "\r\x1b[Kevaluating 0/20 episodes …\r\x1b[K"
+    )
+
+
+def test_in_a_file_they_are_lines_without_escapes(capsys):
+    terminal = Terminal()
+    terminal.status("compiling: update")
+    terminal.say("done")
+    terminal.close()
+    assert capsys.readouterr().err == "compiling: update\ndone\n"
+
+
+def test_each_kind_of_work_is_said_at_once_and_then_now_and_then(monkeypatch):
+    clock, said = [100.0], []
+    monkeypatch.setattr(telling.time, "monotonic", lambda: clock[0])
+    status = now_and_then(said.append)
+    for number in range(1, 5):
+        status(f"scoring {number}/4")
+        clock[0] += 4.0
+    status("compiling: start")
+    status("compiling: update")
+    assert said == ["scoring 1/4", "scoring 4/4", "compiling: start", "compiling: update"]
