@@ -1,91 +1,31 @@
 """Whole runs, tiny: they learn, can be stopped at any moment, refuse what does not fit."""
 
 import dataclasses
-import json
-import math
-import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
 
-import jax
 import numpy as np
 import pytest
 from PIL import Image
 
 from kinetix.agents.agent import load_agent
-from kinetix.agents.arrays import flatten
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.cli import main
 from kinetix.errors import KinetixError
-from kinetix.failures import Terminated
-from kinetix.files.lock import locked_folder
 from kinetix.level.codec import save_level
-from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
+from kinetix.level.model import Body, Circle, Level
 from kinetix.training.curricula.pages import page_updates, read_page
 from kinetix.training.logging import read_metrics
 from kinetix.training.run import make_trainer, train
 from kinetix.training.schedule import learning_rate
 from kinetix.training.settings import make_config
+from tests.training.tiny import TINY as _TINY
+from tests.training.tiny import Stop as _Stop
+from tests.training.tiny import same_parameters as _same_parameters
+from tests.training.tiny import stop_after as _stop_after
+from tests.training.tiny import tiny_config as _config
+from tests.training.tiny import without_time as _without_time
 
-_TINY = {
-    "size": "s",
-    "num_train_envs": 8,
-    "num_steps": 4,
-    "num_minibatches": 2,
-    "update_epochs": 2,
-    "total_timesteps": 8 * 4 * 6,
-    "eval_freq": 0,
-    "checkpoint_save_freq": 2,
-    "observation_type": "symbolic_flat",
-    "physics": "jax2d",
-    "actor_depth": 1,
-    "critic_depth": 1,
-    "actor_width": 16,
-    "critic_width": 16,
-    "batch_size": 8,
-    "num_batches": 2,
-    "num_to_save": 8,
-    "rollout_steps": 8,
-    "buffer_update_frequency": 2,
-    "level_buffer_capacity": 8,
-    "outer_rollout_steps": 2,
-}
-
-
-def _config(algorithm, **changes):
-    from kinetix.agents.networks.config import NetworkConfig
-    from kinetix.training.config import CONFIGS
-
-    names = set(CONFIGS[algorithm].__dataclass_fields__) | set(NetworkConfig.__dataclass_fields__)
-    values = {name: value for name, value in (_TINY | changes).items() if name in names}
-    if algorithm in ("plr", "accel", "dr") and "total_timesteps" not in changes:
-        values["total_timesteps"] *= 2
-    return make_config(algorithm, values=values)
-
-
-def _without_time(rows):
-    return [
-        {name: value for name, value in row.items() if name not in ("timing/sps", "timing/seconds")}
-        for row in rows
-    ]
-
-
-def _same_parameters(a, b):
-    a, b = (dict(flatten(load_agent(run).params["params"])) for run in (a, b))
-    assert a.keys() == b.keys()
-    for name, leaf in a.items():
-        np.testing.assert_array_equal(leaf, b[name])
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """A run that was never interrupted."""
-    out = tmp_path_factory.mktemp("runs") / "whole"
-    train("ppo", _config("ppo", dummy_env=True), out)
-    return out
+pytestmark = pytest.mark.usefixtures("shared_trainers")
 
 
 def test_a_run_leaves_what_is_promised(finished):
@@ -113,124 +53,15 @@ def test_the_two_newest_checkpoints_keep_the_training_state(finished):
     assert have == [128, 192]
 
 
-class _Stop(Exception):
-    pass
-
-
-def _stop_after(updates):
-    def report(progress):
-        if progress.update == updates:
-            raise _Stop
-
-    return report
-
-
-def test_an_interrupted_run_ends_as_if_it_had_not_been(finished, tmp_path):
+def test_an_interrupted_run_ends_as_if_it_had_not_been(finished, trainers, tmp_path):
     config = _config("ppo", dummy_env=True)
     for updates in (3, 5):
         with pytest.raises(_Stop):
             train("ppo", config, tmp_path / "run", report=_stop_after(updates))
+    trainers.clear()  # another trainer, as in another process
     train("ppo", config, tmp_path / "run")
     assert _without_time(read_metrics(tmp_path / "run")) == _without_time(read_metrics(finished))
     _same_parameters(finished, tmp_path / "run")
-
-
-def _flip_a_number(checkpoint):
-    """Four bytes of the state are others, and nothing of the file format can tell."""
-    from kinetix.training.resume import PROGRESS, StoredProgress
-
-    progress = json.loads((checkpoint / PROGRESS).read_text())
-    assert StoredProgress(**progress).digest
-    (checkpoint / PROGRESS).write_text(json.dumps(progress | {"digest": "0" * 64}))
-
-
-_DAMAGES = {
-    "digest": _flip_a_number,
-    "progress cut": lambda folder: (folder / "progress.json").write_text('{"updates": 6, "se'),
-    "progress of another type": lambda folder: (folder / "progress.json").write_text('{"a": []}'),
-    "progress gone": lambda folder: (folder / "progress.json").unlink(),
-    "arrays gone": lambda folder: shutil.rmtree(folder / "state" / "d"),
-    "arrays cut": lambda folder: [
-        path.write_bytes(path.read_bytes()[:20])
-        for path in (folder / "state").rglob("*")
-        if path.is_file()
-    ],
-    "card gone": lambda folder: ((folder / "agent.json").unlink(), shutil.rmtree(folder / "state")),
-}
-
-
-@pytest.mark.parametrize("damage", _DAMAGES.values(), ids=_DAMAGES)
-def test_a_damaged_checkpoint_is_named_and_the_one_before_resumes(finished, tmp_path, damage):
-    run = shutil.copytree(finished, tmp_path / "run")
-    damage(run / "checkpoints" / "192")
-    said = []
-    train("ppo", _config("ppo", dummy_env=True), run, say=said.append)
-    assert any("192" in text and "damaged" in text for text in said), said
-    assert "resuming from update 4 of 6" in said
-    assert _without_time(read_metrics(run)) == _without_time(read_metrics(finished))
-    _same_parameters(finished, run)
-    assert (run / "checkpoints" / "192.damaged").is_dir()
-
-
-def test_no_run_starts_again_where_its_states_are_damaged(finished, tmp_path):
-    run = shutil.copytree(finished, tmp_path / "run")
-    for step in ("128", "192"):
-        (run / "checkpoints" / step / "progress.json").write_text("")
-    with pytest.raises(KinetixError, match="none of its training states can be read"):
-        train("ppo", _config("ppo", dummy_env=True), run)
-    assert read_metrics(run) == read_metrics(finished)
-    assert steps_of_run(run) == [64, 128, 192]
-
-
-def test_two_trainings_do_not_write_to_one_run(finished):
-    with locked_folder(finished, "another training"):
-        code = (
-            "import sys; from pathlib import Path; from kinetix.errors import KinetixError\n"
-            "from kinetix.files.lock import locked_folder\n"
-            "try:\n    locked_folder(Path(sys.argv[1]), 'another training').__enter__()\n"
-            "except KinetixError as error: print(error)\n"
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", code, str(finished)], capture_output=True, text=True, check=True
-        )
-    assert "another training writes here now" in done.stdout
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, number):
-    said = []
-
-    def report(progress):
-        if progress.update == 3:
-            os.kill(os.getpid(), number)
-
-    config = _config("ppo", dummy_env=True)
-    ends = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated}[number]
-    with pytest.raises(ends):
-        train("ppo", config, tmp_path / "run", report=report, say=said.append)
-    told = " ".join(said)
-    assert "stopping after this update" in told
-    assert "stopped after update 4; saved" in told
-    # Four is a regular checkpoint; what comes next must not depend on that.
-    assert len(read_metrics(tmp_path / "run")) == 4
-    train("ppo", config, tmp_path / "run", say=said.append)
-    assert "resuming from update 4 of 6" in said
-    assert _without_time(read_metrics(tmp_path / "run")) == _without_time(read_metrics(finished))
-    _same_parameters(finished, tmp_path / "run")
-
-
-def test_a_disk_that_is_full_is_one_sentence(finished, tmp_path, monkeypatch):
-    run = shutil.copytree(finished, tmp_path / "run")
-
-    def full(*_, **__):
-        raise ValueError("RESOURCE_EXHAUSTED: [tensorstore] No space left on device [page] [page]")
-
-    monkeypatch.setattr("orbax.checkpoint.StandardCheckpointer.save", full)
-    longer = _config("ppo", dummy_env=True, total_timesteps=8 * 4 * 8)
-    with pytest.raises(KinetixError) as caught:
-        train("ppo", longer, run)
-    assert str(caught.value).endswith("cannot be written: No space left on device")
-    assert steps_of_run(run) == [64, 128, 192]
 
 
 def test_a_finished_run_can_be_made_longer(finished, tmp_path):
@@ -333,156 +164,6 @@ def _check_history(run, rows, algorithm):
         assert any(one.kind == "mutated" and one.ancestry for p in pages for one in p.head.levels)
     if algorithm == "sfl":
         assert any(one.reason == "refilled" for page in pages for one in page.head.gone)
-
-
-@pytest.mark.slow
-def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
-    """SIGKILL, twenty times; the metrics are those of a run that was left alone."""
-    flags = [
-        word
-        for name, value in (_TINY | {"total_timesteps": 8 * 4 * 240}).items()
-        if name in make_config("ppo").__dataclass_fields__ or name.endswith(("depth", "width"))
-        for word in (f"--{name.replace('_', '-')}", str(value))
-    ]
-
-    def command(out):
-        train_ppo = [sys.executable, "-m", "kinetix", "train", "ppo", "--dummy-env"]
-        return [*train_ppo, "--out", str(out), *flags]
-
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run(command(tmp_path / "whole"), check=True, **quiet)
-    random = np.random.default_rng(0)
-    kills = {"starting": 0, "training": 0}
-    saved = 0
-    for attempt in range(20):
-        process = subprocess.Popen(command(tmp_path / "killed"), **quiet)
-        began = len(read_metrics(tmp_path / "killed"))
-        # Every fifth dies while it starts and reads what is there; the others train for a while.
-        if attempt % 5 == 4:
-            time.sleep(float(random.uniform(0, 3)))
-        else:
-            while process.poll() is None and len(read_metrics(tmp_path / "killed")) <= began:
-                time.sleep(0.01)
-            time.sleep(float(random.uniform(0, 0.4)))
-        assert process.poll() is None, "the run was over before it could be killed"
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
-        rows = len(read_metrics(tmp_path / "killed"))
-        kills["training" if rows > began else "starting"] += 1
-        # One checkpoint interval is two updates, and what was saved once is never lost.
-        newest = max(steps_of_run(tmp_path / "killed"), default=0) // 32
-        assert max(saved, rows - 2) <= newest
-        saved = newest
-    assert min(kills.values()) > 0
-    subprocess.run(command(tmp_path / "killed"), check=True, **quiet)
-    whole, killed = (_without_time(read_metrics(tmp_path / n)) for n in ("whole", "killed"))
-    assert killed == whole
-    _same_parameters(tmp_path / "whole", tmp_path / "killed")
-    card = json.loads((tmp_path / "killed" / "checkpoints" / "7680" / "agent.json").read_text())
-    assert card["training"]["environment_steps"] == 7680
-
-
-def _rocket():
-    """A box with a thruster below a blue ball: random play reaches it now and then."""
-    corners = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
-    box = Body(id=1, shape=Polygon(vertices=corners), position=(2.5, 0.45), role="green")
-    ball = Body(id=2, shape=Circle(radius=0.3), position=(2.5, 2.5), fixed=True, role="blue")
-    up = Thruster(id=3, body=1, position=(0.0, -0.2), angle=math.pi / 2, power=0.24)
-    return Level(name="rocket", size="s", next_id=4, bodies=(box, ball), thrusters=(up,))
-
-
-@pytest.mark.slow
-def test_ppo_learns_an_easy_level(tmp_path):
-    """A fixed budget on one level of size s; the last evaluation solves at least 0.8."""
-    save_level(_rocket(), tmp_path / "rocket.json")
-    config = make_config(
-        "ppo",
-        preset="small",
-        values={
-            "levels": (str(tmp_path / "rocket.json"),),
-            "total_timesteps": 196_608,
-            "eval_freq": 1000,
-            "eval_num_attempts": 50,
-            "checkpoint_save_freq": 1000,
-        },
-    )
-    train("ppo", config, tmp_path / "run")
-    assert read_metrics(tmp_path / "run")[-1]["eval/hand_designed_episode_solve_rate"] >= 0.8
-
-
-def _sfl_on(path, **changes):
-    """A tiny SFL whose only source of levels is a file, in an environment that does nothing."""
-    save_level(_rocket(), path)
-    levels = {"levels": (str(path),), "size": "s", "dummy_env": True}
-    return make_trainer(_config("sfl", num_to_save=4, **levels, **changes))
-
-
-@pytest.mark.slow
-def test_sfl_trains_on_a_fixed_set_and_measures_what_that_changes(tmp_path):
-    trainer = _sfl_on(
-        tmp_path / "rocket.json",
-        train_on_buffer=True,
-        train_buffer_size=5,
-        log_learnability_before_after=True,
-    )
-    state = trainer.start()
-    reports = []
-    for _ in range(3):
-        state, metrics = trainer.update(state)
-        reports.append({name for name in metrics if name.startswith("sfl/")})
-    chosen = {"sfl/buffer_learnability", "sfl/sampled_learnability"}
-    before = {"sfl/learnability_before", "sfl/solve_rate_before"}
-    after = {"sfl/learnability_after", "sfl/solve_rate_after"}
-    assert reports == [chosen | before, set(), chosen | before | after]
-    assert state.pool.timestep.shape == (5,)
-
-
-@pytest.mark.slow
-def test_sfl_can_be_given_the_evaluation_levels(tmp_path):
-    other = _rocket().replace(name="other", gravity=(0.0, -3.0))
-    save_level(other, tmp_path / "other.json")
-    given = {"put_eval_levels_in_buffer": True, "eval_levels": (str(tmp_path / "other.json"),)}
-    trainer = _sfl_on(tmp_path / "rocket.json", **given)
-    state, _ = trainer.update(trainer.start())
-    gravity = np.asarray(state.chosen.levels.world.gravity[:, 1])
-    np.testing.assert_allclose(gravity, [-9.81, -9.81, -9.81, -3.0], rtol=1e-3)
-    with pytest.raises(KinetixError, match="do not fit a buffer of num_to_save = 4"):
-        _sfl_on(tmp_path / "rocket.json", **given | {"eval_levels": ("s/first_flight",) * 5})
-
-
-def test_entities_can_change_their_slots(tmp_path):
-    trainer = _sfl_on(tmp_path / "rocket.json", permute_state_during_training=True)
-    reset = jax.jit(jax.vmap(trainer.setup.reset_fn))
-    slots = np.asarray(reset(jax.random.split(jax.random.key(0), 16)).world.bodies.active)
-    # The rocket's only circle is the blue ball; it lies in either of the two slots of circles.
-    assert {tuple(row) for row in slots[:, 5:]} == {(True, False), (False, True)}
-    same = trainer.setup.arranged(
-        state := reset(jax.random.split(jax.random.key(0), 16)), jax.random.key(1)
-    )
-    moved = np.asarray(same.world.bodies.active[:, 5:] != state.world.bodies.active[:, 5:])
-    assert moved.any() and not moved.all()
-
-
-@pytest.mark.slow
-def test_sfl_keeps_more_learnable_levels_than_it_samples():
-    config = _config(
-        "sfl",
-        batch_size=128,
-        num_to_save=32,
-        rollout_steps=128,
-        num_steps=8,
-        total_timesteps=8 * 8 * 2,
-        learnability_correction=False,
-        filter_levels=False,
-    )
-    trainer = make_trainer(config)
-    _, metrics = trainer.update(trainer.start())
-    assert float(metrics["sfl/buffer_learnability"]) > 2 * float(
-        metrics["sfl/sampled_learnability"]
-    )
-    # Means of episodes are NaN here: none ends within so short a rollout.
-    losses = [value for name, value in metrics.items() if name.startswith("loss/")]
-    assert np.all(np.isfinite(losses))
 
 
 def test_sfl_finishes_episodes_that_are_longer_than_a_rollout(tmp_path):

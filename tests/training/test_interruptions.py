@@ -1,0 +1,118 @@
+"""Runs that are damaged, stopped, written to by others, or find the disk full."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from kinetix.agents.checkpoint import steps_of_run
+from kinetix.errors import KinetixError
+from kinetix.failures import Terminated
+from kinetix.files.lock import locked_folder
+from kinetix.training.logging import read_metrics
+from kinetix.training.run import train
+from tests.training.tiny import same_parameters, tiny_config, without_time
+
+pytestmark = pytest.mark.usefixtures("shared_trainers")
+
+
+def _flip_a_number(checkpoint):
+    """Four bytes of the state are others, and nothing of the file format can tell."""
+    from kinetix.training.resume import PROGRESS, StoredProgress
+
+    progress = json.loads((checkpoint / PROGRESS).read_text())
+    assert StoredProgress(**progress).digest
+    (checkpoint / PROGRESS).write_text(json.dumps(progress | {"digest": "0" * 64}))
+
+
+_DAMAGES = {
+    "digest": _flip_a_number,
+    "progress cut": lambda folder: (folder / "progress.json").write_text('{"updates": 6, "se'),
+    "progress of another type": lambda folder: (folder / "progress.json").write_text('{"a": []}'),
+    "progress gone": lambda folder: (folder / "progress.json").unlink(),
+    "arrays gone": lambda folder: shutil.rmtree(folder / "state" / "d"),
+    "arrays cut": lambda folder: [
+        path.write_bytes(path.read_bytes()[:20])
+        for path in (folder / "state").rglob("*")
+        if path.is_file()
+    ],
+    "card gone": lambda folder: ((folder / "agent.json").unlink(), shutil.rmtree(folder / "state")),
+}
+
+
+@pytest.mark.parametrize("damage", _DAMAGES.values(), ids=_DAMAGES)
+def test_a_damaged_checkpoint_is_named_and_the_one_before_resumes(finished, tmp_path, damage):
+    run = shutil.copytree(finished, tmp_path / "run")
+    damage(run / "checkpoints" / "192")
+    said = []
+    train("ppo", tiny_config("ppo", dummy_env=True), run, say=said.append)
+    assert any("192" in text and "damaged" in text for text in said), said
+    assert "resuming from update 4 of 6" in said
+    assert without_time(read_metrics(run)) == without_time(read_metrics(finished))
+    same_parameters(finished, run)
+    assert (run / "checkpoints" / "192.damaged").is_dir()
+
+
+def test_no_run_starts_again_where_its_states_are_damaged(finished, tmp_path):
+    run = shutil.copytree(finished, tmp_path / "run")
+    for step in ("128", "192"):
+        (run / "checkpoints" / step / "progress.json").write_text("")
+    with pytest.raises(KinetixError, match="none of its training states can be read"):
+        train("ppo", tiny_config("ppo", dummy_env=True), run)
+    assert read_metrics(run) == read_metrics(finished)
+    assert steps_of_run(run) == [64, 128, 192]
+
+
+def test_two_trainings_do_not_write_to_one_run(finished):
+    with locked_folder(finished, "another training"):
+        code = (
+            "import sys; from pathlib import Path; from kinetix.errors import KinetixError\n"
+            "from kinetix.files.lock import locked_folder\n"
+            "try:\n    locked_folder(Path(sys.argv[1]), 'another training').__enter__()\n"
+            "except KinetixError as error: print(error)\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(finished)], capture_output=True, text=True, check=True
+        )
+    assert "another training writes here now" in done.stdout
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, number):
+    said = []
+
+    def report(progress):
+        if progress.update == 3:
+            os.kill(os.getpid(), number)
+
+    config = tiny_config("ppo", dummy_env=True)
+    ends = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated}[number]
+    with pytest.raises(ends):
+        train("ppo", config, tmp_path / "run", report=report, say=said.append)
+    told = " ".join(said)
+    assert "stopping after this update" in told
+    assert "stopped after update 4; saved" in told
+    # Four is a regular checkpoint; what comes next must not depend on that.
+    assert len(read_metrics(tmp_path / "run")) == 4
+    train("ppo", config, tmp_path / "run", say=said.append)
+    assert "resuming from update 4 of 6" in said
+    assert without_time(read_metrics(tmp_path / "run")) == without_time(read_metrics(finished))
+    same_parameters(finished, tmp_path / "run")
+
+
+def test_a_disk_that_is_full_is_one_sentence(finished, tmp_path, monkeypatch):
+    run = shutil.copytree(finished, tmp_path / "run")
+
+    def full(*_, **__):
+        raise ValueError("RESOURCE_EXHAUSTED: [tensorstore] No space left on device [page] [page]")
+
+    monkeypatch.setattr("orbax.checkpoint.StandardCheckpointer.save", full)
+    longer = tiny_config("ppo", dummy_env=True, total_timesteps=8 * 4 * 8)
+    with pytest.raises(KinetixError) as caught:
+        train("ppo", longer, run)
+    assert str(caught.value).endswith("cannot be written: No space left on device")
+    assert steps_of_run(run) == [64, 128, 192]
