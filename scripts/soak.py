@@ -3,9 +3,9 @@
     python scripts/soak.py --hours 8
 
 Pauses in which a person thinks pass in frames of a second, everything else in frames of 1/60 s, so
-that eight hours take about half an hour. Prints memory while it goes on, and at the end how much it
-has grown since everything had been done once; threads, open files, textures, arrays of JAX and
-files of the caches that are left; and the frame that took the window's thread longest.
+that eight hours take about half an hour; Ctrl+C ends it early. Prints memory while it goes on, and
+at the end how much it has grown since everything had been done once; threads, open files, textures
+and arrays of JAX that are left; and the frame that took the window's thread longest.
 """
 
 import argparse
@@ -29,6 +29,7 @@ from editor.gallery.results import Results
 from editor.hosts.offscreen import OffscreenHost
 from editor.play.playback import Mode
 from editor.session import Session
+from editor.toolkit.thumbnails import SLOTS
 from kinetix.paths import levels_dir
 
 TARGET_MB = 50.0
@@ -42,6 +43,8 @@ _WARM_UP = 3
 _FRAME = 1 / 60
 _THOUGHT = 60
 """Time for which a person thinks in a round [s]."""
+_PICTURES = 2
+"""Textures besides those of thumbnails: what is played, and what an agent sees."""
 _PATIENCE = 300.0
 """Longest wait for the compiler or an evaluation [s of the wall]."""
 
@@ -204,7 +207,10 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
     kinds: collections.Counter[str] = collections.Counter()
     began = time.monotonic()
     while session.time < 3600 * options.hours:
-        soak.round()
+        try:
+            soak.round()
+        except KeyboardInterrupt:
+            break
         if soak.warm:
             memory.append((session.time / 3600, resident_mb()))
             before = before or held()
@@ -240,7 +246,7 @@ def main(write: Callable[[str], object] = sys.stdout.write) -> int:
         f"(at most {1000 * LONGEST_FRAME:.0f})\n"
     )
     # The gallery's thread and a worker's come and go; what leaks does so every round.
-    leaks = max(more["threads"], more["open files"]) > 8
+    leaks = max(more["threads"], more["open files"]) > 8 or textures > SLOTS + _PICTURES
     return int(grown > TARGET_MB or leaks or soak.slowest > LONGEST_FRAME)
 
 
