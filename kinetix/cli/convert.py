@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 from tyro.conf import Positional
 
+from kinetix.errors import KinetixError
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, load_document, save_level
 
@@ -29,10 +30,18 @@ def run(command: Convert) -> int:
 
     Returns:
         0; errors are raised.
+
+    Raises:
+        KinetixError: The level is bad, or would be replaced by its form in another format.
     """
     loaded = load_document(command.source)
     other: LevelFormat = "kinetix-env" if loaded.format == FORMAT else FORMAT
     target = command.format or other
+    if target != loaded.format and _same_file(loaded.path, command.target):
+        raise KinetixError(
+            f"{command.target}: this is the file that is read, and what {target} cannot say would "
+            "be lost; choose another name"
+        )
     command.target.parent.mkdir(parents=True, exist_ok=True)
     lost = save_level(loaded.level, command.target, format=target, source=loaded.source)
     if target == FORMAT:
@@ -45,3 +54,7 @@ def run(command: Convert) -> int:
         )
     print(f"{command.target}: {target}")
     return 0
+
+
+def _same_file(source: Path | None, target: Path) -> bool:
+    return source is not None and target.exists() and source.samefile(target)

@@ -449,8 +449,11 @@ def save_set(loaded: LoadedSet, path: str | Path, *, inline: bool = False) -> No
     """Write a set atomically.
 
     Raises:
-        LevelError: The file cannot be written, or would be too large to be read.
+        LevelError: The file cannot be written, would be too large to be read, or there is a file
+            that is no set, such as one of the levels.
     """
+    if os.path.isfile(path) and not is_set_file(Path(path)):
+        raise LevelError(f"{path}: there is a file that is no level set; choose another name")
     data = dumps_set(loaded, inline=inline).encode()
     largest = LIMITS["set"].largest
     if len(data) > largest:

@@ -114,3 +114,15 @@ def test_wrong_usage(capsys):
     assert main(["levelset"]) == 2
     assert main(["levelset", "split", "set.json"]) == 2
     capsys.readouterr()
+
+
+def test_a_set_does_not_take_the_place_of_a_level(tmp_path, capsys):
+    level = tmp_path / "a.json"
+    save_level(load_level("s/first_flight"), level)
+    before = level.read_bytes()
+    assert main(["levelset", "build", str(level), "--levels", str(level)]) == 1
+    assert "there is a file that is no level set" in capsys.readouterr().err
+    assert level.read_bytes() == before
+    made = str(tmp_path / "set.json")
+    for _ in range(2):  # a set takes the place of a set
+        assert main(["levelset", "build", made, "--levels", str(level)]) == 0
