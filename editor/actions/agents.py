@@ -289,7 +289,7 @@ def refresh_cast(session: Session) -> None:
     playback, viewer = session.playback, session.viewer
     casting, summary = viewer.casting("a"), viewer.slots["a"].summary
     if playback.casting is not None and casting is not None and summary is not None:
-        playback.casting, playback.player = casting, summary.name
+        playback.cast(casting, summary.name)
 
 
 def switch_deterministic(session: Session) -> None:

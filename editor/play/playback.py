@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final, Protocol
 
 from editor.base.controls import NOOP
+from editor.play.states import Editing, Ended, Episode, Live, Paused, Replaying, Starting, State
 from editor.worker.recording import (
     ENGINE_STEPS_PER_SECOND,
     FRAME_SKIP,
@@ -91,60 +92,110 @@ class Simulator(Protocol):
 
 
 class Playback:
-    """Owns the mode and the episode; reads the level when play starts and never writes it."""
+    """Owns the state and its episode; reads the level when play starts and never writes it."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator
-        self.mode = Mode.EDIT
+        self.state: State = Editing()
         self.physics = "balanced"
         """Physics preset of the next episode."""
         self.speed = 1.0
         """Target, in multiples of real time."""
         self.restart_automatically = False
         """Start anew after an end, a second later."""
-        self.level: Level | None = None
-        """The level being played."""
-        self.snapshot: Snapshot | None = None
-        """Snapshot on the screen."""
-        self.casting: Casting | None = None
-        """The agent that plays, or None when a person does."""
-        self.player = ""
-        """Name of the agent."""
         self.episode = 0
         """Rises with every episode that starts."""
-        self.running = False
-        """In a replay: whether it moves on by itself."""
-        self.loop: tuple[int, int] | None = None
-        """The part of a replay that is shown again and again, first and last index."""
-        self.ring = Ring()
-        self.perturbed = False
-        """True if the mouse pulled at a body, or a person drove instead of the agent."""
         self.failure = ""
         """Reason why the last episode could not start or continue; empty while all is well."""
-        self._actions: list[Action] = []
-        self._sent: list[Action | None] = []
-        self._starting = False
-        self._accumulator = 0.0
-        self._ended_for = 0.0
         self._clock = 0.0
-        self._rate: list[tuple[float, int]] = []
-        self._replay: Trace | None = None
-        self._replay_index = 0
-        self._live = False
-        self._branch: Snapshot | None = None
-        self._since: Snapshot | None = None
-        self.suspended = False
-        """True if a paused episode waits while its level is changed."""
+
+    @property
+    def mode(self) -> Mode:
+        """Mode of the app."""
+        match self.state:
+            case Editing():
+                return Mode.EDIT
+            case Starting(paused=paused):
+                return Mode.PAUSED if paused else Mode.PLAYING
+            case Live():
+                return Mode.PLAYING
+            case Paused():
+                return Mode.PAUSED
+            case Ended():
+                return Mode.ENDED
+            case Replaying():
+                return Mode.REPLAY
+
+    @property
+    def current(self) -> Episode | None:
+        """The episode on show or set aside; None while nothing is played."""
+        state = self.state
+        return state.aside if isinstance(state, Editing) else state.episode
 
     @property
     def active(self) -> bool:
         """True if the app plays or replays (the document is not being edited)."""
-        return self.mode is not Mode.EDIT
+        return not isinstance(self.state, Editing)
+
+    @property
+    def suspended(self) -> bool:
+        """True if a paused episode waits while its level is changed."""
+        return isinstance(self.state, Editing) and self.state.aside is not None
 
     @property
     def waiting(self) -> bool:
         """True if play was asked for and the first state has not come (compiling)."""
-        return self._starting
+        return isinstance(self.state, Starting)
+
+    @property
+    def level(self) -> Level | None:
+        """The level being played."""
+        return self.current.level if self.current else None
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """Snapshot on the screen."""
+        return self.current.snapshot if self.current else None
+
+    @property
+    def casting(self) -> Casting | None:
+        """The agent that plays, or None when a person does."""
+        return self.current.casting if self.current else None
+
+    @property
+    def player(self) -> str:
+        """Name of the agent."""
+        return self.current.player if self.current else ""
+
+    @property
+    def perturbed(self) -> bool:
+        """True if the mouse pulled at a body, or a person drove instead of the agent."""
+        return self.current.perturbed if self.current else False
+
+    @property
+    def ring(self) -> Ring:
+        """The episode's last moments."""
+        return self.current.ring if self.current else Ring()
+
+    @property
+    def running(self) -> bool:
+        """True if a replay moves on by itself."""
+        return isinstance(self.state, Replaying) and self.state.running
+
+    @running.setter
+    def running(self, running: bool) -> None:
+        if isinstance(self.state, Replaying):
+            self.state.running = running
+
+    @property
+    def loop(self) -> tuple[int, int] | None:
+        """The part of a replay that is shown again and again, first and last index."""
+        return self.state.loop if isinstance(self.state, Replaying) else None
+
+    @loop.setter
+    def loop(self, loop: tuple[int, int] | None) -> None:
+        if isinstance(self.state, Replaying):
+            self.state.loop = loop
 
     @property
     def step_count(self) -> int:
@@ -174,64 +225,49 @@ class Playback:
     @property
     def step_share(self) -> float:
         """Share of the time until the next step that has passed, 0 … 1."""
-        return self._accumulator / self.step_seconds
+        return (
+            self.state.owed / self.step_seconds if isinstance(self.state, Live | Replaying) else 0.0
+        )
 
     @property
     def replay_index(self) -> int:
         """Index of the moment on the screen: the last one unless it is a replay."""
-        if self.mode is Mode.REPLAY:
-            return self._replay_index
+        if isinstance(self.state, Replaying):
+            return self.state.index
         return max(len(self.ring) - 1, 0)
 
     @property
     def moments(self) -> tuple[Snapshot, ...]:
         """All moments that can be looked at, oldest first."""
-        if self.mode is Mode.REPLAY and self._replay is not None:
-            return self._replay.snapshots
+        if isinstance(self.state, Replaying):
+            return self.state.trace.snapshots
         return self.ring.snapshots
 
     @property
     def can_branch(self) -> bool:
         """True if the episode can be played on from the moment on show."""
-        shown = self.snapshot
-        lasting = self._replay is not None and not self._replay.from_file
+        state, shown = self.state, self.snapshot
+        lasting = isinstance(state, Replaying) and not state.trace.from_file
         return lasting and shown is not None and shown.outcome is None
 
     @property
     def real_time_factor(self) -> float:
         """Simulated time over wall time of the last second."""
-        if len(self._rate) < 2:
-            return 0.0
-        (first, low), (last, high) = self._rate[0], self._rate[-1]
-        simulated = (high - low) * self.frame_skip / ENGINE_STEPS_PER_SECOND
-        return simulated / (last - first) if last > first else 0.0
+        return self.current.real_time_factor if self.current else 0.0
 
     @property
     def actions(self) -> tuple[Action, ...]:
         """Actions of every step of the episode so far."""
-        return self._replay.actions if self._replay is not None else tuple(self._actions)
+        if isinstance(self.state, Replaying):
+            return self.state.trace.actions
+        return tuple(self.current.actions) if self.current else ()
 
     @property
     def trace(self) -> Trace | None:
         """The episode so far, as far back as the ring reaches."""
-        if self.mode is Mode.REPLAY:
-            return self._replay
-        snapshots = self.ring.snapshots
-        if not snapshots:
-            return None
-        actions = tuple(self._actions[len(self._actions) - len(snapshots) + 1 :])
-        casting = self.casting
-        return Trace(
-            physics=self.physics,
-            perturbed=self.perturbed,
-            snapshots=snapshots,
-            actions=actions,
-            player=self.player,
-            seed=casting.seed if casting else 0,
-            attempt=casting.attempt if casting else 0,
-            deterministic=casting.deterministic if casting else False,
-            digest=casting.digest if casting else "",
-        )
+        if isinstance(self.state, Replaying):
+            return self.state.trace
+        return self.current.trace(self.physics) if self.current else None
 
     def play(self, level: Level, casting: Casting | None = None, *, player: str = "") -> None:
         """Start an episode of a level from its first state.
@@ -239,11 +275,9 @@ class Playback:
         Args:
             level: The level.
             casting: The agent that plays; None: a person.
-            player: What the agent is called.
+            player: Name of the agent.
         """
-        self.level, self.casting, self.player = level, casting, player
-        self._begin()
-        self.mode = Mode.PLAYING
+        self._begin(Episode(level=level, casting=casting, player=player))
 
     def play_from(
         self,
@@ -259,25 +293,30 @@ class Playback:
             level: The level as it stands now.
             since: The moment that was changed: steps and return go on from it.
             casting: The agent that plays; None: a person.
-            player: What the agent is called.
+            player: Name of the agent.
         """
-        self.level, self.casting, self.player = level, casting, player
-        self._begin(since)
-        self.perturbed = True
-        self.mode = Mode.PLAYING
+        self._begin(
+            Episode(level=level, casting=casting, player=player, since=since, perturbed=True)
+        )
+
+    def cast(self, casting: Casting, player: str) -> None:
+        """Let the next episode of this level have another agent, seed or attempt."""
+        if self.current is not None:
+            self.current.casting, self.current.player = casting, player
 
     def suspend(self) -> None:
         """Set a paused episode aside while its level is changed; `resume` brings it back."""
-        if self.mode is Mode.PAUSED:
+        if isinstance(self.state, Paused):
             self.simulator.drop()
-            self._sent = []
-            self.mode, self.suspended = Mode.EDIT, True
+            self.state.episode.sent = []
+            self.state = Editing(aside=self.state.episode)
 
     def resume(self) -> None:
         """Show the episode that was set aside; it is paused, as it was."""
-        if self.suspended and self.snapshot is not None:
-            self.mode, self.suspended = Mode.PAUSED, False
-            self.simulator.restore(self.snapshot)
+        episode = self.current
+        if self.suspended and episode is not None and episode.snapshot is not None:
+            self.state = Paused(episode=episode)
+            self.simulator.restore(episode.snapshot)
 
     def go_on(self) -> None:
         """Play on with the episode that was set aside."""
@@ -286,60 +325,67 @@ class Playback:
 
     def pause(self) -> None:
         """Pause, or go on; a replay that has come to its end begins again."""
-        if self.mode is Mode.REPLAY:
-            self.running = not self.running
-            self._accumulator = 0.0
-            if self.running and self._replay_index + 1 >= len(self.moments):
-                self.scrub(0)
-        elif self.mode is Mode.PLAYING:
-            self.mode = Mode.PAUSED
-        elif self.mode is Mode.PAUSED:
-            self.mode = Mode.PLAYING
-            self._accumulator = 0.0
+        match self.state:
+            case Replaying() as state:
+                state.running, state.owed = not state.running, 0.0
+                if state.running and state.index + 1 >= len(state.trace.snapshots):
+                    self.scrub(0)
+            case Starting() as state:
+                state.paused = not state.paused
+            case Live(episode=episode):
+                self.state = Paused(episode=episode)
+            case Paused(episode=episode):
+                self.state = Live(episode=episode)
 
     def step(self, action: Action | None = NOOP, pull: Pull | None = None) -> None:
         """Play one environment step and stay paused; in a replay, show the next moment."""
-        if self.mode is Mode.REPLAY:
-            self.running = False
-            self.scrub(self._replay_index + 1)
-        elif self.mode in (Mode.PLAYING, Mode.PAUSED) and not self._starting:
-            self.mode = Mode.PAUSED
-            self._send((action,), pull)
+        match self.state:
+            case Replaying() as state:
+                state.running = False
+                self.scrub(state.index + 1)
+            case Live(episode=episode) | Paused(episode=episode):
+                self.state = Paused(episode=episode)
+                self._send(episode, (action,), pull)
 
     def step_back(self) -> None:
         """Go back one environment step and pause; in a replay, show the moment before."""
-        if self.mode is Mode.REPLAY:
-            self.running = False
-            self.scrub(self._replay_index - 1)
-            return
-        if self.mode not in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED):
-            return
-        self.mode = Mode.PAUSED
-        if self._starting or self.simulator.outstanding:
-            return
-        earlier = self.ring.back()
+        match self.state:
+            case Replaying() as state:
+                state.running = False
+                self.scrub(state.index - 1)
+            case Starting() as state:
+                state.paused = True
+            case Live(episode=episode) | Paused(episode=episode) | Ended(episode=episode):
+                self.state = Paused(episode=episode)
+                self._go_back(episode)
+
+    def _go_back(self, episode: Episode) -> None:
+        earlier = None if self.simulator.outstanding else episode.ring.back()
         if earlier is not None:
-            self._actions.pop()
+            episode.actions.pop()
             self.simulator.restore(earlier)
-            self.snapshot = earlier
+            episode.snapshot = earlier
 
     def reset(self) -> None:
         """Start the episode anew, or where it was changed; a paused one stays paused."""
-        if self.mode is Mode.EDIT:
+        if isinstance(self.state, Editing):
             return
-        since = self._since
-        self._begin(since)
-        self.perturbed = since is not None
-        self.mode = Mode.PAUSED if self.mode is Mode.PAUSED else Mode.PLAYING
+        paused, last = self.mode is Mode.PAUSED, self.state.episode
+        self._begin(
+            Episode(
+                level=last.level,
+                casting=last.casting,
+                player=last.player,
+                since=last.since,
+                perturbed=last.since is not None,
+            ),
+            paused=paused,
+        )
 
     def stop(self) -> None:
-        """Back to editing; the document is as it was."""
+        """Drop everything that was asked for."""
         self.simulator.stop()
-        self.mode = Mode.EDIT
-        self.level = self.snapshot = self.casting = None
-        self.player = ""
-        self._starting = self.suspended = False
-        self._forget()
+        self.state = Editing()
 
     def replay(
         self, trace: Trace, level: Level, casting: Casting | None = None, *, player: str = ""
@@ -350,56 +396,56 @@ class Playback:
             trace: The episode.
             level: Its level.
             casting: The agent that goes on when it is branched from; None: a person.
-            player: What the agent is called.
+            player: Name of the agent.
         """
         self.simulator.stop()
-        self._starting = False
-        self._forget()
         self.episode += 1
         self.failure = ""
-        self._replay, self.level, self.mode = trace, level, Mode.REPLAY
-        self.casting, self.player = casting, player or trace.player
+        episode = Episode(level=level, casting=casting, player=player or trace.player)
+        self.state = Replaying(episode=episode, trace=trace)
         self.scrub(0)
 
     def look_back(self) -> None:
         """Make a replay of the episode under way; `branch` goes on with it."""
-        trace = self.trace
-        if self.mode not in (Mode.PLAYING, Mode.PAUSED, Mode.ENDED) or trace is None:
+        state, trace = self.state, self.trace
+        if trace is None or isinstance(state, Editing | Replaying):
             return
-        self._replay, self._live, self.mode = trace, True, Mode.REPLAY
-        self._replay_index, self.running, self.loop = len(trace.snapshots) - 1, False, None
+        self.state = Replaying(
+            episode=state.episode,
+            trace=trace,
+            index=len(trace.snapshots) - 1,
+            under_way=not isinstance(state, Starting),
+        )
 
     def scrub(self, index: int) -> None:
         """Show the moment `index`; an episode under way becomes a replay, as does one that ended.
 
         Outside, the nearest moment is shown.
         """
-        if self.mode is not Mode.REPLAY:
-            self.look_back()
-        if self._replay is None:
-            return
-        self._replay_index = min(max(index, 0), len(self._replay.snapshots) - 1)
-        self.snapshot = self._replay.snapshots[self._replay_index]
+        self.look_back()
+        if isinstance(self.state, Replaying):
+            moments = self.state.trace.snapshots
+            self.state.index = min(max(index, 0), len(moments) - 1)
+            self.state.episode.snapshot = moments[self.state.index]
 
     def branch(self) -> None:
         """Play on from the moment of the replay on show; paused until told to go."""
-        shown, trace = self.snapshot, self._replay
-        if not self.can_branch or shown is None or trace is None or self.level is None:
+        state, shown = self.state, self.snapshot
+        if not isinstance(state, Replaying) or not self.can_branch or shown is None:
             return
-        index = self._replay_index
-        live, physics = self._live, trace.physics
-        self._sent, self._rate = [], []
-        self._replay, self._live, self.running, self.loop = None, False, False, None
-        self.ring.keep(trace.snapshots[: index + 1])
-        self._actions = list(trace.actions[:index])
-        self.perturbed = trace.perturbed
-        self.mode = Mode.PAUSED
-        if live:
+        episode, trace = state.episode, state.trace
+        episode.sent, episode.rate = [], []
+        episode.ring.keep(trace.snapshots[: state.index + 1])
+        episode.actions = list(trace.actions[: state.index])
+        episode.perturbed = trace.perturbed
+        if state.under_way:
+            self.state = Paused(episode=episode)
             self.simulator.drop()
             self.simulator.restore(shown)
         else:
-            self._branch, self._starting, self.physics = shown, True, physics
-            self.simulator.start(self.level, physics, self.casting)
+            self.state = Starting(episode=episode, paused=True, moment=shown)
+            self.physics = trace.physics
+            self.simulator.start(episode.level, self.physics, episode.casting)
 
     def slower(self) -> None:
         """Halve the speed, down to 1/16."""
@@ -423,97 +469,107 @@ class Playback:
                 episode could not even start.
         """
         self._clock += elapsed
-        if self.mode is Mode.REPLAY:
-            self._run_replay(elapsed)
+        if isinstance(self.state, Replaying):
+            self._run_replay(self.state, elapsed)
             return
         self._take()
-        if self.mode is Mode.PLAYING and not self._starting:
-            backlog = max(BACKLOG_SECONDS, self.step_seconds) + elapsed
-            self._accumulator = min(self._accumulator + elapsed, backlog)
-            due = math.floor(self._accumulator / self.step_seconds + 1e-6)
-            room = max(math.ceil(OUTSTANDING_SECONDS / self.step_seconds), 1, due)
-            steps = min(due, room - self.simulator.outstanding)
-            if steps > 0:
-                self._accumulator -= steps * self.step_seconds
-                self._send((action,) * steps, pull)
-                self._take()
-        if self.mode is Mode.ENDED and self.restart_automatically:
-            self._ended_for += elapsed
-            if self._ended_for >= 1.0:
+        if isinstance(self.state, Live):
+            self._drive(self.state, elapsed, action, pull)
+        if isinstance(self.state, Ended) and self.restart_automatically:
+            self.state.seconds += elapsed
+            if self.state.seconds >= 1.0:
                 self.reset()
 
-    def _run_replay(self, elapsed: float) -> None:
+    def _drive(self, state: Live, elapsed: float, action: Action | None, pull: Pull | None) -> None:
+        """Ask for the steps that are due."""
+        backlog = max(BACKLOG_SECONDS, self.step_seconds) + elapsed
+        state.owed = min(state.owed + elapsed, backlog)
+        due = math.floor(state.owed / self.step_seconds + 1e-6)
+        room = max(math.ceil(OUTSTANDING_SECONDS / self.step_seconds), 1, due)
+        steps = min(due, room - self.simulator.outstanding)
+        if steps > 0:
+            state.owed -= steps * self.step_seconds
+            self._send(state.episode, (action,) * steps, pull)
+            self._take()
+
+    def _run_replay(self, state: Replaying, elapsed: float) -> None:
         """Move on in a recording; the loop, or the end, decides where it turns back or stops."""
-        if not self.running or self._replay is None:
+        if not state.running:
             return
-        self._accumulator += elapsed
-        count = len(self._replay.snapshots)
-        first, last = self.loop if self.loop is not None else (0, count - 1)
-        while self._accumulator >= self.step_seconds - 1e-6:
-            self._accumulator -= self.step_seconds
-            if self._replay_index < last:
-                self.scrub(self._replay_index + 1)
-            elif self.loop is not None:
+        state.owed += elapsed
+        first, last = state.loop if state.loop is not None else (0, len(state.trace.snapshots) - 1)
+        while state.owed >= self.step_seconds - 1e-6:
+            state.owed -= self.step_seconds
+            if state.index < last:
+                self.scrub(state.index + 1)
+            elif state.loop is not None:
                 self.scrub(first)
             else:
-                self.running = False
+                state.running = False
                 return
 
-    def _begin(self, since: Snapshot | None = None) -> None:
-        assert self.level is not None
-        self._forget()
+    def _begin(self, episode: Episode, *, paused: bool = False) -> None:
         self.episode += 1
-        self._starting, self.suspended = True, False
-        self._since = since
         self.failure = ""
-        if since is None:
-            self.simulator.start(self.level, self.physics, self.casting)
-        else:
-            self.simulator.start(self.level, self.physics, self.casting, since)
+        # Until its first state comes, the last one stays on show.
+        episode.snapshot = self.snapshot
+        self.state = Starting(episode=episode, paused=paused)
+        since = () if episode.since is None else (episode.since,)
+        self.simulator.start(episode.level, self.physics, episode.casting, *since)
 
-    def _forget(self) -> None:
-        self._replay, self._replay_index, self._live, self._branch = None, 0, False, None
-        self.running, self.loop = False, None
-        self.ring.clear()
-        self._actions, self._sent, self._rate = [], [], []
-        self._accumulator = self._ended_for = 0.0
-        self.perturbed = False
-
-    def _send(self, actions: tuple[Action | None, ...], pull: Pull | None) -> None:
-        self._sent += actions
-        helped = self.casting is not None and any(action is not None for action in actions)
-        self.perturbed = self.perturbed or helped or pull is not None
+    def _send(
+        self, episode: Episode, actions: tuple[Action | None, ...], pull: Pull | None
+    ) -> None:
+        episode.sent += actions
+        helped = episode.casting is not None and any(action is not None for action in actions)
+        episode.perturbed = episode.perturbed or helped or pull is not None
         self.simulator.advance(actions, pull)
 
     def _take(self) -> None:
+        """Take what has arrived.
+
+        Raises:
+            KinetixError: The simulation failed.
+        """
         try:
             arrived = self.simulator.take()
         except KinetixError as error:
-            if self._starting:
-                self.stop()
-            else:
-                self.mode = Mode.PAUSED
-                self._sent = []
+            self._fail()
             self.failure = str(error)
             raise
+        state = self.state
+        if isinstance(state, Editing):
+            return
         for snapshot in arrived:
-            if self._starting:
-                self._starting = False
-                self._accumulator = 0.0
-                branch, self._branch = self._branch, None
-                if branch is not None:
-                    self.simulator.restore(branch)
-                    continue
-            elif self._sent:
-                sent = self._sent.pop(0)
-                self._actions.append(channels_of(snapshot.action) if sent is None else sent)
-            self.snapshot = snapshot
-            self.ring.push(snapshot)
-            if snapshot.outcome is not None:
-                self.mode = Mode.ENDED
-                self._sent = []
-                self._ended_for = 0.0
+            self._arrive(snapshot)
+            if isinstance(self.state, Ended):
                 break
-        if arrived and arrived[-1].step >= (self._rate[-1][1] if self._rate else 0):
-            self._rate.append((self._clock, arrived[-1].step))
-        self._rate = [(t, n) for t, n in self._rate if t >= self._clock - 1.0]
+        state.episode.measure(self._clock, arrived[-1].step if arrived else None)
+
+    def _fail(self) -> None:
+        match self.state:
+            case Starting():
+                self.stop()
+            case Live(episode=episode) | Paused(episode=episode) | Ended(episode=episode):
+                episode.sent = []
+                self.state = Paused(episode=episode)
+
+    def _arrive(self, snapshot: Snapshot) -> None:
+        """Show a moment that the simulation has made, and keep it."""
+        assert not isinstance(self.state, Editing)
+        episode = self.state.episode
+        if isinstance(self.state, Starting):
+            moment = self.state.moment
+            kind = Paused if self.state.paused else Live
+            self.state = kind(episode=episode)
+            if moment is not None:
+                self.simulator.restore(moment)
+                return
+        elif episode.sent:
+            sent = episode.sent.pop(0)
+            episode.actions.append(channels_of(snapshot.action) if sent is None else sent)
+        episode.snapshot = snapshot
+        episode.ring.push(snapshot)
+        if snapshot.outcome is not None:
+            episode.sent = []
+            self.state = Ended(episode=episode)

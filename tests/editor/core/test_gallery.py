@@ -436,7 +436,7 @@ def test_the_users_own_episodes_count_once(pulled):
     session.playback.simulator.ends_at = 8
     actions.run(session, "run.play_human")
     actions.update(session, 0.01)
-    session.playback.perturbed = pulled
+    session.playback.current.perturbed = pulled
     for _ in range(60):
         actions.update(session, 1 / 60)
     assert session.playback.outcome == "timeout"

@@ -73,7 +73,7 @@ def test_a_win_in_the_levels_own_step_is_kept_if_it_wins_in_the_shared_one_too(l
     won(session)
     won_in = dataclasses.replace(session.playback.ring.last, tailored=True)
     session.playback.ring.push(won_in)
-    session.playback._actions.append((0,) * 6)
+    session.playback.current.actions.append((0,) * 6)
     run(session, "level.keep_solution")
     assert session.editing
     assert session.document.level.solution is None
@@ -90,7 +90,7 @@ def test_a_win_in_the_levels_own_step_is_kept_if_it_wins_in_the_shared_one_too(l
 def test_only_a_win_from_the_start_can_be_kept(session, level, spoilt):
     won(session)
     if spoilt == "perturbed":
-        session.playback.perturbed = True
+        session.playback.current.perturbed = True
     elif spoilt == "lost":
         session.playback.step_back()
     else:

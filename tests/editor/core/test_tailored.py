@@ -176,7 +176,9 @@ def test_the_status_line_says_which_step_plays():
     session.playback.play(LEVEL)
     session.playback.tick(0.0)
     assert "0.0 ms/step" in said(session)
-    session.playback.snapshot = dataclasses.replace(session.playback.snapshot, tailored=True)
+    session.playback.current.snapshot = dataclasses.replace(
+        session.playback.snapshot, tailored=True
+    )
     assert "0.0 ms/step, compiled for this level" in said(session)
 
 

@@ -212,7 +212,7 @@ def test_what_the_agent_thinks_and_the_ghost_are_drawn_without_error(with_agent)
     session.viewer.slots["b"].summary = a_summary("Other")
     for kind in ("ghost", "side", "off"):
         session.viewer.compare = kind
-        session.playback.snapshot = shown
+        session.playback.current.snapshot = shown
         with_agent.frames(4)
     session.playback.failure = "The physics broke down at step 3."
     with_agent.frames(3)
