@@ -383,7 +383,7 @@ class Playback:
         )
 
     def stop(self) -> None:
-        """Drop everything that was asked for."""
+        """Return to editing; the document is as it was."""
         self.simulator.stop()
         self.state = Editing()
 
