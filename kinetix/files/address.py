@@ -55,6 +55,7 @@ def fetch(address: str, kind: Kind) -> bytes:
         with opener.open(address, timeout=SECONDS) as answer:
             data = answer.read(largest + 1)
     except urllib.error.HTTPError as error:
+        error.close()
         raise FileError(address, f"the server says {error.code} {error.reason}") from None
     except (urllib.error.URLError, OSError, ValueError) as error:
         reason = getattr(error, "reason", None) or error

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinetix.agents.evaluate import evaluate
-from kinetix.agents.paths import Paths, attempt_paths, parting
+from kinetix.agents.paths import Paths, attempt_paths, endings, parting
 from kinetix.agents.results import EpisodeResult
 from kinetix.agents.scripted import ScriptedPlayer
 from tests.agents.test_evaluate import _FAST, LEVELS
@@ -40,3 +40,25 @@ def test_the_attempts_are_those_of_the_evaluation():
     np.testing.assert_allclose(start, level.source.bodies[0].position, atol=1e-6)
     assert end[1] < start[1] - 0.5  # it fell
     assert len(paths.step) == paths.position.shape[1]
+
+
+def test_attempts_are_grouped_by_how_they_end():
+    """Outcome and place make a group; each loss has its own step at which it leaves the wins."""
+    step = np.arange(4, dtype=np.int32) * 2
+    ways = {
+        "won": [(0, 0), (1, 0), (2, 0), (3, 0)],
+        "low": [(0, 0), (0, 1), (0, 2), (0, 3)],
+        "late": [(0, 0), (1, 0), (2, 2), (2, 4)],
+    }
+    rows = [("won", "won"), ("low", "lost"), ("low", "lost"), ("late", "lost"), ("late", "timeout")]
+    paths = Paths(
+        step=step,
+        position=np.array([ways[way] for way, _ in rows], np.float32),
+        results=tuple(EpisodeResult(outcome=end, total_reward=0.0, length=6) for _, end in rows),
+    )
+    found = {(one.outcome, one.attempts): one for one in endings(paths)}
+    assert set(found) == {("lost", (1, 2)), ("won", (0,)), ("lost", (3,)), ("timeout", (4,))}
+    assert found["lost", (1, 2)].parting == 2 and found["lost", (3,)].parting == 4
+    assert found["won", (0,)].parting is None
+    assert found["lost", (1, 2)].place == pytest.approx((0.0, 3.0))
+    assert endings(paths)[0].attempts == (1, 2)

@@ -1,0 +1,111 @@
+"""Levels, episodes and comparisons from files and addresses."""
+
+import functools
+import http.server
+import json
+import threading
+import time
+
+import pytest
+
+from editor.actions import address
+from editor.base.settings import Settings
+from editor.session import Session
+from kinetix.agents.compare import Contender
+from kinetix.agents.comparison_files import text_of
+from kinetix.agents.results import EpisodeResult, LevelResult, Provenance
+from kinetix.files.address import fetch, is_address, name_of
+from kinetix.files.regular import FileError
+from kinetix.level.codec import dumps, level_hash, load_level
+
+
+@pytest.fixture
+def web(tmp_path):
+    """A server of a folder; gives its address."""
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, *_):
+            pass
+
+        def do_GET(self):
+            if self.path == "/elsewhere.json":
+                self.send_response(302)
+                self.send_header("Location", "file:///etc/passwd")
+                self.end_headers()
+            else:
+                super().do_GET()
+
+    handler = functools.partial(Quiet, directory=str(tmp_path))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+    server.server_close()
+
+
+def _take(session):
+    until = time.monotonic() + 30
+    while session.fetches.waiting and time.monotonic() < until:
+        session.fetches.poll()
+        time.sleep(0.01)
+
+
+def _comparison(level):
+    episodes = [
+        EpisodeResult(outcome=outcome, total_reward=0.5, length=9) for outcome in ("won", "lost")
+    ]
+    whence = Provenance(
+        agent="random", digest="", physics="balanced", seed=3, attempts=2, deterministic=False
+    )
+    contender = Contender(
+        label="random", provenance=whence, results=(LevelResult.of("s/goalkeeper", episodes),)
+    )
+    return text_of(".json", [contender], {"s/goalkeeper": level_hash(level)}, "1")
+
+
+def test_a_level_is_opened_from_an_address(web, tmp_path):
+    level = load_level("s/goalkeeper")
+    (tmp_path / "mine.json").write_text(dumps(level))
+    session = Session(settings=Settings())
+    assert address.open_any(session, f"{web}/mine.json")
+    _take(session)
+    assert session.document.level == level and session.document.path is None
+
+
+def test_what_cannot_be_fetched_is_one_sentence(web, tmp_path):
+    (tmp_path / "bad.json").write_text("{}")
+    session = Session(settings=Settings())
+    before = session.document
+    for name in ("missing.json", "bad.json", "elsewhere.json"):
+        address.open_address(session, f"{web}/{name}")
+        _take(session)
+        assert session.prompts and session.document is before
+        session.prompts.clear()
+    address.open_address(session, "ftp://example.org/level.json")
+    assert session.prompts
+
+
+def test_addresses_are_only_those_of_the_web(web):
+    assert is_address("https://example.org/a.json") and not is_address("/tmp/a.json")
+    assert not is_address("file:///etc/passwd") and not is_address("https://")
+    assert name_of("https://example.org/a%20b.json?x=1") == "a b.json"
+    assert name_of("https://example.org/") == "file"
+    with pytest.raises(FileError, match="not allowed"):
+        fetch(f"{web}/elsewhere.json", "level")
+
+
+def test_a_stored_comparison_is_a_table_again(tmp_path):
+    """Rates, provenance and a second save are those of the file."""
+    level = load_level("s/goalkeeper")
+    path = tmp_path / "compared.json"
+    path.write_text(_comparison(level))
+    session = Session(settings=Settings())
+    assert address.open_any(session, str(path))
+    evaluation = session.viewer.evaluation
+    (row,) = evaluation.rows()
+    assert row.results[0].solve_rate == 0.5 and row.results[0].attempts == 2
+    assert evaluation.plan.levels[0].source == "s/goalkeeper"
+    again = json.loads(evaluation.comparison_text(".json"))
+    first = json.loads(path.read_text())
+    for name in ("levels", "leaderboard", "differences", "policies"):
+        assert again[name] == first[name]
