@@ -9,7 +9,7 @@ from jaxtyping import UInt8
 from editor.gallery.thumbnail import draw_thumbnail
 from editor.worker.jobs import Job, JobState, Worker
 from editor.worker.requests import CurriculumNews, ReadCurriculum
-from kinetix.training.curricula.pages import GoneLevel, ListedLevel, Page
+from kinetix.training.curricula.pages import BufferPage, GoneLevel, ListedLevel
 
 POLL_SECONDS: Final = 2.0
 """How often the folder is looked at."""
@@ -28,7 +28,7 @@ class CurriculumWatch:
         self.open = False
         """Whether the panel is on the screen: only then anything is read."""
         self.updates: tuple[int, ...] = ()
-        self.page: Page | None = None
+        self.page: BufferPage | None = None
         self.thumbnails: list[UInt8[np.ndarray, "h w 3"]] = []
         """Of the page's levels, as far as they are drawn."""
         self.stamp = 0

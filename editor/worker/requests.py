@@ -12,7 +12,7 @@ from editor.worker.recording import Snapshot, Trace
 from kinetix.agents.results import LevelFailure, LevelResult
 from kinetix.environment.outcome import Outcome
 from kinetix.level.model import Level
-from kinetix.training.curricula.pages import Page
+from kinetix.training.curricula.pages import BufferPage
 
 MUTATIONS: Final = (
     ("add_shape", "Add a shape"),
@@ -341,7 +341,7 @@ class CurriculumNews:
 
     updates: tuple[int, ...]
     """Updates of which there are pages."""
-    page: Page | None
+    page: BufferPage | None
     """The one that was asked for; None where there is none, or nothing newer."""
 
 

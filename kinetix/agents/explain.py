@@ -41,7 +41,7 @@ class Saliency:
 
 
 @pytree
-class Moment:
+class Situation:
     """Where an episode stands, for its player."""
 
     state: EnvState
@@ -52,7 +52,7 @@ class Moment:
 
 
 def saliency(
-    env: KinetixEnv, policy: Policy, params: Any, moment: Moment, about: About
+    env: KinetixEnv, policy: Policy, params: Any, moment: Situation, about: About
 ) -> Saliency:
     """Return the gradient of what a network says, per entity.
 
@@ -70,7 +70,7 @@ def saliency(
     return (_of_picture if pictures else _of_state)(env, policy, params, moment, about=about)
 
 
-def _says(policy: Policy, params: Any, seen: Any, moment: Moment, about: "_Asked") -> Array:
+def _says(policy: Policy, params: Any, seen: Any, moment: Situation, about: "_Asked") -> Array:
     """Return the number that is explained."""
     observation = jax.tree.map(lambda x: x[None], seen)
     key = jax.random.key(0)[None]  # nothing is drawn
@@ -94,7 +94,7 @@ class _Asked:
     """Controls that the level has."""
 
 
-def _asked(env: KinetixEnv, moment: Moment, about: About) -> _Asked:
+def _asked(env: KinetixEnv, moment: Situation, about: About) -> _Asked:
     return _Asked(about, env.actions.live(moment.state.world, moment.state.labels))
 
 
@@ -103,7 +103,7 @@ def _of_state(
     env: KinetixEnv,
     policy: Policy,
     params: Any,
-    moment: Moment,
+    moment: Situation,
     *,
     about: About,
 ) -> Saliency:
@@ -165,7 +165,7 @@ def _of_picture(
     env: KinetixEnv,
     policy: Policy,
     params: Any,
-    moment: Moment,
+    moment: Situation,
     *,
     about: About,
 ) -> Saliency:
@@ -202,7 +202,7 @@ def _reach(state: EnvState) -> Float[Array, " b"]:
 
 
 def attention(
-    env: KinetixEnv, policy: Any, params: Any, moment: Moment
+    env: KinetixEnv, policy: Any, params: Any, moment: Situation
 ) -> Float[Array, " b"] | None:
     """Return the share of attention that each body gets; None for networks without attention.
 
@@ -229,7 +229,7 @@ def _attention(
     env: KinetixEnv,
     network: Any,
     params: Any,
-    moment: Moment,
+    moment: Situation,
 ) -> Float[Array, " b"]:
     state = moment.state
     one = jax.tree.map(lambda x: x[None], env.get_obs(state))
@@ -259,7 +259,7 @@ def values_over_places(
     env: KinetixEnv,
     policy: Policy,
     params: Any,
-    moment: Moment,
+    moment: Situation,
     moved: Bool[Array, " b"],
     shifts: Float[Array, "k 2"],
 ) -> Float[Array, " k"]:

@@ -1,4 +1,4 @@
-"""Record episodes of people, agents and the search as one data set, for imitation learning."""
+"""RecordEpisodes episodes of people, agents and the search as one data set, for imitation learning."""
 
 import dataclasses
 import json as json_module
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Record:
+class RecordEpisodes:
     """Let an agent play, and add its episodes: the attempts of `kinetix eval` to the bit."""
 
     out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
@@ -41,7 +41,7 @@ class Record:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Gather:
+class GatherEpisodes:
     """Add episodes that the editor saved, and the recorded solutions of levels."""
 
     out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
@@ -51,7 +51,7 @@ class Gather:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Verify:
+class VerifyDataset:
     """Check hashes and levels, play every episode again, and say what the data set holds."""
 
     folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
@@ -63,7 +63,7 @@ class Verify:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Export:
+class ExportDataset:
     """Write states and actions in kinetix-env's layout, trajectories of 256 steps."""
 
     folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
@@ -77,27 +77,27 @@ class Export:
 
 
 Dataset = (
-    Annotated[Record, tyro.conf.subcommand("record")]
-    | Annotated[Gather, tyro.conf.subcommand("gather")]
-    | Annotated[Verify, tyro.conf.subcommand("verify")]
-    | Annotated[Export, tyro.conf.subcommand("export")]
+    Annotated[RecordEpisodes, tyro.conf.subcommand("record")]
+    | Annotated[GatherEpisodes, tyro.conf.subcommand("gather")]
+    | Annotated[VerifyDataset, tyro.conf.subcommand("verify")]
+    | Annotated[ExportDataset, tyro.conf.subcommand("export")]
 )
 
 
-def run(command: Record | Gather | Verify | Export) -> int:
+def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset) -> int:
     """Run one of the four.
 
     Returns:
         0 done, 1 nothing was added, or an episode does not replay.
     """
     match command:
-        case Record():
+        case RecordEpisodes():
             return _add(command.out, _recorded(command))
-        case Gather():
+        case GatherEpisodes():
             return _add(command.out, _gathered(command.sources))
-        case Verify():
+        case VerifyDataset():
             return _verify(command)
-        case Export():
+        case ExportDataset():
             return _export(command)
 
 
@@ -117,7 +117,7 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
     return 0
 
 
-def _recorded(command: Record) -> "Iterator[RecordedEpisode]":
+def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
     from kinetix.agents.agent import load_agent
     from kinetix.agents.evaluate import NamedLevel, Settings
     from kinetix.agents.recording import recorded_attempts
@@ -195,7 +195,7 @@ def _levels(source: str, gather: Any, *, required: bool) -> list[Any]:
         return []
 
 
-def _verify(command: Verify) -> int:
+def _verify(command: VerifyDataset) -> int:
     from collections import Counter
 
     from kinetix.datasets.folder import read_dataset, read_manifest
@@ -229,7 +229,7 @@ def _verify(command: Verify) -> int:
     return 1 if differ else 0
 
 
-def _export(command: Export) -> int:
+def _export(command: ExportDataset) -> int:
     from kinetix.datasets.folder import read_dataset
     from kinetix.datasets.offline import write_offline
 

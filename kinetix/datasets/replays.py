@@ -27,7 +27,7 @@ _ROWS = 256
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Replay:
+class ReplayedEpisode:
     """What came of playing controls again; axis `k` is environment steps."""
 
     states: EnvState
@@ -38,7 +38,7 @@ class Replay:
     outcome: Outcome
 
 
-def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay:
+def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> ReplayedEpisode:
     """Play an episode's controls from the start of its level.
 
     Args:
@@ -63,7 +63,7 @@ def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay
     length = int(ends[0]) + 1 if len(ends) else count
     last = length - 1
     outcome: Outcome = OUTCOMES[int(ending[last]) - 1] if len(ends) else "timeout"
-    return Replay(
+    return ReplayedEpisode(
         states=jax.tree.map(lambda x: x[:length], states),
         reward=reward[:length],
         length=length,

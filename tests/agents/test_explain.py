@@ -16,7 +16,7 @@ from kinetix.agents.card import (
     ObservationCard,
 )
 from kinetix.agents.environments import environment_for
-from kinetix.agents.explain import MOVED, Moment, attention, saliency, values_over_places
+from kinetix.agents.explain import MOVED, Situation, attention, saliency, values_over_places
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import init_parameters
 from kinetix.environment.reset import level_state
@@ -25,9 +25,9 @@ from kinetix.level.sizes import SIZES
 LEVEL = "s/goalkeeper"
 
 
-def _moment(agent, env) -> Moment:
+def _moment(agent, env) -> Situation:
     state = jax.tree.map(jnp.asarray, level_state(LEVEL, env.static_env_params))
-    return Moment(state=state, carry=agent.init_carry(1), begins=jnp.ones((), bool))
+    return Situation(state=state, carry=agent.init_carry(1), begins=jnp.ones((), bool))
 
 
 def _value(agent, env, moment, state) -> float:

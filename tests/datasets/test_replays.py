@@ -8,7 +8,7 @@ import numpy as np
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.recording import recorded_attempts
 from kinetix.agents.scripted import ScriptedPlayer
-from kinetix.cli.dataset import Gather, Verify, run
+from kinetix.cli.dataset import GatherEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.folder import read_dataset
 from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
@@ -70,7 +70,7 @@ def test_kinetix_env_layout_goes_both_ways(tmp_path: Path) -> None:
 def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
     """Solutions of levels go in; a second time they are there already; all replay."""
     out = tmp_path / "set"
-    assert run(Gather(out=out, sources=(LEVEL,))) == 0
-    assert run(Gather(out=out, sources=(LEVEL, str(out)))) == 0
+    assert run(GatherEpisodes(out=out, sources=(LEVEL,))) == 0
+    assert run(GatherEpisodes(out=out, sources=(LEVEL, str(out)))) == 0
     assert len(list(read_dataset(out))) == 1
-    assert run(Verify(folder=out)) == 0
+    assert run(VerifyDataset(folder=out)) == 0

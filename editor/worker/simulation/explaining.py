@@ -11,7 +11,7 @@ from editor.worker.requests import Explain, Explained
 from editor.worker.simulation.cast import player_of
 from editor.worker.simulation.stepping import without_memory
 from kinetix.agents.environments import capacity_for, environment_for
-from kinetix.agents.explain import Moment, attention, saliency, values_over_places
+from kinetix.agents.explain import Situation, attention, saliency, values_over_places
 from kinetix.agents.player import Player
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.reset import level_state
@@ -42,7 +42,7 @@ def explain(request: Explain) -> Explained:
     state = jax.tree.map(jnp.asarray, without_memory(state))
     begins = request.memory is None
     carry = player.policy.init_carry(1) if begins else request.memory
-    moment = Moment(
+    moment = Situation(
         state=state,
         carry=jax.tree.map(jnp.asarray, carry),
         begins=jnp.asarray(begins),
@@ -69,7 +69,7 @@ def explain(request: Explain) -> Explained:
 def _places(
     env: KinetixEnv,
     player: Player,
-    moment: Moment,
+    moment: Situation,
     slots: np.ndarray,
     request: Explain,
     cell: float,
@@ -95,7 +95,7 @@ def _places(
     return float(values[0]), values[1:].reshape(CELLS, CELLS)
 
 
-def _moved(moment: Moment, slots: np.ndarray, level: Level, body: int | None) -> Any:
+def _moved(moment: Situation, slots: np.ndarray, level: Level, body: int | None) -> Any:
     """The body and what is jointed to it, slots of the state."""
     moved = np.zeros(np.asarray(moment.state.world.bodies.active).shape, bool)
     if body is not None:

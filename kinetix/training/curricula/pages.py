@@ -67,7 +67,7 @@ class PageHead(msgspec.Struct, frozen=True, kw_only=True):
     gone: tuple[GoneLevel, ...] = ()
 
 
-class Page(msgspec.Struct, frozen=True, kw_only=True):
+class BufferPage(msgspec.Struct, frozen=True, kw_only=True):
     """A page with the levels that it lists, in their order."""
 
     head: PageHead
@@ -124,7 +124,7 @@ def forget_later_pages(run: Path, update: int) -> None:
             page_path(run, later).unlink(missing_ok=True)
 
 
-def read_page(run: Path, update: int) -> Page:
+def read_page(run: Path, update: int) -> BufferPage:
     """Return a page.
 
     Raises:
@@ -148,7 +148,7 @@ def read_page(run: Path, update: int) -> Page:
         raise KinetixError(f"{path}: expected a page of a curriculum: {error}") from error
     if len(levels) != len(head.levels):
         raise KinetixError(f"{path}: expected {len(head.levels)} levels, found {len(levels)}")
-    return Page(head=head, levels=tuple(levels))
+    return BufferPage(head=head, levels=tuple(levels))
 
 
 def read_slots(run: Path, update: int) -> dict[str, np.ndarray]:
