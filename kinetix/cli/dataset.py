@@ -1,4 +1,4 @@
-"""RecordEpisodes episodes of people, agents and the search as one data set, for imitation learning."""
+"""Record episodes of people, agents and the search as one data set, for imitation learning."""
 
 import dataclasses
 import json as json_module
