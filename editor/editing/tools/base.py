@@ -10,16 +10,16 @@ import contextlib
 import dataclasses
 import inspect
 import math
-from collections.abc import Generator
-from typing import TYPE_CHECKING, ClassVar, Final, TypeAlias
+from collections.abc import Collection, Generator
+from typing import ClassVar, Final, Protocol, TypeAlias
 
-from editor.base.events import Pointer, PointerEvent
+from editor.base.events import NO_MODIFIERS, Modifiers, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Mark
-from editor.documents.commands.base import Command
+from editor.base.prompts import Prompt
+from editor.documents.commands.base import Command, EntityId, Selection
+from editor.documents.document import Document, Outcome
+from editor.editing.snapping import Rules, Targets
 from kinetix.errors import CommandError
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 DRAG_PIXELS: Final = 3.0
 """Less movement than this between press and release is a click."""
@@ -42,6 +42,87 @@ Gesture: TypeAlias = Generator[Feedback, PointerEvent, Command | None]
 NOTHING: Final = Feedback()
 
 
+class Preferences(Protocol):
+    """Settings that tools follow."""
+
+    from_centre: bool
+    move_jointed: bool
+
+
+class Shown(Protocol):
+    """What of the level can be taken on the canvas."""
+
+    edit_arena: bool
+    """True if floor, walls and ceiling can be selected."""
+
+
+class ToolContext(Protocol):
+    """The part of the app that tools and gestures read, ask and tell."""
+
+    tool: "Tool"
+    hovered: EntityId | None
+    """Entity under the pointer."""
+    last_click: PointerEvent | None
+    """The last click that selected, to notice a second one at the same place."""
+
+    @property
+    def selection(self) -> Selection:
+        """Entities that are selected."""
+        ...
+
+    @selection.setter
+    def selection(self, selection: Selection) -> None: ...
+
+    @property
+    def document(self) -> Document:
+        """The document in front."""
+        ...
+
+    @property
+    def settings(self) -> Preferences:
+        """The preferences."""
+        ...
+
+    @property
+    def view(self) -> Shown:
+        """What is on show."""
+        ...
+
+    @property
+    def metres(self) -> float:
+        """Width of a pixel of the canvas [m]."""
+        ...
+
+    @property
+    def angle_step(self) -> float:
+        """Grid of angles [rad]."""
+        ...
+
+    def rules(self, modifiers: Modifiers = NO_MODIFIERS) -> Rules:
+        """Return which snaps are on; Ctrl inverts them."""
+        ...
+
+    def targets(self, moving: Collection[EntityId] = ()) -> Targets:
+        """Return what can be snapped to, hidden and moving bodies left out."""
+        ...
+
+    def execute(self, command: Command) -> Outcome:
+        """Commit a command."""
+        ...
+
+    def tool_done(self) -> None:
+        """Take note that a tool has made something."""
+        ...
+
+    def ask(self, prompt: Prompt) -> None:
+        """Put a question before the user."""
+        ...
+
+    def complain(self, text: str) -> None:
+        """Say why something was not done."""
+        ...
+
+
 class Tool(abc.ABC):
     """Turns pointer events into commands; holds no state of its own between gestures."""
 
@@ -55,10 +136,10 @@ class Tool(abc.ABC):
     """True if it makes things; then Select takes over afterwards unless the tool is kept."""
 
     @abc.abstractmethod
-    def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture | None:
         """Start a gesture at a press of the left button; None when there is nothing to do."""
 
-    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+    def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
         """Return the feedback while the pointer only moves."""
         del session, event
         return Feedback(cursor=Cursor.CROSS)
@@ -67,7 +148,7 @@ class Tool(abc.ABC):
 class Driver:
     """Runs one gesture at a time: previews what it yields, commits what it returns."""
 
-    def __init__(self, session: "Session") -> None:
+    def __init__(self, session: ToolContext) -> None:
         self._session = session
         self._gesture: Gesture | None = None
         self._press: PointerEvent | None = None

@@ -1,17 +1,14 @@
 """Draws circles: from the centre outwards, or from rim to rim with Alt."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Line, Style
 from editor.documents.commands.bodies import AddBody
 from editor.editing.snapping import apart_from, measured, snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.level.model import Body, Circle
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 RADIUS_MIN: Final = 0.02
 RADIUS_MAX: Final = 5.0
@@ -29,7 +26,7 @@ class CircleTool(Tool):
     click_click = True
     creates = True
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture:
         """Draw one circle."""
         available = session.targets()
         start = snap_point(event.world, session.rules(event.modifiers), available).point

@@ -1,19 +1,14 @@
 """Joins two bodies where they overlap: a hinge, or a weld that also holds the angle."""
 
-from typing import TYPE_CHECKING
-
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Dot, Line, Mark, Outline, Ring, Style
 from editor.base.prompts import Choice, MenuQuestion
 from editor.documents.commands.joints import AddJoint
 from editor.editing.picking import bodies_at
 from editor.editing.snapping import snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.level.geometry import referenced_body, world_vertices
 from kinetix.level.model import BodyReference, Circle, JointKind, Level, Point
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 TOO_FEW = "A joint needs two overlapping shapes"
 PAIRS_MAX = 10
@@ -29,7 +24,7 @@ class JointTool(Tool):
     kind: JointKind = "revolute"
     creates = True
 
-    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+    def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
         """Show the anchor and the two bodies, or why there is nothing to join."""
         point = self._point(session, event)
         pairs = self._pairs(session, point)
@@ -39,7 +34,7 @@ class JointTool(Tool):
             marks=pair_marks(session.document.level, pairs[0], point), cursor=Cursor.CROSS
         )
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture | None:
         """Join at the release; several pairs are asked about."""
         point = self._point(session, event)
         pairs = self._pairs(session, point)
@@ -49,7 +44,7 @@ class JointTool(Tool):
         return self._join(session, pairs, point)
 
     def _join(
-        self, session: "Session", pairs: list[tuple[BodyReference, BodyReference]], point: Point
+        self, session: ToolContext, pairs: list[tuple[BodyReference, BodyReference]], point: Point
     ) -> Gesture:
         document = session.document
         level = document.level
@@ -80,7 +75,7 @@ class JointTool(Tool):
 
     def _answered(
         self,
-        session: "Session",
+        session: ToolContext,
         pairs: list[tuple[BodyReference, BodyReference]],
         point: Point,
         choice: str | None,
@@ -89,11 +84,13 @@ class JointTool(Tool):
             session.execute(AddJoint(bodies=pairs[int(choice)], point=point, kind=self.kind))
             session.tool_done()
 
-    def _point(self, session: "Session", event: PointerEvent) -> Point:
+    def _point(self, session: ToolContext, event: PointerEvent) -> Point:
         rules = session.rules(event.modifiers)
         return snap_point(event.world, rules, session.targets()).point
 
-    def _pairs(self, session: "Session", point: Point) -> list[tuple[BodyReference, BodyReference]]:
+    def _pairs(
+        self, session: ToolContext, point: Point
+    ) -> list[tuple[BodyReference, BodyReference]]:
         level = session.document.level
         selected = [i for i in session.selection if any(i == body.id for body in level.bodies)]
         under = list(bodies_at(level, point, without=session.document.hidden))

@@ -1,16 +1,13 @@
 """Draws rectangles: from corner to corner, or from the centre with Alt; Shift makes a square."""
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label
 from editor.documents.commands.bodies import AddBody
 from editor.editing.snapping import apart_from, measured, snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.level.model import Body, Point, Polygon
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 SIDE_MIN: Final = 0.02
 """A side shorter than this is taken for a slip of the hand [m]."""
@@ -51,7 +48,7 @@ class RectangleTool(Tool):
     click_click = True
     creates = True
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture:
         """Draw one rectangle."""
         rules, available = session.rules(event.modifiers), session.targets()
         start = snap_point(event.world, rules, available).point

@@ -1,18 +1,15 @@
 """Puts thrusters on bodies: press where it sits, drag where it pushes."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Line, Style
 from editor.documents.commands.thrusters import AddThruster
 from editor.editing.picking import bodies_at
 from editor.editing.snapping import snap_angle, snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.level.model import Body, Point
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 NO_BODY = "A thruster needs a shape to push"
 CENTRE_REACH: Final = math.radians(7.0)
@@ -55,13 +52,13 @@ class ThrusterTool(Tool):
     click_click = True
     creates = True
 
-    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+    def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
         """Say whether there is something to push."""
         if self._body(session, event.world) is None:
             return Feedback(hint=NO_BODY, cursor=Cursor.REFUSED)
         return Feedback(cursor=Cursor.CROSS)
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture | None:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture | None:
         """Place and aim one thruster."""
         body = self._body(session, event.world)
         if body is None:
@@ -69,7 +66,7 @@ class ThrusterTool(Tool):
             return None
         return self._aim(session, event, body)
 
-    def _aim(self, session: "Session", event: PointerEvent, body: Body) -> Gesture:
+    def _aim(self, session: ToolContext, event: PointerEvent, body: Body) -> Gesture:
         rules = session.rules(event.modifiers)
         point = snap_point(event.world, rules, session.targets()).point
         through = centre_direction(body, point)
@@ -95,7 +92,7 @@ class ThrusterTool(Tool):
             if event.kind is Pointer.RELEASE:
                 return AddThruster(body=body.id, point=point, direction=direction)
 
-    def _body(self, session: "Session", point: Point) -> Body | None:
+    def _body(self, session: ToolContext, point: Point) -> Body | None:
         level = session.document.level
         under = bodies_at(level, point, without=session.document.hidden, arena=False)
         return level.body(int(under[0])) if under else None

@@ -1,20 +1,17 @@
 """Draws triangles by three clicks; the turning sense does not matter."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Dot, Label, Line, Mark, Outline, Style
 from editor.documents.commands.bodies import AddBody
 from editor.documents.commands.group import polygon_body
 from editor.editing.snapping import APART, NO_SNAPPING, snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.errors import CommandError
 from kinetix.level.geometry import polygon_fault, signed_area
 from kinetix.level.model import Point
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 AREA_MIN: Final = 1e-3
 """A triangle smaller than this is refused [m²]."""
@@ -28,7 +25,7 @@ class TriangleTool(Tool):
     hint = "Click the three corners."
     creates = True
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture:
         """Draw one triangle; each press sets a corner, and so does a drag's release."""
         available = session.targets()
         snapped = snap_point(event.world, session.rules(event.modifiers), available)

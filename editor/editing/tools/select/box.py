@@ -1,18 +1,14 @@
 """The rubber band: left to right takes what lies wholly inside, right to left what it touches."""
 
 import math
-from typing import TYPE_CHECKING
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Box, Style
 from editor.editing.picking import inside
-from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture
-
-if TYPE_CHECKING:
-    from editor.session import Session
+from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, ToolContext
 
 
-def rubber_band(session: "Session", press: PointerEvent) -> Gesture:
+def rubber_band(session: ToolContext, press: PointerEvent) -> Gesture:
     """Select what a rectangle takes; Shift adds; a click selects nothing.
 
     Leaving the gesture half-way puts the old selection back.

@@ -1,6 +1,6 @@
 """Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from editor.base.events import Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Mark
@@ -10,14 +10,11 @@ from editor.documents.commands.joints import MoveJoint, RehangJoint
 from editor.documents.commands.thrusters import PlaceThruster
 from editor.editing.picking import bodies_at
 from editor.editing.snapping import measured, snap_point, snap_shift
-from editor.editing.tools.base import Feedback, Gesture
+from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.joint import pair_marks
 
-if TYPE_CHECKING:
-    from editor.session import Session
 
-
-def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
+def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
     """Move bodies: Shift keeps to one axis, Ctrl inverts snapping, typed numbers are the shift.
 
     Args:
@@ -52,7 +49,7 @@ def drag_bodies(session: "Session", press: PointerEvent, ids: tuple[int, ...]) -
         )
 
 
-def drag_joint(session: "Session", press: PointerEvent, joint: int) -> Gesture:
+def drag_joint(session: ToolContext, press: PointerEvent, joint: int) -> Gesture:
     """Move a joint's anchor; dropped where other bodies lie over each other, it joins those."""
     del press
     available, snapped = session.targets(), None
@@ -71,7 +68,7 @@ def drag_joint(session: "Session", press: PointerEvent, joint: int) -> Gesture:
         feedback = Feedback(command=command, marks=marks, cursor=Cursor.MOVE)
 
 
-def _joint_at(session: "Session", joint_id: int, point: Point) -> MoveJoint | RehangJoint:
+def _joint_at(session: ToolContext, joint_id: int, point: Point) -> MoveJoint | RehangJoint:
     """Return the edit that puts a joint at a point: on its bodies while they reach there."""
     level = session.document.level
     joint = next(joint for joint in level.joints if joint.id == joint_id)
@@ -88,7 +85,7 @@ def _joint_at(session: "Session", joint_id: int, point: Point) -> MoveJoint | Re
     return RehangJoint(joint=joint_id, bodies=bodies, point=point)
 
 
-def drag_thruster(session: "Session", press: PointerEvent, thruster: int) -> Gesture:
+def drag_thruster(session: ToolContext, press: PointerEvent, thruster: int) -> Gesture:
     """Move a thruster on its body."""
     del press
     available, snapped = session.targets(), None

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Handle, HandleKind, Label
@@ -11,11 +11,8 @@ from editor.documents.commands.fields import SetField, SetLevelField
 from editor.editing import gauges
 from editor.editing.picking import joint_position, thruster_position
 from editor.editing.snapping import snap_angle
-from editor.editing.tools.base import Feedback, Gesture
+from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from kinetix.level.model import Joint, Level, Limits, Motor
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 SPEED_STEP: Final = 0.05
 POWER_STEP: Final = 0.05
@@ -31,7 +28,7 @@ MOTOR_MOST: Final = 3.4
 _Change = tuple[Command, str]
 
 
-def adjust(session: "Session", handle: Handle) -> Gesture:
+def adjust(session: ToolContext, handle: Handle) -> Gesture:
     """Drag the handle of a quantity; Ctrl leaves out the rounding, typed numbers are the value."""
     level = session.document.level
     change = _CHANGES[handle.kind]
@@ -50,12 +47,12 @@ def _rounded(value: float, step: float, event: PointerEvent) -> float:
     return round(value, 6) if event.modifiers.ctrl else round(round(value / step) * step, 6)
 
 
-def _joint(session: "Session", level: Level) -> Joint:
+def _joint(session: ToolContext, level: Level) -> Joint:
     return next(joint for joint in level.joints if joint.id == session.selection[0])
 
 
-def _limit(which: str) -> Callable[["Session", Level, PointerEvent], _Change]:
-    def change(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _limit(which: str) -> Callable[[ToolContext, Level, PointerEvent], _Change]:
+    def change(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
         joint = _joint(session, level)
         limits = joint.limits or Limits()
         at = joint_position(level, joint)
@@ -78,7 +75,7 @@ def _limit(which: str) -> Callable[["Session", Level, PointerEvent], _Change]:
     return change
 
 
-def _motor(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _motor(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     joint = _joint(session, level)
     motor = joint.motor or Motor()
     at = joint_position(level, joint)
@@ -90,7 +87,7 @@ def _motor(session: "Session", level: Level, event: PointerEvent) -> _Change:
     return SetField(ids=(joint.id,), field="motor.speed", value=speed), f"speed {speed:.2f}"
 
 
-def _power(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _power(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     thruster = next(t for t in level.thrusters if t.id == session.selection[0])
     at, back = thruster_position(level, thruster), gauges.thruster_direction(level, thruster)
     along = (at[0] - event.world[0]) * math.cos(back) + (at[1] - event.world[1]) * math.sin(back)
@@ -99,7 +96,7 @@ def _power(session: "Session", level: Level, event: PointerEvent) -> _Change:
     return SetField(ids=(thruster.id,), field="power", value=power), f"power {power:.2f}"
 
 
-def _velocity(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _velocity(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     body = level.body(int(session.selection[0]))
     dx, dy = event.world[0] - body.position[0], event.world[1] - body.position[1]
     clear = gauges.clearance(body, session.metres)
@@ -114,7 +111,7 @@ def _velocity(session: "Session", level: Level, event: PointerEvent) -> _Change:
     return command, f"{speed:.2f} m/s"
 
 
-def _spin(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _spin(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     body = level.body(int(session.selection[0]))
     at = body.position
     pointed = math.atan2(event.world[1] - at[1], event.world[0] - at[0]) - gauges.SPIN_START
@@ -126,7 +123,7 @@ def _spin(session: "Session", level: Level, event: PointerEvent) -> _Change:
     return command, f"{spin:.2f} rad/s"
 
 
-def _gravity(session: "Session", level: Level, event: PointerEvent) -> _Change:
+def _gravity(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     del level
     x = (event.world[0] - gauges.GRAVITY_AT[0]) / gauges.GRAVITY_METRES
     y = (event.world[1] - gauges.GRAVITY_AT[1]) / gauges.GRAVITY_METRES
@@ -139,7 +136,7 @@ def _gravity(session: "Session", level: Level, event: PointerEvent) -> _Change:
     return SetLevelField(field="gravity", value=(x, y)), f"{x:.2f}, {y:.2f} m/s²"
 
 
-_CHANGES: Final[dict[HandleKind, Callable[["Session", Level, PointerEvent], _Change]]] = {
+_CHANGES: Final[dict[HandleKind, Callable[[ToolContext, Level, PointerEvent], _Change]]] = {
     HandleKind.LIMIT_MIN: _limit("min"),
     HandleKind.LIMIT_MAX: _limit("max"),
     HandleKind.MOTOR: _motor,

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Handle, HandleKind
@@ -10,15 +10,12 @@ from editor.documents.commands.base import EntityId, Selection
 from editor.documents.commands.rigid import component
 from editor.editing import gauges
 from editor.editing.picking import HANDLE_PIXELS, PICK_PIXELS, handles, pick_handle, stack
-from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool
+from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool, ToolContext
 from editor.editing.tools.select.box import rubber_band
 from editor.editing.tools.select.drag import drag_bodies, drag_joint, drag_thruster
 from editor.editing.tools.select.gauge import adjust
 from editor.editing.tools.select.resize import resize
 from editor.editing.tools.select.rotate import aim, rotate_bodies
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 CYCLE_PIXELS: Final = 4.0
 CYCLE_SECONDS: Final = 0.6
@@ -48,7 +45,7 @@ class SelectTool(Tool):
     label = "Select"
     hint = "Click to select, drag to move. Shift+click adds, click again for what lies below."
 
-    def hover(self, session: "Session", event: PointerEvent) -> Feedback:
+    def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
         """Show what a press would take."""
         handle = _handle_at(session, event)
         if handle is not None:
@@ -58,7 +55,7 @@ class SelectTool(Tool):
         session.hovered = under[0] if under else None
         return Feedback(cursor=Cursor.MOVE if under else Cursor.ARROW)
 
-    def press(self, session: "Session", event: PointerEvent) -> Gesture:
+    def press(self, session: ToolContext, event: PointerEvent) -> Gesture:
         """Begin the gesture that fits what lies under the pointer."""
         handle = _handle_at(session, event)
         under = under_pointer(session, event)
@@ -69,7 +66,7 @@ class SelectTool(Tool):
         return self._click_or_drag(session, event, under)
 
     def _click_or_handle(
-        self, session: "Session", press: PointerEvent, handle: Handle, under: Selection
+        self, session: ToolContext, press: PointerEvent, handle: Handle, under: Selection
     ) -> Gesture:
         """Drag a handle; a click on one selects what lies under it, as anywhere else."""
         before = session.selection
@@ -94,7 +91,9 @@ class SelectTool(Tool):
             gesture = resize(session, handle)
         return (yield from _forwarded(gesture, event, offset))
 
-    def _click_or_drag(self, session: "Session", event: PointerEvent, under: Selection) -> Gesture:
+    def _click_or_drag(
+        self, session: ToolContext, event: PointerEvent, under: Selection
+    ) -> Gesture:
         press = event
         before = session.selection
         taken = next((i for i in under if i in before), under[0])
@@ -117,7 +116,7 @@ class SelectTool(Tool):
         return (yield from _forwarded(dragging, event, (0.0, 0.0)))
 
     def _clicked(
-        self, session: "Session", press: PointerEvent, under: Selection, before: Selection
+        self, session: ToolContext, press: PointerEvent, under: Selection, before: Selection
     ) -> None:
         last, session.last_click = session.last_click, press
         if press.modifiers.shift:
@@ -150,7 +149,7 @@ def _forwarded(gesture: Gesture, event: PointerEvent, offset: Point) -> Gesture:
         gesture.close()
 
 
-def begin_drag(session: "Session", press: PointerEvent, taken: EntityId) -> Gesture | None:
+def begin_drag(session: ToolContext, press: PointerEvent, taken: EntityId) -> Gesture | None:
     """The drag of what was taken: a joint, a thruster, or bodies with what hangs on them."""
     level = session.document.level
     alone = len(session.selection) == 1
@@ -167,7 +166,7 @@ def begin_drag(session: "Session", press: PointerEvent, taken: EntityId) -> Gest
     return drag_bodies(session, press, tuple(b.id for b in level.bodies if b.id in ids))
 
 
-def under_pointer(session: "Session", event: PointerEvent) -> Selection:
+def under_pointer(session: ToolContext, event: PointerEvent) -> Selection:
     """Return the selectable entities under the pointer, the uppermost first."""
     document = session.document
     return stack(
@@ -179,7 +178,7 @@ def under_pointer(session: "Session", event: PointerEvent) -> Selection:
     )
 
 
-def _handle_at(session: "Session", event: PointerEvent) -> Handle | None:
+def _handle_at(session: ToolContext, event: PointerEvent) -> Handle | None:
     level, selection, metres = session.document.level, session.selection, session.metres
     available = handles(level, selection, metres)
     found = pick_handle(available, event.world, HANDLE_PIXELS * metres)

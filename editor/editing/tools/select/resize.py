@@ -1,7 +1,7 @@
 """Resizing: corners and edges of one shape, a circle's rim, a triangle's vertices, a group."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Handle, HandleKind, Label
@@ -9,7 +9,7 @@ from editor.documents.commands.base import Command
 from editor.documents.commands.group import Scale, SetVertices, Stretch
 from editor.editing.picking import selected_bodies
 from editor.editing.snapping import apart_from, measured, snap_point
-from editor.editing.tools.base import Feedback, Gesture
+from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds_of,
@@ -20,15 +20,12 @@ from kinetix.level.geometry import (
 )
 from kinetix.level.model import Body, Circle, Point, Polygon
 
-if TYPE_CHECKING:
-    from editor.session import Session
-
 FACTOR_MIN: Final = 0.02
 """A drag through the held point does not turn a shape inside out: it stops here."""
 _SCALING: Final = (HandleKind.SCALE, HandleKind.SCALE_X, HandleKind.SCALE_Y)
 
 
-def resize(session: "Session", handle: Handle) -> Gesture:
+def resize(session: ToolContext, handle: Handle) -> Gesture:
     """Drag a handle of the selection: Shift keeps proportions, Alt holds the centre."""
     bodies = list(selected_bodies(session.document.level, session.selection))
     ids = tuple(body.id for body in bodies)

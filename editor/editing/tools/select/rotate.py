@@ -1,7 +1,7 @@
 """Turning: the rotation handle of bodies and the direction of a thruster."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Line, Style
@@ -9,17 +9,14 @@ from editor.documents.commands.group import Rotate, centroid
 from editor.documents.commands.thrusters import PlaceThruster
 from editor.editing.picking import selected_bodies, thruster_position
 from editor.editing.snapping import snap_angle
-from editor.editing.tools.base import Feedback, Gesture
+from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.thruster import aimed
-
-if TYPE_CHECKING:
-    from editor.session import Session
 
 FINE_STEP: Final = math.radians(1.0)
 """Step of the angle with Shift."""
 
 
-def rotate_bodies(session: "Session", press: PointerEvent) -> Gesture:
+def rotate_bodies(session: ToolContext, press: PointerEvent) -> Gesture:
     """Turn the selected bodies about their centroid; Shift: 1° steps, Ctrl: any angle."""
     bodies = list(selected_bodies(session.document.level, session.selection))
     ids = tuple(body.id for body in bodies)
@@ -47,7 +44,7 @@ def rotate_bodies(session: "Session", press: PointerEvent) -> Gesture:
         feedback = Feedback(command=command, marks=(line, label), cursor=Cursor.ROTATE)
 
 
-def aim(session: "Session") -> Gesture:
+def aim(session: ToolContext) -> Gesture:
     """Turn the selected thruster."""
     level = session.document.level
     thruster = next(t for t in level.thrusters if t.id in session.selection)
