@@ -33,6 +33,7 @@ from editor.editing.tools.base import NOTHING, Driver, Tool
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
+from editor.play.cues import Cue, Ears
 from editor.play.moment import Moment
 from editor.play.motion import Motion
 from editor.play.playback import Mode, Playback, Simulator
@@ -203,6 +204,13 @@ class Session:
         """Unexpected errors, and the actions before them."""
         self.capture: Callable[[str], None] | None = None
         """Takes the next chord that is pressed instead of its action (changing keys)."""
+        self.attended = False
+        """Whether a person sits before a window: sounds and effects are for people alone."""
+        self.ears = Ears()
+        self.cues: list[Cue] = []
+        """What is to be heard; the host takes it."""
+        self.sound_fault = ""
+        """Why nothing can be heard, as the host found."""
         self.held: set[str] = set()
         """Keys that are down."""
         self.cursor: tuple[float, float] | None = None

@@ -7,7 +7,7 @@ from typing import Final
 from editor.actions import address, agents, outside, play, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
-from editor.actions.pointer import move_wheel, use_pointer
+from editor.actions.pointer import move_wheel, pinch, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
 from editor.base.controls import PAD, PAD_ACTIONS
 from editor.base.events import (
@@ -17,6 +17,7 @@ from editor.base.events import (
     InputEvent,
     KeyEvent,
     PadEvent,
+    PinchEvent,
     PointerEvent,
     QuitEvent,
     TextEvent,
@@ -121,6 +122,8 @@ def handle(session: Session, event: InputEvent) -> bool:
                 use_pointer(session, event, table)
         case WheelEvent():
             move_wheel(session, event)
+        case PinchEvent():
+            pinch(session, event)
         case PadEvent():
             return _pad(session, event)
         case FocusEvent(focused=False):
@@ -250,6 +253,9 @@ def advance(session: Session, seconds: float) -> None:
         session.motion.moment = None
     else:
         session.motion.advance(session.playback, seconds)
+    if session.attended:
+        heard = session.ears.hear(session.playback, session.time)
+        session.cues = heard if session.settings.sound else []
     with session.guard():
         watch.update_viewer(session)
         play.note_end(session)

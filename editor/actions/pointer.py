@@ -7,7 +7,7 @@ from typing import Final
 from editor.actions import context
 from editor.base.camera import ZOOM_NOTCH
 from editor.base.controls import NOOP
-from editor.base.events import LEFT, MIDDLE, RIGHT, Pointer, PointerEvent, WheelEvent
+from editor.base.events import LEFT, MIDDLE, RIGHT, PinchEvent, Pointer, PointerEvent, WheelEvent
 from editor.editing.picking import bodies_at
 from editor.editing.tools.base import DRAG_PIXELS
 from editor.play.playback import Mode
@@ -15,6 +15,8 @@ from editor.session import Session
 from editor.worker.requests import Pull
 from kinetix.level.geometry import to_local
 
+PAN_NOTCH: Final = 30.0
+"""What a notch of the wheel pans [px]."""
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
 
 
@@ -39,11 +41,25 @@ def use_pointer(session: Session, event: PointerEvent, table: context.Table) -> 
 
 
 def move_wheel(session: Session, event: WheelEvent) -> None:
-    """Zoom at the pointer; a sideways wheel pans."""
-    if event.dy:
-        session.camera = session.camera.zoomed(ZOOM_NOTCH**event.dy, event.screen)
-    if event.dx:
-        session.camera = session.camera.panned((-30.0 * event.dx, 0.0))
+    """Zoom at the pointer or pan, as the settings say; Ctrl always zooms, sideways always pans."""
+    settings = session.settings
+    dy = -event.dy if settings.wheel_inverted else event.dy
+    pans = settings.wheel == "pan" and not event.modifiers.ctrl
+    if dy and not pans:
+        session.camera = session.camera.zoomed(ZOOM_NOTCH**dy, event.screen)
+    down = PAN_NOTCH * dy if pans else 0.0
+    if event.dx or down:
+        session.camera = session.camera.panned((-PAN_NOTCH * event.dx, down))
+
+
+def pinch(session: Session, event: PinchEvent) -> None:
+    """Zoom with two fingers, at the place between them."""
+    if not session.settings.pinch or session.gallery.open or session.prompts:
+        return
+    (left, top), (width, height) = session.camera.origin, session.camera.size
+    x, y = event.screen
+    if 0 <= x - left <= width and 0 <= y - top <= height:
+        session.camera = session.camera.zoomed(event.factor, event.screen)
 
 
 def _panned(session: Session, event: PointerEvent, table: context.Table) -> bool:

@@ -69,6 +69,12 @@ def switch_names(session: Session) -> None:
         session.toast("Nothing here has a name yet: select something and press F2.")
 
 
+def switch_sound(session: Session) -> None:
+    """Mute, or let be heard."""
+    session.settings.sound = not session.settings.sound
+    session.toast(session.sound_fault or ("Sound on" if session.settings.sound else "Sound off"))
+
+
 def toggle_panels(session: Session) -> None:
     """Show or hide the panels; in Play the bars stay, and only the panels come and go."""
     view = session.view

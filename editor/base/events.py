@@ -90,6 +90,14 @@ class WheelEvent:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class PinchEvent:
+    """Two fingers have moved apart (a factor above 1) or together, around `screen` [px]."""
+
+    factor: float
+    screen: Point = (0.0, 0.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class PadEvent:
     """A stick or button of a gamepad; `control` is such as `pad left` or `pad a`."""
 
@@ -129,6 +137,7 @@ InputEvent: TypeAlias = (
     | KeyEvent
     | TextEvent
     | WheelEvent
+    | PinchEvent
     | PadEvent
     | FocusEvent
     | ResizeEvent

@@ -9,6 +9,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from editor.base.controls import Drive, key_caps
+from editor.base.language import tr
 from editor.documents.commands.bodies import posed
 from editor.drawing.marks import arrow
 from editor.drawing.vectors import Painter, Placement, poses_of
@@ -204,6 +205,7 @@ def _plate(
     bars = 1 + bool(facts.controls) + len(controls) if thinks else 0
     by_hand = mind is not None and mind.by_hand
     right, top = corner
+    lines = [(tr(words), colour) for words, colour in lines]
     with font(FONTS.regular, SMALL):
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
@@ -213,7 +215,7 @@ def _plate(
         draw.add_rect(low, high, u32(COLOURS.line), px(7))
         x, y = low[0] + px(10), low[1] + px(8)
         if by_hand:
-            draw.add_text((x, y), u32(COLOURS.warn), "You drive; the agent only watches")
+            draw.add_text((x, y), u32(COLOURS.warn), tr("You drive; the agent only watches"))
             y += step
         for words, colour in lines:
             draw.add_text((x, y), u32(colour), words)
@@ -243,7 +245,7 @@ def _chances(
     left, right = span[0] + px(56), span[1] - px(46)
     height = imgui.get_text_line_height()
     middle, at = y + height / 2, left
-    draw.add_text((span[0], y), u32(COLOURS.muted), label)
+    draw.add_text((span[0], y), u32(COLOURS.muted), tr(label))
     sign = (chosen > 0) - (chosen < 0)
     for way, chance, colour in zip((-1, 0, 1), chances, _WAYS, strict=True):
         end = at + (right - left) * chance
@@ -270,7 +272,7 @@ def _bar(
     """A number with its place between two limits."""
     left, right = span[0] + px(56), span[1] - px(46)
     height = imgui.get_text_line_height()
-    draw.add_text((span[0], y), u32(COLOURS.muted), label)
+    draw.add_text((span[0], y), u32(COLOURS.muted), tr(label))
     low, high = limits
     zero = left + (right - left) * (0.0 - low) / (high - low)
     at = left + (right - left) * (min(max(value, low), high) - low) / (high - low)
@@ -298,7 +300,8 @@ def paint_reason(
     """
     (x, y), (width, _) = area
     with font(FONTS.regular, SMALL + 1):
-        lines = broken(reason, min(width - px(80), px(560)))
+        title = tr(title)
+        lines = broken(tr(reason), min(width - px(80), px(560)))
         step = imgui.get_text_line_height() + px(3)
         wide = max(imgui.calc_text_size(line).x for line in [title, *lines]) + px(32)
         low = (x + (width - wide) / 2, y + px(56))

@@ -9,6 +9,7 @@ from typing import Final
 from imgui_bundle import imgui
 
 from editor.base.controls import Drive, key_caps
+from editor.base.language import tr
 from editor.base.overlay import (
     Arc,
     Box,
@@ -105,6 +106,7 @@ def arrow(
 
 def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba | None = None) -> None:
     """A short text on a plate, to the lower right of a place [px]."""
+    words = tr(words)
     with font(FONTS.regular, SMALL):
         size = imgui.calc_text_size(words)
         low = (at[0] + px(14), at[1] + px(14))

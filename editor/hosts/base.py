@@ -16,7 +16,9 @@ from editor.toolkit.appearance import COLOURS
 from editor.toolkit.textures import TextureStore
 from editor.window.ui import Ui
 
-_NOT_FOR_WIDGETS = events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent
+_NOT_FOR_WIDGETS = (
+    events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent | events.PinchEvent
+)
 _HOPELESS = 120
 """After so many failing frames in a row the app ends."""
 

@@ -11,6 +11,8 @@ import pygame
 from editor.base import events
 from editor.hosts.inputs import FAR
 
+PINCH_SHARE = 12.0
+"""Zoom of two fingers that move apart by the width of the pad."""
 _SCREEN_ONLY = (0.0, 0.0)
 """Hosts know no level coordinates; the canvas works them out from the screen position."""
 
@@ -59,7 +61,15 @@ def _wheel(event: pygame.event.Event) -> events.InputEvent:
     return events.WheelEvent(dx=-dx, dy=dy)
 
 
-_TRANSLATE: dict[int, Callable[[pygame.event.Event], events.InputEvent]] = {
+def _pinch(event: pygame.event.Event) -> events.InputEvent | None:
+    if event.num_fingers != 2 or not event.pinched:
+        return None
+    width, height = pygame.display.get_window_size()
+    factor = PINCH_SHARE ** float(event.pinched)
+    return events.PinchEvent(factor=factor, screen=(event.x * width, event.y * height))
+
+
+_TRANSLATE: dict[int, Callable[[pygame.event.Event], events.InputEvent | None]] = {
     pygame.KEYDOWN: _key,
     pygame.KEYUP: _key,
     pygame.MOUSEBUTTONDOWN: _button,
@@ -67,6 +77,7 @@ _TRANSLATE: dict[int, Callable[[pygame.event.Event], events.InputEvent]] = {
     pygame.MOUSEMOTION: _motion,
     pygame.WINDOWLEAVE: _leave,
     pygame.MOUSEWHEEL: _wheel,
+    pygame.MULTIGESTURE: _pinch,
     pygame.TEXTINPUT: lambda event: events.TextEvent(text=event.text),
     pygame.WINDOWFOCUSGAINED: lambda event: events.FocusEvent(focused=True),
     pygame.WINDOWFOCUSLOST: lambda event: events.FocusEvent(focused=False),

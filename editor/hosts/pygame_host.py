@@ -19,6 +19,7 @@ from editor.hosts.display import NO_DISPLAY, seen
 from editor.hosts.gamepad import Gamepads
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
+from editor.hosts.speaker import Speaker
 from editor.session import Session
 from editor.toolkit.appearance import COLOURS
 from kinetix.errors import KinetixError
@@ -99,6 +100,7 @@ class PygameHost(Host):
         self._cursor: int | None = None
         self._fullscreen = False
         self._awake = _SETTLE_FRAMES
+        self._speaker = Speaker()
 
     def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
         try:
@@ -154,7 +156,7 @@ class PygameHost(Host):
     def run(self) -> None:
         """Draw until the app is closed. Without input and without play it sleeps."""
         last = time.perf_counter()
-        self.endures = True
+        self.endures = self.session.attended = True
         while self.running:
             idle = self._awake <= 0 and not self.ui.animating and not self._feeder.pending
             batch = self.poll(IDLE_WAIT if idle else 0.0)
@@ -223,9 +225,20 @@ class PygameHost(Host):
     def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
         """See `Host.step`; afterwards takes the picture that was asked for."""
         super().step(batch, dt)
+        self._sound()
         self._wanted_screenshot()
+
+    def _sound(self) -> None:
+        """Play what the app wants to be heard."""
+        session = self.session
+        cues, session.cues = session.cues, []
+        self._speaker.play(cues, session.settings.volume)
+        if self._speaker.fault and not session.sound_fault:
+            session.sound_fault = self._speaker.fault
+            session.log.add(session.sound_fault)
 
     def close(self) -> None:
         """See `Host.close`; the window goes too."""
         super().close()
+        self._speaker.close()
         pygame.display.quit()

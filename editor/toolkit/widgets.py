@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.toolkit import draw_list
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba, alpha, u32
 
@@ -87,7 +88,7 @@ def disabled(when: bool) -> Iterator[None]:
 def text(words: str, colour: Rgba | None = None) -> None:
     """A line of text; percent signs mean themselves."""
     imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(colour or COLOURS.text)))
-    imgui.text_unformatted(words)
+    imgui.text_unformatted(tr(words))
     imgui.pop_style_color()
 
 
@@ -177,6 +178,7 @@ def key_caps(keys: str) -> None:
 
 def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
     """A word in a coloured lozenge."""
+    words = tr(words)
     line = imgui.get_text_line_height()
     with font(FONTS.bold, SMALL - 1):
         size = imgui.calc_text_size(words)
@@ -218,7 +220,7 @@ def icon_button(  # noqa: PLR0913 - one button has that many looks
         Whether it was pressed.
     """
     c = COLOURS
-    words = f"{icon}  {label}" if label else icon
+    words = f"{icon}  {tr(label)}" if label else icon
     size = imgui.calc_text_size(words)
     height = height or imgui.get_frame_height()
     width = max(size.x + 2 * px(8), height)
@@ -271,14 +273,14 @@ def primary_button(session: "Session", name: str, label: str, *, width: float = 
         button_active=alpha(c.accent, 0.8),
         text=(1.0, 1.0, 1.0, 1.0),
     ):
-        pressed = imgui.button(f"{label}###{name}", (width, 0))
+        pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
     probe(session, name)
     return pressed
 
 
 def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
     """An ordinary button."""
-    pressed = imgui.button(f"{label}###{name}", (width, 0))
+    pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
     probe(session, name)
     return pressed
 
@@ -288,7 +290,7 @@ def checkbox(
 ) -> tuple[bool, bool]:
     """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what."""
     imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
-    changed, value = imgui.checkbox(f"{label}###{name}", value)
+    changed, value = imgui.checkbox(f"{tr(label)}###{name}", value)
     imgui.pop_item_flag()
     probe(session, name)
     return changed, value
@@ -309,7 +311,7 @@ def section(title: str, *, opened: bool = True) -> bool:
     draw = imgui.get_window_draw_list()
     middle = start.y + height / 2
     with font(FONTS.bold, SMALL - 1):
-        words = title.upper()
+        words = tr(title).upper()
         size = imgui.calc_text_size(words)
         draw.add_text((start.x + px(14), middle - size.y / 2), colour, words)
         left = start.x + px(22) + size.x
@@ -365,7 +367,7 @@ def empty_state(icon: str, title: str, hint: str) -> None:
         (title, 0.0, COLOURS.text),
     ):
         with font(FONTS.bold if size == 0.0 else None, size):
-            width = imgui.calc_text_size(words).x
+            width = imgui.calc_text_size(tr(words)).x
             imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max((space.x - width) / 2, 0))
             text(words, colour)
     centred_lines(hint, min(space.x - px(12), px(280)))
@@ -375,7 +377,7 @@ def centred_lines(words: str, width: float) -> None:
     """Small text broken to a width, each line in the middle of the panel."""
     with font(None, SMALL):
         space = imgui.get_content_region_avail().x
-        for line in broken(words, width):
+        for line in broken(tr(words), width):
             offset = (space - imgui.calc_text_size(line).x) / 2
             imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(offset, 0))
             muted(line)
@@ -458,11 +460,11 @@ def choice(
     """
     labels = dict(options)
     picked = None
-    opened = imgui.begin_combo(f"###{name}", preview or labels.get(current or "", MIXED))
+    opened = imgui.begin_combo(f"###{name}", tr(preview or labels.get(current or "", MIXED)))
     probe(session, name)
     if opened:
         for value, label in options:
-            if imgui.selectable(label, value == current)[0]:
+            if imgui.selectable(f"{tr(label)}###{value}", value == current)[0]:
                 picked = value
             probe(session, f"{name}.{value}")
         imgui.end_combo()

@@ -14,9 +14,11 @@ from editor.actions import context
 from editor.actions.view import shows_panels
 from editor.base import events
 from editor.base.camera import ARENA, Camera, Point
+from editor.base.language import tr
 from editor.base.overlay import Cursor
 from editor.documents.commands.bodies import posed
 from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
+from editor.drawing.confetti import paint_confetti
 from editor.drawing.debug_draw import paint_debug
 from editor.drawing.marks import CapPlace, Marker
 from editor.drawing.minimap import Minimap
@@ -83,6 +85,7 @@ class Canvas:
         self.area = ((0.0, 0.0), (1.0, 1.0))
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
+        self._won_at: float | None = None
         self.caps: tuple[CapPlace, ...] = ()
         """Places of the key caps of the last frame."""
 
@@ -392,7 +395,8 @@ class Canvas:
             (None, SMALL, "Ctrl+O opens a level    F1 shows every key", _INK),
         )
         top = y + height * 0.36
-        for face, size, words, colour in lines:
+        for face, size, english, colour in lines:
+            words = tr(english)
             with font(face, size):
                 extent = imgui.calc_text_size(words)
                 draw.add_text((x + (width - extent.x) / 2, top), u32(colour), words)
@@ -402,7 +406,7 @@ class Canvas:
         """The mode as a coloured frame, a badge, and how the episode ended."""
         (x, y), (width, height) = self.area
         word, name = MODE_LOOK[session.mode]
-        colour = COLOURS.of(name)
+        word, colour = tr(word), COLOURS.of(name)
         if not session.editing:
             inset = px(1.5)
             draw.add_rect(
@@ -421,6 +425,19 @@ class Canvas:
             draw.add_rect_filled(low, high, u32(colour), px(5))
             draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
 
+    def _celebrate(self, session: "Session", draw: imgui.ImDrawList) -> None:
+        """Let confetti fall over a win, where a person sees it happen."""
+        settings, playback = session.settings, session.playback
+        won = session.mode is Mode.ENDED and playback.outcome == "won"
+        if not won:
+            self._won_at = None
+            return
+        if self._won_at is None:
+            self._won_at = session.time
+        if session.attended and settings.win_effects and not settings.reduced_motion:
+            low, high = session.camera.to_screen((0.0, 5.0)), session.camera.to_screen((5.0, 0.0))
+            paint_confetti(draw, low, high, session.time - self._won_at)
+
     def _episode(self, session: "Session", draw: imgui.ImDrawList) -> None:
         """Draw what is to be said of the episode beside the arena."""
         (x, y), (width, _) = self.area
@@ -434,6 +451,7 @@ class Canvas:
         paint_side(session, draw, self.area, split=self._before_split is not None)
         if "numbers" in session.settings.agent_overlay:
             paint_numbers(session, draw, x + width - px(12), y + px(12))
+        self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)
         paint_waiting(session, draw, self.area)

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question, TextQuestion
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS
@@ -105,7 +106,7 @@ class Dialogs:
 
     def _buttons(self, session: "Session", prompt: Question) -> str | None:
         answer = None
-        widths = [max(imgui.calc_text_size(c.label).x + px(30), px(92)) for c in prompt.choices]
+        widths = [max(imgui.calc_text_size(tr(c.label)).x + px(30), px(92)) for c in prompt.choices]
         gap = imgui.get_style().item_spacing.x
         total = sum(widths) + gap * (len(widths) - 1)
         space = imgui.get_content_region_avail().x
@@ -209,7 +210,9 @@ class Dialogs:
         if choice.separated:
             imgui.separator()
         beside = chord_label(choice.chord) if choice.chord else choice.detail
-        pressed = imgui.menu_item_simple(f"{choice.label}###{choice.id}", beside or None)
+        pressed = imgui.menu_item_simple(
+            f"{tr(choice.label)}###{choice.id}", tr(beside) if beside else None
+        )
         widgets.probe(session, f"list.{choice.id}")
         if imgui.is_item_hovered() and choice.ids:
             session.highlighted = tuple(choice.ids)

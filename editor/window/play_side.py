@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import ARENA
+from editor.base.language import tr
 from editor.play.playback import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
@@ -49,7 +50,7 @@ class _Column:
     ) -> None:
         """Write words, broken to the column's width."""
         with font(face or FONTS.regular, size):
-            for line in broken(words, self.width):
+            for line in broken(tr(words), self.width):
                 extent = imgui.calc_text_size(line)
                 if self.plates:
                     low = (self.x - px(6), self.y - px(2))
@@ -87,7 +88,7 @@ def paint_side(
 
 def _badge(session: "Session", column: _Column) -> None:
     word, name = MODE_LOOK[session.mode]
-    colour = COLOURS.of(name)
+    word, colour = tr(word), COLOURS.of(name)
     with font(FONTS.bold, SMALL):
         size = imgui.calc_text_size(word)
         high = (column.x + size.x + px(16), column.y + size.y + px(8))
@@ -131,7 +132,7 @@ def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> 
     """
     icon, word, name = OUTCOME_LOOK[outcome]
     colour = COLOURS.of(name)
-    title = f"{icon}  {word}"
+    title = f"{icon}  {tr(word)}"
     with font(FONTS.bold, HUGE):
         wanted = imgui.calc_text_size(title).x
     size = HUGE * min(1.0, column.width / max(wanted, 1.0))
@@ -214,7 +215,7 @@ def _keys(session: "Session", column: _Column) -> None:
                 at = (x + (wide - extent.x) / 2, column.y + (side - extent.y) / 2)
                 column.draw.add_text(at, u32(ink), words)
                 x += wide + px(3)
-        names = [session.document.name_of(entity) for entity in driven_by(level, channel)]
+        names = [tr(session.document.name_of(entity)) for entity in driven_by(level, channel)]
         offset = x + px(6) - column.x
         with font(FONTS.regular, SMALL):
             words = _cut(", ".join(names), column.width - offset)

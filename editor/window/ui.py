@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import view
 from editor.actions.dispatch import IDLE
-from editor.base import events
+from editor.base import events, language
 from editor.base.camera import ARENA
 from editor.toolkit import keys, theme, widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
@@ -222,6 +222,7 @@ class Ui:
             dt: Time since the last frame [s].
         """
         session = self.session
+        language.use(session.settings.language)
         self._rescale()
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import Point
+from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, alpha, u32
 from editor.toolkit.widgets import font, px
 
@@ -42,7 +43,7 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
     found = awaited(session)
     if found is None or time.monotonic() - found[1].since < _PATIENCE:
         return
-    title, job = found
+    title, job = tr(found[0]), found[1]
     (x, y), (width, height) = area
     wide = min(px(_WIDTH), width - px(24))
     line, pad = px(TEXT + 8), px(18)
@@ -60,9 +61,9 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
         draw.add_text((right - imgui.calc_text_size(share).x, top), u32(COLOURS.muted), share)
         _bar(draw, (left, low[1] + pad + line + px(2)), (right, px(6)), job)
         top = high[1] - pad - imgui.get_text_line_height()
-        words = f"{job.message or 'Waiting'} …"
+        words = f"{tr(job.message or 'Waiting')} …"
         draw.add_text((left, top), u32(COLOURS.muted), words)
-        way_out = "Esc cancels"
+        way_out = tr("Esc cancels")
         at = (right - imgui.calc_text_size(way_out).x, top)
         draw.add_text(at, u32(COLOURS.muted), way_out)
 

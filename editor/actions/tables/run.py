@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import moment, physics, play
+from editor.actions import moment, physics, play, view
 from editor.actions.base import Action, Context, editing, playing
 from editor.play.playback import SPEEDS, Mode
 
@@ -86,6 +86,16 @@ RUN: Final = (
         tooltip="Back to editing; the level is as it was.",
         enabled=playing,
         run=play.stop,
+    ),
+    Action(
+        id="app.sound",
+        label="Sound",
+        menu="Run",
+        keys=("m",),
+        context=Context.LEVEL,
+        tooltip="Hits and ends of episodes can be heard; the key mutes them.",
+        checked=view.is_set("sound"),
+        run=view.switch_sound,
     ),
     Action(
         id="run.compare_physics",

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
 from editor.agents.evaluation import Column, Plan, Row, bare_summary, best
+from editor.base.language import tr
 from editor.base.physics import PHYSICS
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets
@@ -138,7 +139,7 @@ class EvaluatePanel(Panel):
         """Filter and means."""
         imgui.set_next_item_width(px(210))
         _, self._form.wanted = imgui.input_text_with_hint(
-            "###wanted", "Filter levels", self._form.wanted
+            "###wanted", tr("Filter levels"), self._form.wanted
         )
         widgets.probe(session, "evaluate.filter")
         self._summary(session)
@@ -244,7 +245,7 @@ class EvaluatePanel(Panel):
             fraction = job.fraction if job is not None and job.fraction is not None else 0.0
             words = job.message if job is not None else ""
             imgui.same_line()
-            imgui.progress_bar(fraction, (px(240), 0), words or "Starting …")
+            imgui.progress_bar(fraction, (px(240), 0), tr(words or "Starting …"))
             return
         with widgets.disabled(not who):
             pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
@@ -293,7 +294,7 @@ class EvaluatePanel(Panel):
         flags = (
             imgui.TableColumnFlags_.default_sort.value | imgui.TableColumnFlags_.width_stretch.value
         )
-        imgui.table_setup_column(_HEADS["level"], flags, 1.2)
+        imgui.table_setup_column(tr(_HEADS["level"]), flags, 1.2)
         labels = labels_of([plan.provenance(k) for k in range(count)])
         for agent, label in zip(plan.agents, labels, strict=True):
             mark = f"  {label}" if count > 1 else ""
@@ -301,7 +302,7 @@ class EvaluatePanel(Panel):
                 if column != "solve_rate":
                     mark = ""  # the columns of an agent stand together
                 imgui.table_setup_column(
-                    f"{_HEADS[column]}{mark}###{agent.ref.path}{column}",
+                    f"{tr(_HEADS[column])}{mark}###{agent.ref.path}{column}",
                     imgui.TableColumnFlags_.width_stretch.value,
                     1.6 if column == "solve_rate" else 0.7,
                 )

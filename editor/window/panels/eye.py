@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.textures import TextureStore
@@ -81,7 +82,7 @@ class EyePanel(Panel):
         imgui.table_setup_scroll_freeze(1, 1)
         # A single number stands before its name: long names would push it out of sight.
         for head in (*heads, "") if len(heads) == 1 else ("", *heads):
-            imgui.table_setup_column(head)
+            imgui.table_setup_column(tr(head))
         imgui.table_headers_row()
         widgets.probe(session, f"eye.{table.name}")
         clipper = imgui.ListClipper()

@@ -17,6 +17,7 @@ import msgspec
 from imgui_bundle import imgui
 
 from editor.base.arithmetic import Change, parse
+from editor.base.language import tr
 from editor.documents.commands.base import Command, Selection
 from editor.documents.commands.fields import (
     AdjustField,
@@ -490,6 +491,7 @@ def segments(
     gap = widgets.px(2)
     width = (imgui.get_content_region_avail().x - gap * (len(options) - 1)) / len(options)
     room = width - 2 * widgets.px(4)
+    options = [(value, tr(label)) for value, label in options]
     cramped = any(imgui.calc_text_size(label).x > room for _, label in options)
     imgui.push_style_var(
         imgui.StyleVar_.frame_padding,

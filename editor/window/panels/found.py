@@ -2,39 +2,16 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from editor.actions import examples, view
-from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES
 from editor.drawing.debug_draw import LAYERS
+from editor.window.panels.preferences import PAGES, choose
 from kinetix.level.model import Body, Circle, Joint, Record, Thruster
-from kinetix.render.palette import PALETTES
 
 if TYPE_CHECKING:
     from editor.session import Session
 
-SWITCHES: Final = {
-    "move_jointed": "Move jointed neighbors along",
-    "from_centre": "Draw rectangles from the center",
-    "keep_tool": "Keep the tool after drawing",
-    "restart_automatically": "Restart after the end",
-    "glyphs": "Role marks",
-    "patterns": "Role patterns",
-    "radians": "Angles in radians",
-    "reduced_motion": "Reduced motion",
-}
-"""Settings that are on or off."""
-CHOICES: Final[dict[str, tuple[str, tuple[tuple[Any, str], ...]]]] = {
-    "palette": ("Level colors", tuple((name, p.label) for name, p in PALETTES.items())),
-    "ui_scale": (
-        "Interface size",
-        ((0.0, "automatic"), *((s, f"{s:.0%}") for s in (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0))),
-    ),
-    "text_scale": ("Text size", tuple((scale, f"{scale:.0%}") for scale in TEXT_SCALES)),
-    "grid_step": ("Grid", tuple((step, f"{step:g} m") for step in GRID_STEPS)),
-    "angle_step_deg": ("Snap angles to", tuple((step, f"{step:g}°") for step in ANGLE_STEPS)),
-}
-"""Settings that take one of a few values."""
 _LEVEL_FIELDS: Final = (
     ("Gravity x", "level.gravity.0"),
     ("Gravity y", "level.gravity.1"),
@@ -99,23 +76,15 @@ def settings_entries(session: "Session") -> list[Entry]:
     """Return the settings and the single debug drawings."""
     settings = session.settings
     found = []
-    for name, label in SWITCHES.items():
-        on = getattr(settings, name)
-        found.append(
-            Entry(
-                label=label,
-                group="on" if on else "off",
-                run=lambda name=name, on=on: setattr(settings, name, not on),
-            )
-        )
-    for name, (title, options) in CHOICES.items():
-        for value, label in options:
-            chosen = getattr(settings, name) == value
+    for row in (row for rows in PAGES.values() for row in rows):
+        now = getattr(settings, row.name)
+        for value, words in row.options or ((not now, ""),):
+            state = "chosen" if row.options and value == now else "on" if now is True else "off"
             found.append(
                 Entry(
-                    label=f"{title}: {label}",
-                    group="chosen" if chosen else "Setting",
-                    run=lambda name=name, value=value: setattr(settings, name, value),
+                    label=f"{row.label}: {words}" if words else row.label,
+                    group="Setting" if row.options and value != now else state,
+                    run=lambda row=row, value=value: choose(session, row, value),
                 )
             )
     for name, label in LAYERS.items():

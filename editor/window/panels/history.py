@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.window.panels.base import Panel
@@ -31,7 +32,7 @@ class HistoryPanel(Panel):
                 icon = Icons.open if index == 0 else (Icons.redo if ahead else Icons.good)
                 with widgets.coloured(text=COLOURS.faint if ahead else COLOURS.text):
                     label = f"{icon}  {entry.label}###history-{index}"
-                    if imgui.selectable(label, current)[0]:
+                    if imgui.selectable(tr(label), current)[0]:
                         session.queue(lambda index=index: session.document.jump(index))
                 widgets.probe(session, f"history.{index}")
                 if current and moment != self._seen:

@@ -9,6 +9,7 @@ from editor import actions
 from editor.actions import rebinding
 from editor.actions.base import Action
 from editor.base.controls import CHANNELS, Drive
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.keys import label as chord_label
@@ -66,7 +67,7 @@ class KeysWindow:
             session.view.keys = False
         imgui.set_next_item_width(px(300))
         hint = f"{Icons.search}  Command or key"
-        _, self._typed = imgui.input_text_with_hint("###keys.search", hint, self._typed)
+        _, self._typed = imgui.input_text_with_hint("###keys.search", tr(hint), self._typed)
         widgets.probe(session, "keys.search")
         imgui.same_line(0, px(10))
         with widgets.disabled(not rebinding.any_changed(session)):

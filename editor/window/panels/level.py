@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.documents.commands.fields import SetLevelField
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, u32
@@ -85,7 +86,7 @@ class LevelPanel(Panel):
         for index, (label, value) in enumerate(_GRAVITIES):
             if index:
                 imgui.same_line()
-            if imgui.small_button(label):
+            if imgui.small_button(tr(label)):
                 session.queue(SetLevelField(field="gravity", value=(0.0, value)))
             widgets.probe(session, f"level.gravity.{label.lower()}")
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.window.panels.base import Panel
@@ -26,7 +27,7 @@ class LogPanel(Panel):
         if not lines:
             widgets.empty_state(Icons.log, "Nothing yet", "Messages of the app are kept here.")
             return
-        if imgui.small_button("Copy all"):
+        if imgui.small_button(tr("Copy all")):
             session.clipboard.set("\n".join(lines))
         widgets.probe(session, "log.copy")
         imgui.begin_child("lines")

@@ -1,20 +1,18 @@
 """The menu bar, made from the action table; recent files, examples and looks besides."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import examples, file, view
-from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from kinetix.paths import levels_dir
-from kinetix.render.palette import PALETTES
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -33,7 +31,6 @@ MENUS: Final = (
 )
 _WITHOUT_A_LEVEL: Final = frozenset({"Edit", "Tools", "Arrange", "Run"})
 """Menus that have nothing to do while the gallery is in front."""
-_SCALES: Final = (0.0, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 
 
 class MenuBar:
@@ -56,7 +53,7 @@ class MenuBar:
                     continue
                 if menu in _WITHOUT_A_LEVEL and session.gallery.open:
                     continue
-                opened = imgui.begin_menu(menu)
+                opened = imgui.begin_menu(tr(menu))
                 widgets.probe(session, f"menu.{menu.lower()}")
                 if opened:
                     self.opened = True
@@ -76,11 +73,11 @@ class MenuBar:
             self._examples(session)
         elif menu == "View":
             imgui.separator()
-            self._looks(session)
+            self._layouts(session)
 
     def _recents(self, session: "Session") -> None:
         recents = session.settings.recents
-        if imgui.begin_menu("Open recent", bool(recents)):
+        if imgui.begin_menu(tr("Open recent"), bool(recents)):
             for number, path in enumerate(recents):
                 if imgui.menu_item_simple(f"{path}###recent-{number}"):
                     session.queue(lambda path=path: _open(session, path))
@@ -88,19 +85,19 @@ class MenuBar:
 
     def _new_from(self, session: "Session") -> None:
         """The levels that a new one can begin with."""
-        opened = imgui.begin_menu("New From")
+        opened = imgui.begin_menu(tr("New From"))
         widgets.probe(session, "menu.new_from")
         if not opened:
             return
         for template, (label, _) in examples.TEMPLATES.items():
-            if imgui.menu_item_simple(f"{label}###new-{template}"):
+            if imgui.menu_item_simple(tr(f"{label}###new-{template}")):
                 session.queue(lambda template=template: examples.new_from(session, template))
             widgets.probe(session, f"menu.new.{template}")
         imgui.end_menu()
 
     def _examples(self, session: "Session") -> None:
         """The levels that came with the app, by size, and the scenes of the accuracy suite."""
-        opened = imgui.begin_menu("Examples")
+        opened = imgui.begin_menu(tr("Examples"))
         widgets.probe(session, "menu.examples")
         if opened:
             for size in ("s", "m", "l"):
@@ -112,7 +109,7 @@ class MenuBar:
 
     def _levels(self, session: "Session", size: str) -> None:
         """The levels of one size in a menu of their own."""
-        opened = imgui.begin_menu(f"Size {size.upper()}")
+        opened = imgui.begin_menu(tr(f"Size {size.upper()}"))
         widgets.probe(session, f"menu.examples.{size}")
         if not opened:
             return
@@ -128,76 +125,34 @@ class MenuBar:
         from kinetix.scenes import SCENE_CLASSES
 
         for group in SCENE_CLASSES:
-            opened = imgui.begin_menu(group.capitalize())
+            opened = imgui.begin_menu(tr(group.capitalize()))
             widgets.probe(session, f"menu.scenes.{group}")
             if not opened:
                 continue
             for scene in examples.scenes(group):
                 label = f"{scene.name.capitalize()}###scene-{scene.id}"
-                if imgui.menu_item_simple(label, scene.id):
+                if imgui.menu_item_simple(tr(label), scene.id):
                     session.queue(lambda scene_id=scene.id: examples.open_scene(session, scene_id))
                 widgets.probe(session, f"menu.scene.{scene.id}")
                 widgets.tooltip(f"{scene.id}  {scene.name.capitalize()}", scene.note)
             imgui.end_menu()
 
-    def _looks(self, session: "Session") -> None:
-        settings = session.settings
-        palettes = [(name, palette.label) for name, palette in PALETTES.items()]
-        if imgui.begin_menu("Colours of the level"):
-            _choices(settings, "palette", palettes)
-            imgui.separator()
-            _switch(settings, "glyphs", "Role marks")
-            _switch(settings, "patterns", "Role patterns")
-            imgui.end_menu()
-        if imgui.begin_menu("Size of the interface"):
-            scales = [(s, f"{s:.0%}" if s else "As the display says") for s in _SCALES]
-            _choices(settings, "ui_scale", scales)
-            imgui.end_menu()
-        if imgui.begin_menu("Size of the text"):
-            _choices(settings, "text_scale", [(scale, f"{scale:.0%}") for scale in TEXT_SCALES])
-            imgui.end_menu()
-        if imgui.begin_menu("Angles"):
-            steps = [(step, f"Snap to {step:g}°") for step in ANGLE_STEPS]
-            _choices(settings, "angle_step_deg", steps)
-            imgui.separator()
-            _switch(settings, "radians", "Show radians")
-            imgui.end_menu()
-        if imgui.begin_menu("Grid"):
-            _choices(settings, "grid_step", [(step, f"{step:g} m") for step in GRID_STEPS])
-            imgui.end_menu()
-        _switch(settings, "reduced_motion", "Reduced motion")
-        self._layouts(session)
-
     def _layouts(self, session: "Session") -> None:
         """The layouts that the user has kept."""
         names = sorted(session.settings.layouts)
-        if not imgui.begin_menu("Kept layouts", bool(names)):
+        if not imgui.begin_menu(tr("Kept layouts"), bool(names)):
             return
         for name in names:
             if imgui.menu_item_simple(f"{name}###layout-{name}"):
                 session.view.layout = name
             widgets.probe(session, f"menu.layout.{name}")
         imgui.separator()
-        if imgui.begin_menu("Forget"):
+        if imgui.begin_menu(tr("Forget")):
             for name in names:
                 if imgui.menu_item_simple(f"{name}###forget-{name}"):
                     session.queue(lambda name=name: view.forget_layout(session, name))
             imgui.end_menu()
         imgui.end_menu()
-
-
-def _switch(settings: Settings, name: str, label: str) -> None:
-    """A row that turns a preference on or off."""
-    on = getattr(settings, name)
-    if imgui.menu_item_simple(label, None, on):
-        setattr(settings, name, not on)
-
-
-def _choices(settings: Settings, name: str, options: Sequence[tuple[Any, str]]) -> None:
-    """Rows of which one is chosen."""
-    for value, label in options:
-        if imgui.menu_item_simple(label, None, getattr(settings, name) == value):
-            setattr(settings, name, value)
 
 
 def _open(session: "Session", path: str | Path) -> None:
@@ -211,7 +166,7 @@ def item(session: "Session", action_id: str) -> None:
     enabled = actions.available(session, action)
     checked = action.checked(session) if action.checked is not None else False
     shortcut = chord_label(chosen[0]) if chosen else None
-    if imgui.menu_item_simple(f"{action.label}###{action_id}", shortcut, checked, enabled):
+    if imgui.menu_item_simple(f"{tr(action.label)}###{action_id}", shortcut, checked, enabled):
         session.queue(action_id)
     widgets.probe(session, f"menu.{action_id}", enabled=enabled)
     if action.tooltip:

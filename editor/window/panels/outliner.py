@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui
 
 from editor.base.controls import key_caps
+from editor.base.language import tr
 from editor.base.wording import ARENA_LABELS
 from editor.documents.commands.base import EntityId
 from editor.toolkit import widgets
@@ -36,7 +37,7 @@ class Outliner(Panel):
         level = session.document.shown
         imgui.set_next_item_width(-1)
         _, self._filter = imgui.input_text_with_hint(
-            "###outliner.filter", f"{Icons.search}  Filter", self._filter
+            "###outliner.filter", tr(f"{Icons.search}  Filter"), self._filter
         )
         widgets.probe(session, "outliner.filter")
         # The rows scroll under the filter, which stays; padding leaves them their round corners.
@@ -130,6 +131,7 @@ class Outliner(Panel):
         hidden = entity in session.document.hidden
         ink = COLOURS.faint if hidden else COLOURS.text
         widgets.sign(draw, (start.x + px(4), middle), u32(tint), icon)
+        name = tr(name)
         draw.add_text((start.x + px(28), middle), u32(ink), name)
         x = start.x + px(28) + imgui.calc_text_size(name).x + px(8)
         with widgets.font(None, SMALL):

@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import agents, examples, file
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, u32
 from editor.toolkit.keys import label as chord_label
@@ -75,7 +76,7 @@ class CommandPalette:
         imgui.set_next_item_width(-1)
         changed, self._typed = imgui.input_text_with_hint(
             "###palette.text",
-            f"{Icons.search}  Command, setting, field, level, scene or agent",
+            tr(f"{Icons.search}  Command, setting, field, level, scene or agent"),
             self._typed,
         )
         widgets.probe(session, "palette.text")
@@ -106,9 +107,9 @@ class CommandPalette:
         draw = imgui.get_window_draw_list()
         top = start.y + px(4)
         ink = COLOURS.faint if entry.refusal else COLOURS.text
-        draw.add_text((start.x + px(8), top), u32(ink), entry.label)
+        draw.add_text((start.x + px(8), top), u32(ink), tr(entry.label))
         with widgets.font(None, SMALL):
-            words = entry.refusal or entry.keys or entry.group
+            words = tr(entry.refusal) or entry.keys or tr(entry.group)
             size = imgui.calc_text_size(words)
             colour = COLOURS.muted if entry.keys and not entry.refusal else COLOURS.faint
             draw.add_text((start.x + width - size.x - px(8), top + px(1)), u32(colour), words)
@@ -120,11 +121,17 @@ class CommandPalette:
         rated = [
             (rating + (_REFUSED if entry.refusal else 0.0), number, entry)
             for number, entry in enumerate(offered)
-            if (rating := score(entry.label, self._typed)) is not None
+            if (rating := _score(entry.label, self._typed)) is not None
         ]
         if self._typed:
             rated.sort(key=lambda row: row[:2])
         return [entry for _, _, entry in rated]
+
+
+def _score(label: str, typed: str) -> float | None:
+    """Rate a label by its own words and by those that the person reads."""
+    ratings = [score(words, typed) for words in dict.fromkeys((label, tr(label)))]
+    return min((rating for rating in ratings if rating is not None), default=None)
 
 
 def entries(session: "Session") -> list[Entry]:

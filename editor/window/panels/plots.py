@@ -8,6 +8,7 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from editor.base.controls import CHANNEL_NAMES, channel_name
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.toolkit.widgets import px
@@ -198,7 +199,7 @@ class PlotsPanel(Panel):
             )
         if len(shown) < 2:
             flags |= implot.Flags_.no_legend.value
-        if not implot.begin_plot(plot.title, size, flags):
+        if not implot.begin_plot(f"{tr(plot.title)}###{plot.title}", size, flags):
             return
         fit = implot.AxisFlags_.auto_fit.value
         bare = implot.AxisFlags_.no_tick_labels.value if plot.steps else 0
@@ -216,7 +217,7 @@ class PlotsPanel(Panel):
                 if owner == "b":
                     spec.flags = implot.ItemFlags_.no_legend.value
                 drawing = implot.plot_stairs if plot.steps else implot.plot_line
-                drawing(f"{series.label}###{owner}{series.colour}", time, values, spec)
+                drawing(f"{tr(series.label)}###{owner}{series.colour}", time, values, spec)
         self._cursor(session, states)
         implot.end_plot()
         widgets.probe(session, f"plots.{plot.title}")

@@ -8,10 +8,11 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import physics
+from editor.base.language import languages, tr
 from editor.base.physics import PHYSICS
 from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings, settings_path
 from editor.toolkit import widgets
-from editor.toolkit.appearance import FONTS, Icons
+from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.widgets import px
 from kinetix.paths import user_levels_dir
 from kinetix.render.palette import PALETTES
@@ -39,6 +40,7 @@ class Row:
 
 PAGES: Final[dict[str, tuple[Row, ...]]] = {
     "Appearance": (
+        Row(name="language", label="Language", options=languages()),
         Row(name="theme", label="Theme", options=(("dark", "Dark"), ("light", "Light"))),
         Row(
             name="ui_scale",
@@ -82,6 +84,25 @@ PAGES: Final[dict[str, tuple[Row, ...]]] = {
         Row(name="from_centre", label="Draw rectangles from their centre"),
         Row(name="keep_tool", label="A tool stays after it has drawn something"),
     ),
+    "Mouse": (
+        Row(
+            name="wheel",
+            label="Wheel and two fingers",
+            options=(("zoom", "Zoom the view"), ("pan", "Move the view")),
+            detail="With Ctrl they zoom.",
+        ),
+        Row(name="wheel_inverted", label="The wheel turns the other way"),
+        Row(name="pinch", label="Two fingers that move apart zoom"),
+    ),
+    "Sound": (
+        Row(name="sound", label="Sounds in Play"),
+        Row(
+            name="volume",
+            label="Volume",
+            options=tuple((v, f"{v:.0%}") for v in (0.2, 0.4, 0.6, 0.8, 1.0)),
+        ),
+        Row(name="win_effects", label="Show a win with confetti"),
+    ),
     "Simulation": (
         Row(
             name="physics",
@@ -111,6 +132,8 @@ class PreferencesWindow:
             if self._page in PAGES:
                 for row in PAGES[self._page]:
                     _row(session, row)
+                if self._page == "Sound" and session.sound_fault:
+                    widgets.small(session.sound_fault, COLOURS.warn)
             elif self._page == "Files":
                 _files(session)
             else:
@@ -134,13 +157,21 @@ class PreferencesWindow:
         imgui.dummy((0, px(6)))
 
 
+def choose(session: "Session", row: Row, value: Any) -> None:
+    """Set a setting, with what that does besides."""
+    if row.take is not None:
+        row.take(session, value)
+    else:
+        setattr(session.settings, row.name, value)
+
+
 def _row(session: "Session", row: Row) -> None:
-    settings = session.settings
-    current = getattr(settings, row.name)
+    current = getattr(session.settings, row.name)
+    name = f"preferences.{row.name}"
     if not row.options:
-        changed, value = widgets.checkbox(session, f"preferences.{row.name}", row.label, current)
+        changed, value = widgets.checkbox(session, name, row.label, current)
         if changed:
-            setattr(settings, row.name, value)
+            session.queue(lambda: choose(session, row, value))
     else:
         imgui.align_text_to_frame_padding()
         widgets.text(row.label)
@@ -148,24 +179,16 @@ def _row(session: "Session", row: Row) -> None:
         imgui.set_next_item_width(px(220))
         options = [(str(value), label) for value, label in row.options]
         known = dict(options).get(str(current), str(current))
-        name = f"preferences.{row.name}"
         picked = widgets.choice(session, name, str(current), options, preview=known)
         if picked is not None:
             value = next(value for value, _ in row.options if str(value) == picked)
-            take = row.take
-            if take is None:
-                setattr(settings, row.name, value)
-            else:
-                session.queue(lambda: take(session, value))
+            session.queue(lambda: choose(session, row, value))
     default = getattr(_DEFAULTS, row.name)
     if current != default:
         imgui.same_line()
-        if imgui.small_button(f"Reset to default###preferences.{row.name}.reset"):
-            if row.take is not None:
-                row.take(session, default)
-            else:
-                setattr(settings, row.name, default)
-        widgets.probe(session, f"preferences.{row.name}.reset")
+        if imgui.small_button(f"{tr('Reset to default')}###{name}.reset"):
+            session.queue(lambda: choose(session, row, default))
+        widgets.probe(session, f"{name}.reset")
     if row.detail:
         imgui.same_line(0, px(12))
         widgets.muted(row.detail)

@@ -8,6 +8,7 @@ from editor import actions
 from editor.actions.compatible import compatible_agents
 from editor.actions.fixes import fix_of
 from editor.agents.random_play import fitting
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
 from editor.toolkit.widgets import px
@@ -87,8 +88,8 @@ class ProblemsPanel(Panel):
         imgui.push_id(index)
         start = imgui.get_cursor_screen_pos()
         space = imgui.get_content_region_avail().x
-        room = imgui.calc_text_size(fix.label).x + px(28) if fix is not None else 0.0
-        lines = widgets.broken(issue.message, max(space - room - px(86), px(80)))
+        room = imgui.calc_text_size(tr(fix.label)).x + px(28) if fix is not None else 0.0
+        lines = widgets.broken(tr(issue.message), max(space - room - px(86), px(80)))
         height = imgui.get_text_line_height() * len(lines) + px(8)
         flags = imgui.SelectableFlags_.allow_overlap.value
         if imgui.selectable("###issue", False, flags, (0, height))[0] and issue.ids:
@@ -106,7 +107,7 @@ class ProblemsPanel(Panel):
             draw.add_text(at, u32(COLOURS.text), line)
         if fix is not None:
             imgui.set_cursor_screen_pos((start.x + space - room + px(8), start.y + px(2)))
-            if imgui.small_button(fix.label):
+            if imgui.small_button(tr(fix.label)):
                 session.queue(fix.command)
             widgets.probe(session, f"problems.{issue.code}.fix")
             imgui.set_cursor_screen_pos((start.x, start.y + height + px(2)))

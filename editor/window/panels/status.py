@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.play.playback import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons
@@ -30,11 +31,11 @@ class StatusBar:
                 word, name = "GALLERY", "info"
             widgets.badge(word, COLOURS.of(name))
             imgui.same_line(0, px(10))
-            right = self.numbers(session)
+            right = [(tr(words), tint) for words, tint in self.numbers(session)]
             gap = px(18)
             width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
             room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
-            widgets.text(self._fitted(self._hint(session), room), COLOURS.muted)
+            widgets.text(self._fitted(tr(self._hint(session)), room), COLOURS.muted)
             x = imgui.get_window_width() - width
             for words, tint in right:
                 imgui.same_line(x)

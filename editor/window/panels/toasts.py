@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import BY_ID
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, alpha, u32
 from editor.toolkit.widgets import KIND_ICONS, kind_colour, px
@@ -97,6 +98,6 @@ class Toasts:
             return
         imgui.same_line(0, px(12))
         label = _BUTTONS.get(action_id, BY_ID[action_id].label)
-        if imgui.text_link(label):
+        if imgui.text_link(tr(label)):
             session.queue(action_id)
         widgets.probe(session, f"toast.{action_id}")

@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import physics
+from editor.base.language import tr
 from editor.base.physics import PHYSICS
 from editor.play.playback import Mode
 from editor.toolkit import widgets
@@ -146,7 +147,9 @@ class Toolbar:
             width += len(_HISTORY) * plain + px(_SEPARATOR) if plan.history else 0.0
             if plan.labels:
                 words = [actions.BY_ID[f"tool.{tool}"].label for tool in TOOL_ICONS]
-                width += sum(imgui.calc_text_size(f"  {word}").x for word in (*words, "Play"))
+                width += sum(
+                    imgui.calc_text_size(f"  {word}").x for word in map(tr, (*words, "Play"))
+                )
         else:
             width = len(_TRANSPORT) * plain
         return width + (px(24) + self._right_width(session, plan) if plan.view else 0.0)

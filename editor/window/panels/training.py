@@ -8,6 +8,7 @@ from imgui_bundle import imgui, implot
 
 from editor.actions import watch
 from editor.agents.curves import STEPS, Curve, band_of, curve_of
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.toolkit.widgets import px
@@ -189,7 +190,7 @@ def _plot(
     flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
     if len(curves) == 1:
         flags |= implot.Flags_.no_legend.value
-    if not implot.begin_plot(name, size, flags):
+    if not implot.begin_plot(f"{tr(name)}###{name}", size, flags):
         return
     fit = implot.AxisFlags_.auto_fit.value
     implot.setup_axes("", "", fit, fit)

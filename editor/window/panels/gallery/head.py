@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.gallery.search import SIZE_ORDER, SORTS, Sort
 from editor.toolkit import widgets
 from editor.toolkit.appearance import FONTS, Icons
@@ -41,7 +42,7 @@ def draw_head(session: "Session", count: int) -> None:
     room = imgui.get_content_region_avail().x - close - order - px(40)
     imgui.set_next_item_width(max(min(room, px(420)), px(120)))
     hint = f"{Icons.search}  Name, tag or word of the description"
-    changed, typed = imgui.input_text_with_hint("###gallery.search", hint, wish.words)
+    changed, typed = imgui.input_text_with_hint("###gallery.search", tr(hint), wish.words)
     widgets.probe(session, "gallery.search")
     if changed:
         gallery.wish = dataclasses.replace(wish, words=typed)

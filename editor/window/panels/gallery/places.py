@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
+from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.search import SIZE_ORDER, tag_counts
 from editor.toolkit import widgets
@@ -64,7 +65,7 @@ def _place(
         widgets.tooltip(label, str(folder))
         added = str(folder) in session.settings.gallery_folders
         if added and imgui.begin_popup_context_item(f"place-menu-{folder}"):
-            if imgui.menu_item_simple("Show it no more"):
+            if imgui.menu_item_simple(tr("Show it no more")):
                 session.queue(lambda: doing.remove_folder(session, folder))
             imgui.end_popup()
     draw = imgui.get_window_draw_list()
@@ -72,7 +73,7 @@ def _place(
     left = start.x + px(8 + 16 * indent)
     icon = Icons.folder if folder is not None else Icons.gallery
     draw.add_text((left, top), u32(COLOURS.info if folder else COLOURS.muted), icon)
-    draw.add_text((left + px(24), top), u32(COLOURS.text), label)
+    draw.add_text((left + px(24), top), u32(COLOURS.text), label if folder else tr(label))
     words = str(count)
     right = start.x + width - px(8) - imgui.calc_text_size(words).x
     draw.add_text((right, top), u32(COLOURS.faint), words)

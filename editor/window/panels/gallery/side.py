@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import gallery as doing
+from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
 from editor.toolkit import widgets
@@ -41,13 +42,13 @@ class Side:
     def _tabs(self, session: "Session") -> None:
         gallery = session.gallery
         if imgui.begin_tab_bar("side"):
-            opened = imgui.begin_tab_item(f"{Icons.info}  Level###level")[0]
+            opened = imgui.begin_tab_item(tr(f"{Icons.info}  Level###level"))[0]
             widgets.probe(session, "gallery.tab.level")
             if opened:
                 self._details(session)
                 imgui.end_tab_item()
             count = f" ({len(gallery.tray)})" if gallery.tray else ""
-            opened = imgui.begin_tab_item(f"{Icons.reorder}  Set{count}###set")[0]
+            opened = imgui.begin_tab_item(tr(f"{Icons.reorder}  Set{count}###set"))[0]
             widgets.probe(session, "gallery.tab.set")
             if imgui.begin_drag_drop_target():
                 self._drop(session)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
+from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
 from editor.toolkit import widgets
@@ -52,9 +53,9 @@ class SetTray:
         by_path = {card.path: card for card in session.library.cards}
         flags = imgui.TableFlags_.sizing_stretch_prop.value
         if imgui.begin_table("levels", 3, flags):
-            imgui.table_setup_column("Level", imgui.TableColumnFlags_.width_stretch.value)
+            imgui.table_setup_column(tr("Level"), imgui.TableColumnFlags_.width_stretch.value)
             fixed = imgui.TableColumnFlags_.width_fixed.value
-            imgui.table_setup_column("Weight", fixed, px(64))
+            imgui.table_setup_column(tr("Weight"), fixed, px(64))
             imgui.table_setup_column("", fixed, px(26))
             imgui.table_headers_row()
             for path in list(tray):

@@ -1,0 +1,166 @@
+"""The words of the interface in another language, from one file for each.
+
+Everything in the app is said in English; `tr` gives what a person reads, where it is drawn. A file
+`languages/CODE.json`, among those of the app or in the user's settings folder, holds the name of
+the language and its words by the English ones. `{0}`, `{1}` … stand for what changes, which is
+translated too: `"{0} selected": "{0} ausgewählt"`. What a file lacks stays English.
+"""
+
+import functools
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from editor.base.state_file import read_state
+from kinetix.paths import config_dir
+
+ENGLISH: Final = "en"
+_OWN: Final = Path(__file__).resolve().parents[1] / "languages"
+_MOST_KEPT: Final = 8192
+"""Of more sentences that were translated once, all are forgotten: some change with every frame."""
+_AROUND: Final = re.compile(r"^([\s\ue000-\uf8ff●]*)(.*?)(\s*)$", re.DOTALL)
+"""Signs and room before some words, the words, room after them."""
+_HOLE: Final = re.compile(r"\{(\d)\}")
+_DEEPEST: Final = 3
+"""What stands in a hole may have holes of its own, so deep."""
+
+
+class Language:
+    """The words of one language by the English ones."""
+
+    def __init__(self, words: Mapping[str, str]) -> None:
+        self.missing: set[str] = set()
+        """What was asked for and is not among the words; for who translates."""
+        self._exact = {english: other for english, other in words.items() if "{" not in english}
+        self._kept: dict[str, str] = {}
+        self._forms: dict[str, list[tuple[re.Pattern[str], str]]] = {}
+        forms = [english for english in words if _HOLE.search(english)]
+        # Of two forms that fit, the one that says more is meant.
+        for english in sorted(forms, key=lambda form: -len(_HOLE.sub("", form))):
+            row = (_pattern(english), words[english])
+            self._forms.setdefault(english[:1], []).append(row)
+
+    def translate(self, words: str) -> str:
+        """Return words in this language; what it lacks as it is."""
+        found = self._kept.get(words)
+        if found is None:
+            if len(self._kept) >= _MOST_KEPT:
+                self._kept.clear()
+            found = self._kept[words] = self._translated(words, _DEEPEST)
+        return found
+
+    def _translated(self, words: str, depth: int) -> str:
+        around = _AROUND.match(words)
+        assert around is not None
+        before, inner, after = around.groups()
+        if not any(map(str.isalpha, inner)):
+            return words
+        found = self._exact.get(inner)
+        if found is None:
+            found = self._filled(inner, depth)
+        if found is None:
+            self.missing.add(inner)
+            return words
+        return before + found + after
+
+    def _filled(self, words: str, depth: int) -> str | None:
+        """Return words that fit a form, what stands in its holes translated where it can be."""
+        if depth == 0:
+            return None
+        for start in (words[:1], "{"):
+            for pattern, form in self._forms.get(start, ()):
+                fits = pattern.fullmatch(words)
+                if fits is not None:
+                    parts = {f"h{name}": part for name, part in fits.groupdict().items()}
+                    return _HOLE.sub(
+                        lambda hole, parts=parts: self._translated(
+                            parts.get(f"hp{hole[1]}") or "", depth - 1
+                        ),
+                        form,
+                    )
+        return None
+
+
+def _pattern(form: str) -> re.Pattern[str]:
+    """Return what matches the words that a form stands for."""
+    parts = _HOLE.split(form)
+    seen: set[str] = set()
+    pattern = re.escape(parts[0])
+    for number, literal in zip(parts[1::2], parts[2::2], strict=True):
+        pattern += f"(?P=p{number})" if number in seen else f"(?P<p{number}>.+?)"
+        pattern += re.escape(literal)
+        seen.add(number)
+    return re.compile(pattern, re.DOTALL)
+
+
+class _Current:
+    """The language that is spoken; None: English."""
+
+    code = ENGLISH
+    language: Language | None = None
+
+
+def use(code: str) -> None:
+    """Speak a language from now on; one that there is not, or a damaged one, is English."""
+    if code != _Current.code:
+        _Current.code = code
+        words = {} if code == ENGLISH else read_words(code)
+        _Current.language = Language(words) if words else None
+
+
+def spoken() -> Language | None:
+    """Return the language that is spoken; None: English."""
+    return _Current.language
+
+
+def tr(words: str) -> str:
+    """Return what a person reads for some English words; an id after `###` stays as it is."""
+    language = _Current.language
+    if language is None or not words:
+        return words
+    shown, mark, identity = words.partition("###")
+    return language.translate(shown) + mark + identity
+
+
+@functools.cache
+def languages() -> tuple[tuple[str, str], ...]:
+    """Return code and name of every language that there is a file for, English first."""
+    found: dict[str, str] = {}
+    for folder in (_OWN, config_dir() / "languages"):
+        for path in sorted(folder.glob("*.json")):
+            name = _content(path).get("name")
+            if isinstance(name, str) and name and path.stem != ENGLISH:
+                found[path.stem] = name
+    return ((ENGLISH, "English"), *found.items())
+
+
+def read_words(code: str) -> dict[str, str]:
+    """Return the words of a language, the user's own before those of the app."""
+    words: dict[str, str] = {}
+    if re.fullmatch(r"[A-Za-z_-]{2,16}", code):
+        for folder in (_OWN, config_dir() / "languages"):
+            stored = _content(folder / f"{code}.json").get("words")
+            if isinstance(stored, dict):
+                words |= {
+                    str(english): other
+                    for english, other in stored.items()
+                    if isinstance(other, str) and other and _same_holes(str(english), other)
+                }
+    return words
+
+
+def _same_holes(english: str, other: str) -> bool:
+    """Return whether a translation has no hole that the English words lack."""
+    return set(_HOLE.findall(other)) <= set(_HOLE.findall(english))
+
+
+def _content(path: Path) -> dict[str, Any]:
+    return read_state(path)
+
+
+def write_words(path: Path, name: str, words: Mapping[str, str]) -> None:
+    """Write a language's file, its words in the order of the English ones."""
+    content = {"name": name, "words": dict(sorted(words.items()))}
+    path.write_text(json.dumps(content, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
