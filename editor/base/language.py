@@ -35,6 +35,8 @@ class Language:
         """What was asked for and is not among the words; for who translates."""
         self._exact = {english: other for english, other in words.items() if "{" not in english}
         self._kept: dict[str, str] = {}
+        self._said: set[str] = set()
+        """What came out: it is not translated again."""
         self._forms: dict[str, list[tuple[re.Pattern[str], str]]] = {}
         forms = [english for english in words if _HOLE.search(english)]
         # Of two forms that fit, the one that says more is meant.
@@ -46,9 +48,14 @@ class Language:
         """Return words in this language; what it lacks as it is."""
         found = self._kept.get(words)
         if found is None:
+            if words in self._said:
+                return words
             if len(self._kept) >= _MOST_KEPT:
                 self._kept.clear()
+                self._said.clear()
             found = self._kept[words] = self._translated(words, _DEEPEST)
+            if found != words:
+                self._said.add(found)
         return found
 
     def _translated(self, words: str, depth: int) -> str:

@@ -4,6 +4,8 @@ from typing import Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
+
 _NAMES: Final = {
     "tab": "tab",
     "left": "left_arrow",
@@ -99,4 +101,5 @@ def label(chord: str) -> str:
     if chord.endswith("+") or not tail:
         head, tail = chord[:-1].rstrip("+"), "+"
     parts = [part.capitalize() for part in head.split("+") if part]
-    return "+".join([*parts, _LABELS.get(tail, tail.upper() if len(tail) == 1 else tail.title())])
+    parts.append(_LABELS.get(tail, tail.upper() if len(tail) == 1 else tail.title()))
+    return "+".join(tr(part) for part in parts)

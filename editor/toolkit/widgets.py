@@ -85,11 +85,16 @@ def disabled(when: bool) -> Iterator[None]:
         imgui.end_disabled()
 
 
-def text(words: str, colour: Rgba | None = None) -> None:
-    """A line of text; percent signs mean themselves."""
+def raw(words: str, colour: Rgba | None = None) -> None:
+    """A line of text as it is, in no other language; percent signs mean themselves."""
     imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(colour or COLOURS.text)))
-    imgui.text_unformatted(tr(words))
+    imgui.text_unformatted(words)
     imgui.pop_style_color()
+
+
+def text(words: str, colour: Rgba | None = None) -> None:
+    """A line of text in the language of the app."""
+    raw(tr(words), colour)
 
 
 def muted(words: str) -> None:
@@ -380,7 +385,7 @@ def centred_lines(words: str, width: float) -> None:
         for line in broken(tr(words), width):
             offset = (space - imgui.calc_text_size(line).x) / 2
             imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(offset, 0))
-            muted(line)
+            raw(line, COLOURS.muted)
 
 
 def broken(words: str, width: float) -> list[str]:

@@ -339,7 +339,8 @@ class Ui:
         closed, self._popup = self._popup and not popup, popup
         taken = (io.want_text_input or popup) and session.capture is None
         navigating = self._navigation(popup)
-        if self._menu.opened and imgui.is_key_pressed(imgui.Key.escape, False):
+        there = imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+        if self._menu.opened and there and imgui.is_key_pressed(imgui.Key.escape, False):
             # Dear ImGui closes the submenu alone, and the pointer that rests there opens it again.
             imgui.internal.close_popup_to_level(0, True)
         for name, key in keys.IMGUI.items():

@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor.actions import ACTIONS, Context, chords
 from editor.base.controls import key_caps
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.keys import label as chord_label
@@ -106,7 +107,7 @@ class HelpOverlay:
 
     def _group(self, title: str, rows: list[tuple[str, str]]) -> None:
         with widgets.font(FONTS.bold, SMALL):
-            widgets.text(title.upper(), COLOURS.accent)
+            widgets.raw(tr(title).upper(), COLOURS.accent)
         if imgui.begin_table(f"group-{title}", 2, imgui.TableFlags_.sizing_stretch_prop.value):
             fixed = imgui.TableColumnFlags_.width_stretch.value
             imgui.table_setup_column("keys", fixed, 0.47)

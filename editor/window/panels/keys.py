@@ -113,7 +113,7 @@ class KeysWindow:
 
     def _group(self, session: "Session", title: str, rows: list[Action] | list[Drive]) -> None:
         with widgets.font(FONTS.bold, SMALL):
-            widgets.text(title.upper(), COLOURS.accent)
+            widgets.raw(tr(title).upper(), COLOURS.accent)
         if imgui.begin_table(f"keys-{title}", 3, imgui.TableFlags_.sizing_stretch_prop.value):
             imgui.table_setup_column("what", imgui.TableColumnFlags_.width_stretch.value)
             fixed = imgui.TableColumnFlags_.width_fixed.value

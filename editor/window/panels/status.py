@@ -35,11 +35,11 @@ class StatusBar:
             gap = px(18)
             width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
             room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
-            widgets.text(self._fitted(tr(self._hint(session)), room), COLOURS.muted)
+            widgets.raw(self._fitted(tr(self._hint(session)), room), COLOURS.muted)
             x = imgui.get_window_width() - width
             for words, tint in right:
                 imgui.same_line(x)
-                widgets.text(words, tint)
+                widgets.raw(words, tint)
                 self._opens_problems(session, words)
                 x += imgui.calc_text_size(words).x + gap
 

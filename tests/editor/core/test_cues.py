@@ -49,7 +49,7 @@ def test_hits_and_the_end_are_heard_once(session, hand):
     playback.snapshot = hit
     cues = ears.hear(playback, 0.1)
     assert cues == [Cue(name="hit", loudness=1.0), Cue(name="won")]
-    assert 20 > LOUDEST
+    assert LOUDEST < 20
     assert ears.hear(playback, 0.2) == []
 
 

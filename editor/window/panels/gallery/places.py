@@ -97,7 +97,7 @@ def _tags(session: "Session", tags: Sequence[tuple[str, int]]) -> None:
 
 def _heading(words: str) -> None:
     with widgets.font(FONTS.bold, SMALL):
-        widgets.text(words.upper(), COLOURS.muted)
+        widgets.raw(tr(words).upper(), COLOURS.muted)
 
 
 def _below(card: Card, folder: Path) -> bool:

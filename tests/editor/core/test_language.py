@@ -1,0 +1,134 @@
+"""The words of the interface in another language."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import editor
+import kinetix
+from editor.actions import ACTIONS
+from editor.base import language
+from editor.base.language import Language, languages, read_words, tr, use
+
+HOLE = re.compile(r"\{\d\}")
+OWN = [code for code, _ in languages() if code != "en"]
+WORDS = {
+    "Save": "Speichern",
+    "Circle {0}": "Kreis {0}",
+    "Name of {0}": "Name von {0}",
+    "{0} of {1}": "{1} davon {0}",
+    "{0} of {1} won": "{0} von {1} gewonnen",
+}
+
+
+@pytest.fixture(autouse=True)
+def english():
+    yield
+    use("en")
+
+
+@pytest.mark.parametrize(
+    ("english", "expected"),
+    [
+        ("Save", "Speichern"),
+        ("\uf0c7  Save", "\uf0c7  Speichern"),
+        ("  Save ", "  Speichern "),
+        ("Circle 12", "Kreis 12"),
+        ("Name of Circle 12", "Name von Kreis 12"),
+        ("Name of My car", "Name von My car"),
+        ("3 of 4", "4 davon 3"),
+        ("3 of 4 won", "3 von 4 gewonnen"),
+        ("Nothing of the kind", "the kind davon Nothing"),
+        ("Unknown words", "Unknown words"),
+        ("", ""),
+        ("12.5", "12.5"),
+        ("Name of 100 % (a+b)", "Name von 100 % (a+b)"),
+    ],
+)
+def test_words_are_found_whole_and_by_their_form(english, expected):
+    assert Language(WORDS).translate(english) == expected
+
+
+def test_what_was_translated_is_not_translated_again():
+    spoken = Language({"Save": "Open", "Open": "Zu"})
+    assert spoken.translate(spoken.translate("Save")) == "Open"
+
+
+def test_ids_stay_and_english_is_as_it_is(monkeypatch):
+    assert tr("Save###file.save") == "Save###file.save"
+    monkeypatch.setattr(language, "read_words", lambda code: WORDS)
+    use("xx")
+    assert tr("Save###file.save") == "Speichern###file.save"
+    use("en")
+    assert tr("Save") == "Save"
+
+
+def test_a_language_can_be_added_and_corrected_by_one_file(tmp_path, monkeypatch):
+    folder = tmp_path / "config"
+    monkeypatch.setattr("editor.base.language.config_dir", lambda: folder)
+    (folder / "languages").mkdir(parents=True)
+    own = {"name": "Plattdüütsch", "words": {"Save": "Wohren", "{0} selected": "{1} utsöcht"}}
+    (folder / "languages" / "nds.json").write_text(json.dumps(own))
+    (folder / "languages" / "de.json").write_text(
+        json.dumps({"name": "Deutsch", "words": {"Save": "Sichern"}})
+    )
+    languages.cache_clear()
+    try:
+        assert ("nds", "Plattdüütsch") in languages()
+        assert read_words("nds") == {"Save": "Wohren"}  # a form with another hole is passed over
+        assert read_words("de")["Save"] == "Sichern"
+        assert read_words("de")["Open"] == "Öffnen"
+    finally:
+        languages.cache_clear()
+
+
+@pytest.mark.parametrize("code", ["zz", "../settings", "", "x" * 40])
+def test_a_language_that_there_is_not_is_english(code):
+    use(code)
+    assert tr("Save") == "Save"
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", '{"name": 3, "words": 4}', '{"words": {"a": 1}}'])
+def test_a_damaged_file_is_english(tmp_path, monkeypatch, text):
+    monkeypatch.setattr("editor.base.language._OWN", tmp_path)
+    (tmp_path / "xx.json").write_text(text)
+    use("xx")
+    assert tr("Save") == "Save"
+
+
+@pytest.mark.parametrize("code", OWN)
+def test_every_command_is_in_it(code):
+    spoken = Language(read_words(code))
+    for action in ACTIONS:
+        for words in (action.label, action.tooltip, action.refusal, action.menu):
+            spoken.translate(words)
+    assert sorted(spoken.missing) == []
+
+
+@pytest.mark.parametrize("code", OWN)
+def test_every_form_has_the_holes_of_the_english_one(code):
+    for english, other in read_words(code).items():
+        assert set(HOLE.findall(english)) == set(HOLE.findall(other)), english
+
+
+def literals():
+    """Every text in the source, pieces of composed ones included."""
+    folders = [Path(editor.__file__).parent, Path(kinetix.__file__).parent]
+    for path in (path for folder in folders for path in folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+
+
+@pytest.mark.parametrize("code", OWN)
+def test_nothing_is_in_it_that_the_app_never_says(code):
+    said = "\n".join(literals()).lower()
+    stale = [
+        english
+        for english in read_words(code)
+        if not all(word in said for word in re.findall(r"[a-zé]{4,}", english.lower()))
+    ]
+    assert stale == []

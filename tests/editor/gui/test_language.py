@@ -1,0 +1,77 @@
+"""The whole window in German: nothing of the app's own words stays English."""
+
+import re
+
+import pytest
+
+from editor.base import language
+from editor.window.panels.preferences import PAGES
+from tests.editor.core.helpers import FakeSimulator, a_level
+
+PANELS = ("outliner", "inspector", "level", "problems", "history", "controls", "plots", "timeline")
+ALLOWED = re.compile(
+    r"[/~].*|[\w+]{1,3}|Alt.*|Tab|Enter|Esc.*|F\d+.*|Deutsch|Kinetix|Mono|Test|[\d.,]+ .*|"
+    r"[a-z0-9_+]+|\S+\+\S+.*|[sml]/.*|.*\.json"
+)
+"""Numbers with units, keys, names of physics, agents and levels, paths."""
+
+
+@pytest.fixture(autouse=True)
+def english():
+    yield
+    language.use("en")
+
+
+def test_panels_menus_and_settings_speak_german(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.playback.simulator = FakeSimulator()
+    gui.session.settings.language = "de"
+    gui.frames(4)
+    for panel in PANELS:
+        gui.bring(panel)
+    for selection in ((1,), (3,), (5,), (6,), ("floor",), (1, 2), ()):
+        gui.session.selection = selection
+        gui.frames(3)
+    for menu in ("file", "edit", "view", "run", "level", "agent", "tools", "arrange", "help"):
+        gui.click(f"menu.{menu}")
+        gui.key("escape")
+    gui.session.view.preferences = True
+    gui.frames(3)
+    for page in (*PAGES, "Files", "Keys"):
+        gui.click(f"preferences.{page}")
+    gui.session.view.preferences = False
+    gui.key("space")
+    gui.frames(20)
+    gui.key("space")
+    gui.key("e")
+    gui.frames(4)
+    spoken = language.spoken()
+    assert spoken is not None
+    assert sorted(words for words in spoken.missing if not ALLOWED.fullmatch(words)) == []
+    assert not any("wrong" in line for line in gui.session.log.lines)
+
+
+def test_the_language_is_chosen_in_preferences_and_stays(make_gui):
+    gui = make_gui(level=a_level())
+    gui.key("ctrl+,")
+    gui.frames(3)
+    gui.click("preferences.language")
+    gui.click("preferences.language.de")
+    gui.frames(3)
+    assert language.tr("Undo") == "Rückgängig"
+    # What is stored, sent and tested by name is English in every language.
+    assert gui.session.document.history.undo_label is None
+    gui.click("preferences.language")
+    gui.click("preferences.language.en")
+    gui.frames(3)
+    assert language.tr("Undo") == "Undo"
+
+
+def test_escape_closes_a_menu_without_a_crash(make_gui):
+    gui = make_gui(level=a_level())
+    for menu in ("file", "edit", "view"):
+        gui.click(f"menu.{menu}")
+        gui.frames(3)
+        gui.key("escape")
+        gui.frames(2)
+    assert not any("IM_ASSERT" in line for line in gui.session.log.lines)
