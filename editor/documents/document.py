@@ -140,6 +140,11 @@ class Document:
         return self._saved is None or not same_content(self._history.current.value, self._saved)
 
     @property
+    def saved(self) -> Level | None:
+        """The level as its file has it, or as it was opened; None when no file does."""
+        return self._saved
+
+    @property
     def untouched(self) -> bool:
         """True if nothing is lost with it: no file, no change, nothing to undo."""
         return self.path is None and not self.dirty and len(self._history.entries) == 1

@@ -48,7 +48,7 @@ def _named(painter: Painter, where: Placement) -> Iterator[tuple[EntityId, str, 
             # Within a large shape the name stands on its middle, below a small one.
             inside = _half(body) * camera.scale > px(18)
             at = camera.to_screen((x, y if inside else y - _half(body)))
-            yield body.id, body.name, (at[0], at[1] + (-px(8) if inside else px(2))), COLOURS.text
+            yield body.id, body.name, (at[0], at[1] + px(10 if inside else 2)), COLOURS.text
     for joint in level.joints:
         if joint.name:
             x, y = camera.to_screen(where.joint_point(joint))

@@ -129,6 +129,7 @@ class Canvas:
             session.view.interface,
             not session.editing and shows_panels(session),
             self._before_split is not None,
+            session.tab.moment is not None,
         )
         if cause != self._cause:
             self._cause = cause
@@ -156,6 +157,9 @@ class Canvas:
         elif session.editing and self._edit_view is not None:
             (played, camera, whole), self._edit_view = self._edit_view, None
             played.camera, self._refits = camera, 0
+            if played.moment is not None:
+                # The strip over it takes room that the arena had.
+                self.refit()
             if whole:
                 self._followed[played.document.number] = camera
 

@@ -256,6 +256,30 @@ class AdjustField:
         return level
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ResetFields:
+    """Sets fields back, each entity's to a value of its own."""
+
+    rows: tuple[tuple[EntityId, str, Any], ...]
+    """Entity, dotted field, value."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Names the first field."""
+        return f"Reset {field_name(self.rows[0][1]).lower()}"
+
+    def apply(self, level: Level) -> Level:
+        """Set them.
+
+        Raises:
+            CommandError: An entity lacks the field, or the format does not allow the value.
+        """
+        for entity, field, value in self.rows:
+            level = SetField(ids=(entity,), field=field, value=value).apply(level)
+        return level
+
+
 def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> Level:
     replaced: dict[str, Any] = {
         kind: tuple(changed.get(entity.id, entity) for entity in getattr(level, kind))

@@ -70,6 +70,32 @@ class SetExtent:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class ResetExtent:
+    """Gives polygons back a width or height, each its own."""
+
+    axis: Axis
+    rows: tuple[tuple[int, float], ...]
+    """Body and its width or height [m]."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Names the side."""
+        return f"Reset {'height' if self.axis else 'width'}"
+
+    def apply(self, level: Level) -> Level:
+        """Resize them.
+
+        Raises:
+            CommandError: A size is none that a shape can have.
+        """
+        for body, value in self.rows:
+            change = Change(amount=value)
+            level = SetExtent(ids=(body,), axis=self.axis, change=change).apply(level)
+        return level
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class SetCorner:
     """Puts one coordinate of a polygon's corner elsewhere in the world."""
 

@@ -3,6 +3,8 @@
 import abc
 from typing import TYPE_CHECKING, ClassVar
 
+from editor.base.language import tr
+
 if TYPE_CHECKING:
     from editor.session import Session
 
@@ -19,7 +21,7 @@ class Panel(abc.ABC):
     @property
     def window_name(self) -> str:
         """Title with a stable identity, for docking."""
-        return f"{self.icon}  {self.title}###panel-{self.id}"
+        return f"{self.icon}  {tr(self.title)}###panel-{self.id}"
 
     @abc.abstractmethod
     def draw(self, session: "Session") -> None:

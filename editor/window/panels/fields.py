@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import math
 import typing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import msgspec
@@ -18,9 +18,10 @@ from imgui_bundle import imgui
 
 from editor.base.arithmetic import Change, parse
 from editor.base.language import tr
-from editor.documents.commands.base import Command, Selection
+from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.commands.fields import (
     AdjustField,
+    ResetFields,
     SetField,
     SetLevelField,
     alike,
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 DEGREES: Final = 180.0 / math.pi
+SAVED: Final = object()
+"""In the place of a default: what the level's file says."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -376,38 +379,80 @@ class Editor:
             radians=radians,
         )
 
-    def pair(
-        self, session: "Session", path: str, *, default: tuple[float, float] | None = None
-    ) -> None:
-        """The two components of a vector side by side, and an arrow back to the default."""
-        room, gap = 0.0, imgui.get_style().item_spacing.x
-        if default is not None:
-            value, agrees = shared_value(session.document.shown, self.ids, path)
-            differs = not agrees or value != default
-            room = imgui.get_frame_height() + widgets.px(2) if differs else 0.0
-        width = (imgui.get_content_region_avail().x - gap - room) / 2
-        self.field(session, f"{path}.x", width=width, prefix="x  ")
-        imgui.same_line()
-        self.field(session, f"{path}.y", width=width, prefix="y  ")
-        if default is not None:
-            self.reset(session, path, default)
+    def pair(self, session: "Session", path: str, *, default: Any = SAVED) -> None:
+        """Draw the two components of a vector side by side, and an arrow back."""
+        gap = imgui.get_style().item_spacing.x
+        with self.resettable(session, (path,), default) as room:
+            width = (room - gap) / 2
+            self.field(session, f"{path}.x", width=width, prefix="x  ")
+            imgui.same_line()
+            self.field(session, f"{path}.y", width=width, prefix="y  ")
 
-    def switch(self, session: "Session", path: str, label: str = "") -> None:
-        """A yes-or-no field of the selection."""
+    @contextlib.contextmanager
+    def resettable(
+        self, session: "Session", paths: Sequence[str], default: Any = SAVED, *, name: str = ""
+    ) -> Iterator[float]:
+        """Leave room for an arrow that sets fields back, where they differ; yields what is left.
+
+        Args:
+            session: Gets the edit.
+            paths: Dotted names of the fields that the arrow sets back together.
+            default: What they go back to; `SAVED`: what the level's file says.
+            name: Of the arrow, where several set the same field back.
+        """
+        rows = reset_rows(session, self.ids, paths, default)
+        words = "Reset to what is saved" if default is SAVED else f"Reset to {_plain(default)}"
+        command = ResetFields(rows=rows) if rows else None
+        with self.arrow(session, name or paths[0], command, words) as room:
+            yield room
+
+    @contextlib.contextmanager
+    def arrow(
+        self, session: "Session", name: str, command: Command | None, words: str
+    ) -> Iterator[float]:
+        """Leave room for a small arrow that does a command; yields what is left of the row [px].
+
+        Args:
+            session: Gets the command.
+            name: Of the arrow.
+            command: What it does; None: there is no arrow.
+            words: What it says.
+        """
+        room = imgui.get_content_region_avail().x
+        yield room - (imgui.get_frame_height() + widgets.px(2) if command else 0.0)
+        if command is None:
+            return
+        imgui.same_line(0, widgets.px(2))
+        if widgets.icon_button(session, f"reset.{name}", Icons.reset, tint=COLOURS.faint):
+            session.queue(command)
+        widgets.tooltip(words)
+
+    def switch(self, session: "Session", path: str, *, default: bool) -> None:
+        """Draw a yes-or-no field of the selection, and an arrow back."""
         ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)
-        changed, _ = widgets.checkbox(
-            session, f"inspector.{path}", label, bool(value), mixed=not agrees
-        )
+        with self.resettable(session, (path,), default):
+            changed, _ = widgets.checkbox(
+                session, f"inspector.{path}", "", bool(value), mixed=not agrees
+            )
         if changed:
             new = not value if agrees else True
             session.queue(SetField(ids=ids, field=path, value=new))
 
-    def options(self, session: "Session", path: str, options: Sequence[tuple[Any, str]]) -> None:
-        """A field of the selection that takes one of a few values, as a row of buttons."""
+    def options(
+        self,
+        session: "Session",
+        path: str,
+        options: Sequence[tuple[Any, str]],
+        *,
+        default: Any = SAVED,
+    ) -> None:
+        """Draw a field that takes one of a few values as a row of buttons, and an arrow back."""
         ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)
-        picked = segments(session, f"inspector.{path}", options, value if agrees else None)
+        with self.resettable(session, (path,), default) as room:
+            current = value if agrees else None
+            picked = segments(session, f"inspector.{path}", options, current, width=room)
         if picked is not None:
             session.queue(SetField(ids=ids, field=path, value=picked[0]))
 
@@ -426,24 +471,47 @@ class Editor:
         field = NumberField(name=f"level.{path}", values=(stored,), info=info, command=command)
         self.number(session, field, width=width)
 
-    def reset(self, session: "Session", path: str, default: Any) -> None:
-        """A small arrow that sets a field back; only there when it differs."""
-        ids = self.ids
-        try:
-            value, agrees = shared_value(session.document.shown, ids, path)
-        except CommandError:
-            return
-        if agrees and value == default:
-            return
-        imgui.same_line(0, widgets.px(2))
-        if widgets.icon_button(session, f"reset.{path}", Icons.reset, tint=COLOURS.faint):
-            session.queue(SetField(ids=ids, field=path, value=default))
-        widgets.tooltip(f"Reset to {_plain(default)}")
+    @contextlib.contextmanager
+    def level_resettable(self, session: "Session", field: str, default: Any) -> Iterator[float]:
+        """Leave room for an arrow that sets a field of the level back; yields what is left [px]."""
+        differs = not alike(getattr(session.document.shown, field), default)
+        command = SetLevelField(field=field, value=default) if differs else None
+        words = f"Reset to {_plain(default)}"
+        with self.arrow(session, f"level.{field}", command, words) as room:
+            yield room
+
+
+def reset_rows(
+    session: "Session", ids: Selection, paths: Sequence[str], default: Any
+) -> tuple[tuple[EntityId, str, Any], ...]:
+    """Return entity, field and value of everything that an arrow would set back.
+
+    Args:
+        session: The app.
+        ids: What is selected.
+        paths: Dotted names of the fields.
+        default: What they go back to; `SAVED`: what the level's file says of each.
+    """
+    document = session.document
+    rows: list[tuple[EntityId, str, Any]] = []
+    for entity in ids:
+        now = selected_records(document.shown, (entity,))
+        before = selected_records(document.saved, (entity,)) if document.saved else []
+        for path in paths:
+            with contextlib.suppress(CommandError, IndexError):
+                value = read_field(before[0], path) if default is SAVED else default
+                if not alike(read_field(now[0], path), value):
+                    rows.append((entity, path, value))
+    return tuple(rows)
 
 
 def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
+    if value is None:
+        return "Automatic"
+    if isinstance(value, str):
+        return value.capitalize()
     if isinstance(value, tuple):
         return ", ".join(f"{each:g}" for each in value)
     return f"{value:g}" if isinstance(value, float) else str(value)
@@ -480,16 +548,29 @@ def _preview(session: "Session", command: Command) -> None:
 
 
 def segments(
-    session: "Session", name: str, options: Sequence[tuple[Any, str]], current: Any
+    session: "Session",
+    name: str,
+    options: Sequence[tuple[Any, str]],
+    current: Any,
+    *,
+    width: float = 0.0,
 ) -> tuple[Any] | None:
-    """A row of buttons of which one is down.
+    """Draw a row of buttons of which one is down.
+
+    Args:
+        session: Gets the probes.
+        name: Stable id.
+        options: (value, label) in order.
+        current: The value that is chosen.
+        width: Of the whole row [px]; 0: all there is.
 
     Returns:
         The value that was picked in this frame, in a tuple, or None.
     """
     picked = None
     gap = widgets.px(2)
-    width = (imgui.get_content_region_avail().x - gap * (len(options) - 1)) / len(options)
+    width = width or imgui.get_content_region_avail().x
+    width = (width - gap * (len(options) - 1)) / len(options)
     room = width - 2 * widgets.px(4)
     options = [(value, tr(label)) for value, label in options]
     cramped = any(imgui.calc_text_size(label).x > room for _, label in options)

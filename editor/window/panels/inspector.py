@@ -6,15 +6,15 @@ from imgui_bundle import imgui
 
 from editor.actions.edit import named
 from editor.base.controls import key_caps
-from editor.base.wording import counts
+from editor.base.wording import counts, plain_name
 from editor.documents.commands.base import EntityId
-from editor.documents.commands.fields import SetField, selected_records, shared_value
+from editor.documents.commands.fields import SetField, selected_records
 from editor.toolkit import widgets
 from editor.toolkit.appearance import FONTS, Icons
 from editor.toolkit.widgets import px
 from editor.window.panels import shape_fields
 from editor.window.panels.base import Panel
-from editor.window.panels.fields import Editor, segments
+from editor.window.panels.fields import SAVED, Editor, segments
 from editor.window.panels.texts import TextFields
 from kinetix.level.model import (
     MOTOR_BINDINGS,
@@ -22,6 +22,7 @@ from kinetix.level.model import (
     ArenaBody,
     Body,
     Circle,
+    Entity,
     Joint,
     Record,
     Thruster,
@@ -79,7 +80,13 @@ class Inspector(Panel):
     def _heading(self, session: "Session", records: list[Record]) -> None:
         first, *others = session.selection
         with widgets.font(FONTS.bold, 17):
-            widgets.wrapped(counts(records) if others else session.document.name_of(first))
+            only = records[0]
+            if others:
+                widgets.wrapped(counts(records))
+            elif isinstance(only, Entity):
+                widgets.wrapped(plain_name(only))
+            else:
+                widgets.wrapped(session.document.name_of(first))
         if isinstance(first, int) and not others:
             self._name(session, first)
         imgui.dummy((0, px(2)))
@@ -124,8 +131,7 @@ class Inspector(Panel):
             if not opened:
                 return
             if len(polygons) < len(bodies):
-                widgets.row("Radius")
-                self._editor.field(session, "shape.radius")
+                self._number(session, "Radius", "shape.radius")
             if polygons:
                 shape_fields.size_rows(session, self._editor, polygons)
             shape_fields.mass_rows(session, bodies)
@@ -144,20 +150,17 @@ class Inspector(Panel):
             if not opened:
                 return
             widgets.row("Fixed", "Infinite mass: nothing moves it.")
-            edit.switch(session, "fixed")
+            edit.switch(session, "fixed", default=False)
             self._number(session, "Density", "density", 1.0)
             self._number(session, "Friction", "friction", 1.0)
             self._number(session, "Bounciness", "restitution", 0.0)
             widgets.row("Collides", "Two bodies collide when one is Always or both are Normal.")
-            edit.options(session, "collision", _COLLISION_OPTIONS)
+            edit.options(session, "collision", _COLLISION_OPTIONS, default="normal")
 
-    def _number(self, session: "Session", label: str, path: str, default: float) -> None:
+    def _number(self, session: "Session", label: str, path: str, default: Any = SAVED) -> None:
         widgets.row(label)
-        value, agrees = shared_value(session.document.shown, self._editor.ids, path)
-        differs = not agrees or value != default
-        room = imgui.get_frame_height() + px(2) if differs else 0
-        self._editor.field(session, path, width=imgui.get_content_region_avail().x - room)
-        self._editor.reset(session, path, default)
+        with self._editor.resettable(session, (path,), default) as room:
+            self._editor.field(session, path, width=room)
 
     def _joints(self, session: "Session", records: list[Record]) -> None:
         edit = self._editor
@@ -182,13 +185,13 @@ class Inspector(Panel):
             if not opened:
                 return
             widgets.row("Driven", "Whether the joint answers to a control.")
-            edit.switch(session, "motor.on")
+            edit.switch(session, "motor.on", default=SAVED)
             widgets.row("Key")
             self._binding(session, "motor.binding", MOTOR_BINDINGS, 0)
             self._number(session, "Speed", "motor.speed", 1.0)
             self._number(session, "Power", "motor.power", 1.0)
             widgets.row("Automatic", "Always driven at +1, whatever the keys say.")
-            edit.switch(session, "motor.auto")
+            edit.switch(session, "motor.auto", default=False)
 
     def _limits(self, session: "Session") -> None:
         edit = self._editor
@@ -196,11 +199,12 @@ class Inspector(Panel):
             if not opened:
                 return
             widgets.row("Limited")
-            edit.switch(session, "limits.on")
+            edit.switch(session, "limits.on", default=SAVED)
             self._number(session, "Min", "limits.min", 0.0)
             self._number(session, "Max", "limits.max", 0.0)
             widgets.row("Reference angle", "Angle of B minus angle of A that counts as zero.")
-            edit.field(session, "reference_angle")
+            with edit.resettable(session, ("reference_angle",)) as room:
+                edit.field(session, "reference_angle", width=room)
 
     def _thrusters(self, session: "Session", records: list[Record]) -> None:
         del records
@@ -234,7 +238,7 @@ class Inspector(Panel):
                     self._number(session, "Friction", "friction", 1.0)
                     self._number(session, "Bounciness", "restitution", 0.0)
                     widgets.row("Collides")
-                    edit.options(session, "collision", _COLLISION_OPTIONS)
+                    edit.options(session, "collision", _COLLISION_OPTIONS, default="always")
         self._own_geometry(session, records)
         widgets.small("Floor, walls and ceiling cannot be moved or deleted.")
 

@@ -26,6 +26,7 @@ _SIZE_OPTIONS: Final = (
     ("l", "Large (l)"),
     ("locomotion", "Locomotion"),
 )
+STANDARD_GRAVITY: Final = Level(name="x").gravity
 _GRAVITIES: Final = (("Earth", -9.81), ("Moon", -1.62), ("None", 0.0))
 
 
@@ -51,7 +52,8 @@ class LevelPanel(Panel):
                     widgets.row("Tags", "Words of a–z, 0–9, - and _, separated by spaces.")
                     self._text(session, "tags", " ".join(level.tags))
                     widgets.row("Time limit", "Environment steps; 30 of them take a second.")
-                    self._editor.level_field(session, "max_timesteps")
+                    with self._editor.level_resettable(session, "max_timesteps", 256) as room:
+                        self._editor.level_field(session, "max_timesteps", width=room)
             self._description(session, level)
             if widgets.section("Gravity"):
                 self._gravity(session)
@@ -78,11 +80,11 @@ class LevelPanel(Panel):
         self._texts.area(session, "level.description", level.description, commit)
 
     def _gravity(self, session: "Session") -> None:
-        space = imgui.get_content_region_avail().x
         gap = imgui.get_style().item_spacing.x
-        self._editor.level_field(session, "gravity.0", width=(space - gap) / 2)
-        imgui.same_line()
-        self._editor.level_field(session, "gravity.1", width=(space - gap) / 2)
+        with self._editor.level_resettable(session, "gravity", STANDARD_GRAVITY) as room:
+            self._editor.level_field(session, "gravity.0", width=(room - gap) / 2)
+            imgui.same_line()
+            self._editor.level_field(session, "gravity.1", width=(room - gap) / 2)
         for index, (label, value) in enumerate(_GRAVITIES):
             if index:
                 imgui.same_line()
@@ -95,8 +97,9 @@ class LevelPanel(Panel):
         if level.size is not None and not isinstance(level.size, str):
             current = "custom"
         options = _SIZE_OPTIONS + ((("custom", "Custom"),) if current == "custom" else ())
-        imgui.set_next_item_width(-1)
-        picked = widgets.choice(session, "level.size", current, options)
+        with self._editor.level_resettable(session, "size", None) as room:
+            imgui.set_next_item_width(room)
+            picked = widgets.choice(session, "level.size", current, options)
         if picked is not None and picked != "custom":
             value = None if picked == "auto" else picked
             session.queue(SetLevelField(field="size", value=value))

@@ -175,8 +175,10 @@ def _row(session: "Session", row: Row) -> None:
     else:
         imgui.align_text_to_frame_padding()
         widgets.text(row.label)
-        imgui.same_line(px(250))
-        imgui.set_next_item_width(px(220))
+        space = imgui.get_window_width()
+        imgui.same_line(min(px(250), 0.5 * space))
+        room = imgui.get_content_region_avail().x
+        imgui.set_next_item_width(min(px(220), room - px(4)))
         options = [(str(value), label) for value, label in row.options]
         known = dict(options).get(str(current), str(current))
         picked = widgets.choice(session, name, str(current), options, preview=known)
@@ -185,12 +187,12 @@ def _row(session: "Session", row: Row) -> None:
             session.queue(lambda: choose(session, row, value))
     default = getattr(_DEFAULTS, row.name)
     if current != default:
-        imgui.same_line()
+        widgets.beside(110, gap=8)
         if imgui.small_button(f"{tr('Reset to default')}###{name}.reset"):
             session.queue(lambda: choose(session, row, default))
         widgets.probe(session, f"{name}.reset")
     if row.detail:
-        imgui.same_line(0, px(12))
+        widgets.beside(130, gap=12)
         widgets.muted(row.detail)
 
 

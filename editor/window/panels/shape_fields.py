@@ -8,7 +8,15 @@ from editor.base.arithmetic import Change
 from editor.documents.commands.base import Command
 from editor.documents.commands.fields import alike
 from editor.documents.commands.joints import MoveJoint, ReassignJoint
-from editor.documents.commands.sizes import SIDE_MAX, SIDE_MIN, Axis, SetCorner, SetExtent, extent
+from editor.documents.commands.sizes import (
+    SIDE_MAX,
+    SIDE_MIN,
+    Axis,
+    ResetExtent,
+    SetCorner,
+    SetExtent,
+    extent,
+)
 from editor.editing.picking import joint_position
 from editor.toolkit import widgets
 from editor.window.panels.fields import Editor, FieldInfo, NumberField
@@ -47,32 +55,57 @@ def size_rows(session: "Session", editor: Editor, bodies: list[Body]) -> None:
         field = NumberField(
             name=f"inspector.{name}", values=tuple(values), info=info, command=command
         )
-        editor.number(session, field)
+        command = _former(session, polygons, side)
+        with editor.arrow(session, name, command, "Reset to what is saved") as room:
+            editor.number(session, field, width=room)
+
+
+def _former(session: "Session", bodies: list[Body], axis: Axis) -> ResetExtent | None:
+    """Return the edit that brings back the saved width or height; None where nothing differs."""
+    saved = session.document.saved
+    known = {body.id: body.shape for body in saved.bodies} if saved is not None else {}
+    rows = []
+    for body in bodies:
+        former = known.get(body.id)
+        if not isinstance(former, Polygon) or not isinstance(body.shape, Polygon):
+            continue
+        if not alike(extent(body.shape, axis), extent(former, axis)):
+            rows.append((body.id, extent(former, axis)))
+    return ResetExtent(axis=axis, rows=tuple(rows)) if rows else None
 
 
 def corner_rows(session: "Session", editor: Editor, body: Body) -> None:
-    """Rows for the corners of one polygon, in the world."""
-    gap = imgui.get_style().item_spacing.x
+    """Draw rows for the corners of one polygon, in the world."""
     for number, corner in enumerate(world_vertices(body)):
         widgets.row(f"Corner {number + 1}")
-        width = (imgui.get_content_region_avail().x - gap) / 2
-        for axis, letter in _AXES:
-            if axis:
-                imgui.same_line()
-            value = corner[axis]
+        with editor.resettable(session, ("shape",), name=f"corner.{number}") as room:
+            _corner(session, editor, body, number, corner, room)
 
-            def command(
-                change: Change, number: int = number, axis: Axis = axis, value: float = value
-            ) -> Command:
-                return SetCorner(body=body.id, corner=number, axis=axis, value=change.of(value))
 
-            field = NumberField(
-                name=f"inspector.corner.{number}.{letter}",
-                values=(value,),
-                info=_PLACE,
-                command=command,
-            )
-            editor.number(session, field, width=width, prefix=f"{letter}  ")
+def _corner(
+    session: "Session",
+    editor: Editor,
+    body: Body,
+    number: int,
+    corner: tuple[float, float],
+    room: float,
+) -> None:
+    width = (room - imgui.get_style().item_spacing.x) / 2
+    for axis, letter in _AXES:
+        if axis:
+            imgui.same_line()
+        value = corner[axis]
+
+        def command(change: Change, axis: Axis = axis, value: float = value) -> Command:
+            return SetCorner(body=body.id, corner=number, axis=axis, value=change.of(value))
+
+        field = NumberField(
+            name=f"inspector.corner.{number}.{letter}",
+            values=(value,),
+            info=_PLACE,
+            command=command,
+        )
+        editor.number(session, field, width=width, prefix=f"{letter}  ")
 
 
 def mass_rows(session: "Session", bodies: list[Body]) -> None:
@@ -112,16 +145,18 @@ def joint_rows(session: "Session", editor: Editor, joint: Joint) -> None:
             session.queue(ReassignJoint(joint=joint.id, end=end, body=chosen))
     x, y = joint_position(level, joint)
     widgets.row("Position")
-    width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / 2
-    for axis, letter in _AXES:
-        if axis:
-            imgui.same_line()
+    with editor.resettable(session, ("anchor_a", "anchor_b")) as room:
+        width = (room - imgui.get_style().item_spacing.x) / 2
+        for axis, letter in _AXES:
+            if axis:
+                imgui.same_line()
 
-        def command(change: Change, axis: Axis = axis) -> Command:
-            value = change.of((x, y)[axis])
-            return MoveJoint(joint=joint.id, point=(value, y) if axis == 0 else (x, value))
+            def command(change: Change, axis: Axis = axis) -> Command:
+                value = change.of((x, y)[axis])
+                return MoveJoint(joint=joint.id, point=(value, y) if axis == 0 else (x, value))
 
-        field = NumberField(
-            name=f"inspector.joint.{letter}", values=((x, y)[axis],), info=_PLACE, command=command
-        )
-        editor.number(session, field, width=width, prefix=f"{letter}  ")
+            place = (x, y)[axis]
+            field = NumberField(
+                name=f"inspector.joint.{letter}", values=(place,), info=_PLACE, command=command
+            )
+            editor.number(session, field, width=width, prefix=f"{letter}  ")

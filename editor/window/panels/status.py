@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from editor.base.language import tr
 from editor.play.playback import Mode
 from editor.toolkit import widgets
-from editor.toolkit.appearance import COLOURS, SMALL, Icons
+from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba
 from editor.toolkit.modes import MODE_LOOK
 from editor.toolkit.widgets import px
 from editor.worker.jobs import PREPARATIONS, lane_of
@@ -33,7 +33,9 @@ class StatusBar:
             imgui.same_line(0, px(10))
             right = [(tr(words), tint) for words, tint in self.numbers(session)]
             gap = px(18)
-            width = sum(imgui.calc_text_size(words).x + gap for words, _ in right)
+            while len(right) > 1 and self._width(right) > 0.8 * imgui.get_window_width():
+                del right[0]
+            width = self._width(right)
             room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
             widgets.raw(self._fitted(tr(self._hint(session)), room), COLOURS.muted)
             x = imgui.get_window_width() - width
@@ -42,6 +44,10 @@ class StatusBar:
                 widgets.raw(words, tint)
                 self._opens_problems(session, words)
                 x += imgui.calc_text_size(words).x + gap
+
+    def _width(self, parts: list[tuple[str, Rgba]]) -> float:
+        """Return the width of some numbers beside each other [px]."""
+        return sum(imgui.calc_text_size(words).x + px(18) for words, _ in parts)
 
     def _opens_problems(self, session: "Session", words: str) -> None:
         """Let a click on the counts of errors and warnings open the list."""

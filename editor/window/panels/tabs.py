@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import file
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
 from editor.toolkit.widgets import px
@@ -85,12 +86,13 @@ class DocumentTabs:
             count = len(moment.document.history.entries) - 1
             changes = "nothing changed yet" if not moment.changed else f"{count} changes"
             changes = "1 change" if moment.changed and count == 1 else changes
-            _words(f"The episode at {moment.begin}: {changes}. Space plays on.", px(12))
+            words = f"The episode at {moment.begin}: {changes}. Space plays on."
+            _words(words, px(12), icon=Icons.rename)
             for number, name in enumerate(("run.play_human", "run.keep_moment", "run.drop_moment")):
-                if number:
-                    imgui.same_line(0, px(8))
                 action = actions.BY_ID[name]
                 label = "Play On" if name == "run.play_human" else action.label
+                if number:
+                    widgets.beside(imgui.calc_text_size(tr(label)).x / px(1) + 24, gap=8)
                 if widgets.button(session, f"moment.{name}", label):
                     session.queue(name)
                 if number:
@@ -129,10 +131,10 @@ def _strip(name: str) -> Iterator[None]:
         imgui.pop_style_color()
 
 
-def _words(words: str, room: float) -> None:
-    """A warning in small letters that leaves some room at the right [px]."""
+def _words(words: str, room: float, *, icon: str = Icons.warning) -> None:
+    """Write a sentence in small letters that leaves some room at the right [px]."""
     with widgets.font(None, SMALL):
-        widgets.text(Icons.warning, COLOURS.warn)
+        widgets.text(icon, COLOURS.warn)
         imgui.same_line(0, px(8))
         width = imgui.get_content_region_avail().x - room
         imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)

@@ -5,6 +5,8 @@ import math
 import pytest
 
 from editor.base.settings import Settings
+from editor.documents.commands.fields import SetField, read_field
+from editor.documents.commands.sizes import extent
 from kinetix.level.model import Arena, ArenaBody, Geometry
 from tests.editor.core.helpers import a_level
 
@@ -279,3 +281,68 @@ def test_fields_have_an_arrow_back_to_the_default(make_gui, path, typed):
     edit_text(gui, "inspector.velocity.x", "2")
     gui.click("reset.velocity")
     assert gui.level.body(1) == before
+
+
+RESETS = {
+    "shape.radius": (2, "shape.radius", 0.4, 0.15),
+    "fixed": (2, "fixed", True, False),
+    "density": (2, "density", 3.0, 1.0),
+    "collision": (2, "collision", "ghost", "normal"),
+    "role": (2, "role", "red", "none"),
+    "angle": (1, "angle", 0.5, 0.0),
+    "position": (1, "position", (1.0, 1.5), (2.0, 2.0)),
+    "velocity": (1, "velocity", (1.0, 0.0), (0.0, 0.0)),
+    "motor.speed": (5, "motor.speed", 3.0, 1.0),
+    "motor.on": (5, "motor.on", False, True),
+    "motor.auto": (5, "motor.auto", True, False),
+    "motor.binding": (5, "motor.binding", 2, 0),
+    "limits.on": (5, "limits.on", True, False),
+    "limits.max": (5, "limits.max", 1.0, 0.0),
+    "reference_angle": (5, "reference_angle", 0.25, 0.0),
+    "power": (6, "power", 5.0, 1.0),
+    "binding": (6, "binding", 1, 0),
+}
+"""Arrow: entity, field, another value, what the arrow sets it back to."""
+
+
+@pytest.mark.parametrize("arrow", RESETS)
+def test_every_field_can_be_set_back(make_gui, arrow):
+    entity, field, other, back = RESETS[arrow]
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.session.selection = (entity,)
+    gui.frames(3)
+    gui.session.queue(SetField(ids=(entity,), field=field, value=other))
+    gui.frames(3)
+    gui.click(f"reset.{arrow}")
+    now = read_field(gui.level.entity(entity), field)
+    assert now == pytest.approx(back) if isinstance(back, float | tuple) else now == back
+    assert not gui.shows(f"reset.{arrow}")
+
+
+def test_several_things_go_back_each_to_its_own_place(make_gui):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.session.selection = (1, 3)
+    gui.frames(3)
+    gui.session.queue(SetField(ids=(1, 3), field="position", value=(1.0, 1.0)))
+    gui.frames(3)
+    gui.click("reset.position")
+    assert gui.level.bodies == a_level().bodies
+    assert gui.session.document.history.undo_label == "Reset position"
+
+
+def test_a_size_and_the_level_go_back(make_gui):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.session.selection = (1,)
+    gui.frames(3)
+    edit_text(gui, "inspector.width", "1")
+    assert gui.level.thrusters[0].position[0] == pytest.approx(-0.375)
+    gui.click("reset.width")
+    # What hangs on the shape comes back with it, up to rounding.
+    assert extent(gui.level.body(1).shape, 0) == pytest.approx(0.4)
+    assert gui.level.thrusters[0].position == pytest.approx(a_level().thrusters[0].position)
+    assert not gui.shows("reset.width")
+    edit_text(gui, "level.gravity.1", "-3")
+    gui.click("reset.level.gravity")
+    edit_text(gui, "level.max_timesteps", "99")
+    gui.click("reset.level.max_timesteps")
+    assert (gui.level.gravity, gui.level.max_timesteps) == (a_level().gravity, 256)
