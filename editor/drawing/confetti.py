@@ -42,7 +42,7 @@ def paint_confetti(draw: imgui.ImDrawList, low: Point, high: Point, elapsed: flo
         turn = 9.0 * elapsed * (0.5 + share) + k
         long, short = px(5), px(3.2) * abs(math.cos(1.7 * turn)) + px(0.6)
         c, s = math.cos(turn), math.sin(turn)
-        corners = [
+        corners: list[imgui.ImVec2Like] = [
             imgui.ImVec2(x + c * u - s * v, y + s * u + c * v)
             for u, v in ((-long, -short), (long, -short), (long, short), (-long, short))
         ]

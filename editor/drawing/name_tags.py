@@ -75,5 +75,6 @@ def _tag(draw: imgui.ImDrawList, room: Room, at: Point, words: str, ink: Rgba) -
         high = (low[0] + width, low[1] + height)
         if room.take(low, high):
             draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.88)), px(4))
+            draw.add_rect(low, high, u32(COLOURS.line), px(4))
             draw.add_text((low[0] + px(4), low[1] + px(1.5)), u32(ink), words)
             return

@@ -427,7 +427,7 @@ class Editor:
             session.queue(command)
         widgets.tooltip(words)
 
-    def switch(self, session: "Session", path: str, *, default: bool) -> None:
+    def switch(self, session: "Session", path: str, *, default: Any) -> None:
         """Draw a yes-or-no field of the selection, and an arrow back."""
         ids = self.ids
         value, agrees = shared_value(session.document.shown, ids, path)

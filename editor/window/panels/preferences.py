@@ -148,7 +148,7 @@ class PreferencesWindow:
             session.view.preferences = False
         for index, page in enumerate((*PAGES, "Files", "Keys")):
             if index:
-                imgui.same_line(0, px(4))
+                widgets.beside(imgui.calc_text_size(tr(page)).x / px(1) + 20, gap=4)
             name = f"preferences.{page}"
             chosen = page == self._page
             draw = widgets.primary_button if chosen else widgets.button
@@ -178,7 +178,7 @@ def _row(session: "Session", row: Row) -> None:
         space = imgui.get_window_width()
         imgui.same_line(min(px(250), 0.5 * space))
         room = imgui.get_content_region_avail().x
-        imgui.set_next_item_width(min(px(220), room - px(4)))
+        imgui.set_next_item_width(min(px(220), room - imgui.get_frame_height() - px(12)))
         options = [(str(value), label) for value, label in row.options]
         known = dict(options).get(str(current), str(current))
         picked = widgets.choice(session, name, str(current), options, preview=known)
@@ -187,10 +187,10 @@ def _row(session: "Session", row: Row) -> None:
             session.queue(lambda: choose(session, row, value))
     default = getattr(_DEFAULTS, row.name)
     if current != default:
-        widgets.beside(110, gap=8)
-        if imgui.small_button(f"{tr('Reset to default')}###{name}.reset"):
+        imgui.same_line(0, px(6))
+        if widgets.icon_button(session, f"{name}.reset", Icons.reset, tint=COLOURS.faint):
             session.queue(lambda: choose(session, row, default))
-        widgets.probe(session, f"{name}.reset")
+        widgets.tooltip("Reset to default")
     if row.detail:
         widgets.beside(130, gap=12)
         widgets.muted(row.detail)

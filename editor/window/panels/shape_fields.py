@@ -55,8 +55,8 @@ def size_rows(session: "Session", editor: Editor, bodies: list[Body]) -> None:
         field = NumberField(
             name=f"inspector.{name}", values=tuple(values), info=info, command=command
         )
-        command = _former(session, polygons, side)
-        with editor.arrow(session, name, command, "Reset to what is saved") as room:
+        back = _former(session, polygons, side)
+        with editor.arrow(session, name, back, "Reset to what is saved") as room:
             editor.number(session, field, width=room)
 
 

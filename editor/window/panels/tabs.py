@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
@@ -11,10 +11,19 @@ from editor.actions import file
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
+from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 
 if TYPE_CHECKING:
     from editor.session import Session
+
+
+_MOMENT: Final = {
+    "run.play_human": "Play On",
+    "run.keep_moment": "Keep as Start",
+    "run.drop_moment": "Discard",
+}
+"""What can become of a paused episode that is being changed."""
 
 
 class DocumentTabs:
@@ -86,17 +95,19 @@ class DocumentTabs:
             count = len(moment.document.history.entries) - 1
             changes = "nothing changed yet" if not moment.changed else f"{count} changes"
             changes = "1 change" if moment.changed and count == 1 else changes
-            words = f"The episode at {moment.begin}: {changes}. Space plays on."
-            _words(words, px(12), icon=Icons.rename)
-            for number, name in enumerate(("run.play_human", "run.keep_moment", "run.drop_moment")):
-                action = actions.BY_ID[name]
-                label = "Play On" if name == "run.play_human" else action.label
+            _words(f"The episode at {moment.begin}: {changes}.", px(12), icon=Icons.rename)
+            for number, (name, label) in enumerate(_MOMENT.items()):
                 if number:
                     widgets.beside(imgui.calc_text_size(tr(label)).x / px(1) + 24, gap=8)
+                action = actions.BY_ID[name]
                 if widgets.button(session, f"moment.{name}", label):
                     session.queue(name)
-                if number:
-                    widgets.tooltip(action.label, action.tooltip)
+                keys = actions.chords(session, action)
+                widgets.tooltip(
+                    action.label if number else label,
+                    action.tooltip if number else "",
+                    chord_label(keys[0]) if keys else "",
+                )
 
     def _outside(self, session: "Session") -> None:
         """Draw the notice that another program has changed the file, and its choices."""
