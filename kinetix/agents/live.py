@@ -8,9 +8,13 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from kinetix.agents.intention import intention
 from kinetix.agents.player import Policy
-from kinetix.environment.actions import ContinuousActions
+from kinetix.environment.actions import (
+    AbstractAction,
+    ContinuousActions,
+    DiscreteActions,
+    MultiDiscreteActions,
+)
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
@@ -117,6 +121,29 @@ def read_policy(env: KinetixEnv, said: dict[str, Any], live: Bool[Array, " u"]) 
         chances=policy.chances(env.actions.motor_bindings),
         intention=intention(env.actions, policy.logits),
     )
+
+
+def intention(actions: AbstractAction, logits: Float[Array, " k"]) -> Float[Array, " u"]:
+    """Return the expected unified action of a policy.
+
+    Args:
+        actions: The kind of action.
+        logits: The policy's raw output for one environment (for a normal distribution its mean).
+
+    Returns:
+        A number −1 … 1 per motor binding (probability of forward minus that of backward), then one
+        0 … 1 per thruster binding.
+    """
+    kind: Any = actions
+    if isinstance(actions, MultiDiscreteActions):
+        split = 3 * kind.motor_bindings
+        motors = jax.nn.softmax(logits[:split].reshape(kind.motor_bindings, 3), axis=-1)
+        thrusters = jax.nn.softmax(logits[split:].reshape(kind.thruster_bindings, 2), axis=-1)
+        return jnp.concatenate([motors[:, 1] - motors[:, 2], thrusters[:, 1]])
+    if isinstance(actions, DiscreteActions):
+        each = jax.vmap(actions.unified)(jnp.arange(logits.shape[0]))
+        return jax.nn.softmax(logits) @ each
+    return actions.unified(logits)
 
 
 def _thought(

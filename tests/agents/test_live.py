@@ -8,8 +8,7 @@ import pytest
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
 from kinetix.agents.environments import capacity_for, environment_for
-from kinetix.agents.intention import intention
-from kinetix.agents.live import play_step
+from kinetix.agents.live import intention, play_step
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import init_parameters
 from kinetix.engine.spec import Capacity
