@@ -5,6 +5,7 @@ import collections
 import importlib
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -122,6 +123,19 @@ def test_layers_hold():
         check=False,
     )
     assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_every_package_is_in_a_layer():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    layers = next(one for one in contracts if one["name"] == "layers")["layers"]
+    named = {name.strip() for layer in layers for name in layer.split("|")}
+    there = {
+        f"kinetix.{path.stem}"
+        for path in (ROOT / "kinetix").iterdir()
+        if (path / "__init__.py").exists() or path.suffix == ".py"
+    }
+    assert there - named == {"kinetix.__init__", "kinetix.__main__"}
 
 
 def test_longest_files_and_functions_are_reported():

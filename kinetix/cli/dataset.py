@@ -5,11 +5,12 @@ import json as json_module
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 from tyro.conf import Positional
 
+from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class ExportDataset:
     """A new folder for the shards."""
     size: str = "l"
     """Size of all states: s, m, l or four capacities; larger levels are left out and told."""
-    outcomes: tuple[Literal["won", "lost", "timeout"], ...] = ("won",)
+    outcomes: tuple[Outcome, ...] = ("won",)
     """Which episodes."""
 
 
