@@ -4,7 +4,7 @@ import csv
 import dataclasses
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final, Literal, TypeAlias
 
 from editor.worker.jobs import Job, JobState, Worker
@@ -17,7 +17,7 @@ from editor.worker.requests import (
     Score,
     Standing,
 )
-from kinetix.agents.compare import Contender, labels_of
+from kinetix.agents.compare import Contender, Difference, labels_of, leaderboard, paired
 from kinetix.agents.comparison_files import text_of
 from kinetix.agents.results import LevelFailure, LevelResult, Provenance, report
 from kinetix.version import __version__
@@ -113,6 +113,9 @@ class Evaluation:
         self.standing: Standing | None = None
         self.error = ""
         self.cancelled = False
+        self._of: Standing | None = None
+        """The standing that `_computed` is about."""
+        self._computed: dict[str, Any] = {}
         self.finished = 0
         """Rises when an evaluation has come to its end."""
 
@@ -243,8 +246,30 @@ class Evaluation:
         known |= {result.level: result for result in self.results(agent)}
         return [known[level.name] for level in self.plan.levels if level.name in known]
 
+    def _once(self, name: str, compute: Callable[[], Any]) -> Any:
+        """Return what was computed for this standing; a frame must not do it again."""
+        if self._of is not self.standing:
+            self._of, self._computed = self.standing, {}
+        if name not in self._computed:
+            self._computed[name] = compute()
+        return self._computed[name]
+
+    def differences(self) -> tuple[str, tuple[Difference, ...]]:
+        """Return the label of the best agent, and how far it is ahead of each other one."""
+        return self._once("differences", self._differences)
+
+    def _differences(self) -> tuple[str, tuple[Difference, ...]]:
+        contenders = self.contenders()
+        first, *others = leaderboard(contenders)
+        by_label = {contender.label: contender for contender in contenders}
+        pairs = (paired(by_label[first["label"]], by_label[row["label"]]) for row in others)
+        return first["label"], tuple(pairs)
+
     def summary(self, agent: int) -> dict[str, Any] | None:
         """The summary that `kinetix eval` prints last, once all levels of an agent are done."""
+        return self._once(f"summary {agent}", lambda: self._summary(agent))
+
+    def _summary(self, agent: int) -> dict[str, Any] | None:
         lines = self.lines(agent)
         return lines[-1] if lines and "mean_solve_rate" in lines[-1] else None
 

@@ -1,6 +1,7 @@
 """Results of an evaluation: per level, over all levels, by group. Free of JAX."""
 
 import dataclasses
+import functools
 import math
 import re
 from collections import Counter, defaultdict
@@ -59,7 +60,7 @@ class LevelResult:
             episodes=tuple(episodes),
         )
 
-    @property
+    @functools.cached_property
     def failures(self) -> str:
         """Outcomes of failed attempts, the commonest first: "12 timeout, 3 lost"; empty if none."""
         counts = Counter(e.outcome for e in self.episodes if e.outcome != "won")
@@ -75,7 +76,7 @@ class LevelResult:
         """Share of solved attempts."""
         return self.solved / self.attempts
 
-    @property
+    @functools.cached_property
     def bounds(self) -> tuple[float, float]:
         """95 % interval of the solve rate."""
         return wilson(self.solved, self.attempts)

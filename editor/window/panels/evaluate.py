@@ -19,7 +19,7 @@ from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.worker.requests import SCRIPTED, AgentSummary
-from kinetix.agents.compare import labels_of, leaderboard, paired
+from kinetix.agents.compare import labels_of
 from kinetix.agents.results import EpisodeResult, LevelResult
 from kinetix.paths import levels_dir
 
@@ -338,18 +338,15 @@ class EvaluatePanel(Panel):
 
     def _differences(self, session: "Session") -> None:
         """Draw how far the best is ahead of the others, on equal seeds."""
-        contenders = session.viewer.evaluation.contenders()
-        first, *others = leaderboard(contenders)
-        by_label = {contender.label: contender for contender in contenders}
+        best_label, pairs = session.viewer.evaluation.differences()
         told = []
-        for row in others:
-            pair = paired(by_label[first["label"]], by_label[row["label"]])
+        for pair in pairs:
             if pair.difference is not None:
                 span = f"{pair.low:+.2f} to {pair.high:+.2f}"
                 told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
         if told:
             more = f", and {len(told) - 2} more" if len(told) > 2 else ""
-            widgets.small(f"{first['label']} leads: {', '.join(told[:2])}{more}")
+            widgets.small(f"{best_label} leads: {', '.join(told[:2])}{more}")
             widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
     def _take_sorting(self) -> None:
@@ -445,12 +442,19 @@ class EvaluatePanel(Panel):
             return
         widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
         self._ways(session, level, agent)
-        right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
         session.viewer.lit_path = None
-        for number, episode in enumerate(result.episodes):
-            if number and imgui.get_item_rect_max().x + px(26) < right:
-                imgui.same_line(0, px(3))
-            self._attempt(session, (level, agent, number), episode)
+        wide, step = imgui.get_content_region_avail().x, px(26)
+        columns = max(1, int(wide / step))
+        clipper = imgui.ListClipper()
+        clipper.begin(-(-len(result.episodes) // columns), step)
+        while clipper.step():
+            for row in range(clipper.display_start, clipper.display_end):
+                first = row * columns
+                for number in range(first, min(first + columns, len(result.episodes))):
+                    if number > first:
+                        imgui.same_line(0, px(3))
+                    self._attempt(session, (level, agent, number), result.episodes[number])
+        clipper.end()
 
     def _ways(self, session: "Session", level: int, agent: int) -> None:
         """Show where all attempts went, and which of them."""
