@@ -205,12 +205,12 @@ class Session:
         self.capture: Callable[[str], None] | None = None
         """Takes the next chord that is pressed instead of its action (changing keys)."""
         self.attended = False
-        """Whether a person sits before a window: sounds and effects are for people alone."""
+        """True if a person sits before a window: sounds and effects are for people alone."""
         self.ears = Ears()
         self.cues: list[Cue] = []
-        """What is to be heard; the host takes it."""
+        """Sounds to be played; the host takes them."""
         self.sound_fault = ""
-        """Why nothing can be heard, as the host found."""
+        """Reason why nothing can be heard, as the host found."""
         self.held: set[str] = set()
         """Keys that are down."""
         self.cursor: tuple[float, float] | None = None

@@ -16,7 +16,7 @@ from editor.worker.requests import Pull
 from kinetix.level.geometry import to_local
 
 PAN_NOTCH: Final = 30.0
-"""What a notch of the wheel pans [px]."""
+"""Distance panned per notch of the wheel [px]."""
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
 
 

@@ -12,7 +12,7 @@ from editor.worker.requests import CurriculumNews, ReadCurriculum
 from kinetix.training.curricula.pages import BufferPage, GoneLevel, ListedLevel
 
 POLL_SECONDS: Final = 2.0
-"""How often the folder is looked at."""
+"""Interval at which the folder is read [s]."""
 SIDE: Final = 112
 """Width and height of a picture [px]."""
 _A_FRAME: Final = 2
@@ -26,7 +26,7 @@ class CurriculumWatch:
         self._worker = worker
         self.path = ""
         self.open = False
-        """Whether the panel is on the screen: only then anything is read."""
+        """True if the panel is on the screen: only then anything is read."""
         self.updates: tuple[int, ...] = ()
         self.page: BufferPage | None = None
         self.thumbnails: list[UInt8[np.ndarray, "h w 3"]] = []
@@ -41,7 +41,7 @@ class CurriculumWatch:
 
     @property
     def drawing(self) -> bool:
-        """Whether pictures of the page are still missing."""
+        """True if pictures of the page are still missing."""
         return self.page is not None and len(self.thumbnails) < len(self.page.levels)
 
     def watch(self, path: str) -> None:

@@ -1,4 +1,4 @@
-"""What is known of why agent A does what it does at the moment on show."""
+"""Reasons for agent A's action at the moment on the screen."""
 
 import functools
 from typing import Any, Final

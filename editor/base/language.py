@@ -24,7 +24,7 @@ _AROUND: Final = re.compile(r"^([\s\ue000-\uf8ff●]*)(.*?)(\s*)$", re.DOTALL)
 """Signs and room before some words, the words, room after them."""
 _HOLE: Final = re.compile(r"\{(\d)\}")
 _DEEPEST: Final = 3
-"""What stands in a hole may have holes of its own, so deep."""
+"""Depth to which holes may contain holes."""
 
 
 class Language:
@@ -32,11 +32,11 @@ class Language:
 
     def __init__(self, words: Mapping[str, str]) -> None:
         self.missing: set[str] = set()
-        """What was asked for and is not among the words; for who translates."""
+        """Keys that were asked for and are not among the words; for translators."""
         self._exact = {english: other for english, other in words.items() if "{" not in english}
         self._kept: dict[str, str] = {}
         self._said: set[str] = set()
-        """What came out: it is not translated again."""
+        """Texts already translated, which are left alone."""
         self._forms: dict[str, list[tuple[re.Pattern[str], str]]] = {}
         forms = [english for english in words if _HOLE.search(english)]
         # Of two forms that fit, the one that says more is meant.

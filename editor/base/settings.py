@@ -58,15 +58,15 @@ class Settings:
     language: Annotated[str, Meta(max_length=16)] = "en"
     """Code of the language of the interface; there is a file of words for each but English."""
     sound: bool = True
-    """Whether contacts and ends of episodes can be heard."""
+    """True if contacts and ends of episodes can be heard."""
     volume: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.6
     win_effects: bool = True
-    """Whether a win is shown by more than its word."""
+    """True if a win is shown by more than its word."""
     wheel: Literal["zoom", "pan"] = "zoom"
-    """What the wheel, or two fingers on a trackpad, do to the view; with Ctrl they zoom."""
+    """Effect of the wheel, or of two fingers on a trackpad, on the view; with Ctrl they zoom."""
     wheel_inverted: bool = False
     pinch: bool = True
-    """Whether two fingers that move apart zoom."""
+    """True if two fingers that move apart zoom."""
     theme: Literal["dark", "light"] = "dark"
     """Colours of the window; those of levels are the palette's."""
     palette: str = "kinetix"

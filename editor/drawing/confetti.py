@@ -10,7 +10,7 @@ from editor.toolkit.appearance import COLOURS, alpha, u32
 from editor.toolkit.widgets import px
 
 SECONDS: Final = 1.8
-"""How long it falls."""
+"""Duration of the fall."""
 _PIECES: Final = 70
 _COLOURS: Final = ("good", "warn", "info", "accent", "bad")
 

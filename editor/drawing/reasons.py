@@ -1,4 +1,4 @@
-"""Why an agent does what it does, drawn over the level: attention, gradients, values of places."""
+"""Reasons for an agent's action over the level: attention, gradients, values of places."""
 
 import math
 from typing import TYPE_CHECKING, Final

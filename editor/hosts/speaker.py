@@ -52,7 +52,7 @@ class Speaker:
 
     def __init__(self) -> None:
         self.fault = ""
-        """Why nothing can be heard; empty while all is well."""
+        """Reason why nothing can be heard; empty while all is well."""
         self._sounds: dict[CueName, pygame.mixer.Sound] = {}
 
     def play(self, cues: list[Cue], volume: float) -> None:

@@ -1,4 +1,4 @@
-"""What could be heard of an episode: hits, and how it ends; which sounds those are, hosts say."""
+"""Audible events of an episode: hits, and its end; the hosts choose the sounds."""
 
 import dataclasses
 from typing import Final, Literal

@@ -1,4 +1,4 @@
-"""What is fetched from elsewhere, each in a thread of its own; the window takes what has come."""
+"""Downloads, each in a thread of its own; the window takes finished ones."""
 
 import queue
 import threading

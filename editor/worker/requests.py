@@ -46,7 +46,7 @@ class Pull:
 
 
 About: TypeAlias = Literal["value", "action"]
-"""What a gradient is of (a test keeps it that of `kinetix.agents.explain`)."""
+"""Target of a gradient (a test keeps it that of `kinetix.agents.explain`)."""
 
 SCRIPTED: Final = ("noop", "random")
 """Agents that need no folder (a test keeps them those of `kinetix.agents`)."""
@@ -267,7 +267,7 @@ class AgentView:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Explain:
-    """Why an agent does what it does at a moment. Gives an `Explained`."""
+    """Explain an agent's action at a moment. Gives an `Explained`."""
 
     level: Level
     state: Any
@@ -277,26 +277,26 @@ class Explain:
     agent: AgentRef
     physics: str
     about: About = "value"
-    """What the gradient is of: the value, or the likeliest action's log-probability."""
+    """Target of the gradient: the value, or the likeliest action's log-probability."""
     body: int | None = None
     """Id of a body whose places the value is told for; None: of none."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Explained:
-    """Why an agent does what it does; rows in the order of the level's entities."""
+    """Reasons for an agent's action; rows in the order of the level's entities."""
 
     attention: Float[np.ndarray, " b"] | None
     """Each body's share; None for networks without attention."""
     bodies: Float[np.ndarray, " b"]
-    """How much each body matters: see `kinetix.agents.explain.Saliency`."""
+    """Importance of each body: see `kinetix.agents.explain.Saliency`."""
     joints: Float[np.ndarray, " j"]
     thrusters: Float[np.ndarray, " t"]
     value: float
-    """What the agent expects as things are."""
+    """Value of the present state."""
     body: int | None = None
     places: Float[np.ndarray, "h w"] | None = None
-    """What it would expect with the body's origin in the middle of each cell; rows from below."""
+    """Value with the body's origin in the middle of each cell; rows from below."""
     low: tuple[float, float] = (0.0, 0.0)
     """Lower left corner of the places [m]."""
     cell: float = 0.0
@@ -337,7 +337,7 @@ class ReadCurriculum:
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class CurriculumNews:
-    """What is new in the history of a level buffer."""
+    """News of a level buffer's history."""
 
     updates: tuple[int, ...]
     """Updates of which there are pages."""

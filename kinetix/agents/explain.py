@@ -1,4 +1,4 @@
-"""Why a network chose what it chose: attention, gradients per entity, the value over places."""
+"""Reasons for a network's choice: attention, gradients per entity, the value over places."""
 
 import dataclasses
 import functools
@@ -17,7 +17,7 @@ from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
 About: TypeAlias = Literal["value", "action"]
-"""What is explained: what the network expects, or the log-probability of its likeliest action."""
+"""Target of the explanation: the value, or the log-probability of the likeliest action."""
 
 MOVED: Final = 0.1
 """Displacement that a gradient is told for [m]."""
@@ -29,7 +29,7 @@ FASTER: Final = 1.0
 
 @pytree
 class Saliency:
-    """How much each entity matters; slots of the state's arrays, at least 0.
+    """Importance of each entity; slots of the state's arrays, at least 0.
 
     Linear estimates: how far the number would go if a body were moved by 10 cm, turned by 0.1 rad
     and 1 m/s faster, if a motor or thruster were twice as strong, added up without signs.
@@ -42,13 +42,13 @@ class Saliency:
 
 @pytree
 class Situation:
-    """Where an episode stands, for its player."""
+    """State of an episode, for its player."""
 
     state: EnvState
     carry: Any
     """The player's memory before this moment's step, a batch of one."""
     begins: Bool[Array, ""]
-    """Whether this is the first step."""
+    """True where this is the first step."""
 
 
 def saliency(

@@ -15,7 +15,7 @@ from kinetix.files.json_text import read_json
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class StoredComparison:
-    """What a file of `kinetix compare --out` holds."""
+    """Content of a file of `kinetix compare --out`."""
 
     contenders: tuple[Contender, ...]
     hashes: dict[str, str]
@@ -48,7 +48,7 @@ class _Document(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def is_comparison(path: Path) -> bool:
-    """Whether a file begins like a stored comparison; what cannot be read does not."""
+    """Return whether a file begins like a stored comparison; what cannot be read does not."""
     try:
         with path.open("rb") as file:
             return f'"{FORMAT}"'.encode() in file.read(200)

@@ -60,7 +60,7 @@ class VerifyDataset:
     json: bool = False
     """Print one JSON object on stdout, and nothing else there."""
     replay: bool = True
-    """Whether to play the episodes again; without it only files are checked."""
+    """True if to play the episodes again; without it only files are checked."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -74,7 +74,7 @@ class ExportDataset:
     size: str = "l"
     """Size of all states: s, m, l or four capacities; larger levels are left out and told."""
     outcomes: tuple[Outcome, ...] = ("won",)
-    """Which episodes."""
+    """Outcomes of the episodes to take."""
 
 
 Dataset = (

@@ -15,7 +15,7 @@ from kinetix.level.controls import channels_in_use
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 
 Source: TypeAlias = Literal["person", "agent", "solver"]
-"""Who played: hands, a policy, the search of `kinetix solve`."""
+"""Player: hands, a policy, the search of `kinetix solve`."""
 SOURCES: Final[tuple[Source, ...]] = get_args(Source)
 CONTROLS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
 """Entries of a unified action: −1 … 1 per motor binding, then 0 … 1 per thruster binding."""
@@ -44,7 +44,7 @@ class RecordedEpisode:
     attempt: int = 0
     deterministic: bool = False
     replays: bool = True
-    """Whether the controls alone, played from the start in the step that all levels of the size
+    """True if the controls alone, played from the start in the step that all levels of the size
     share, end the same way in the same step."""
 
     @property
@@ -61,7 +61,7 @@ class RecordedEpisode:
 
     @property
     def action_mask(self) -> Bool[np.ndarray, "6"]:
-        """Which entries of an action drive anything in the level."""
+        """True for entries of an action that drive anything in the level."""
         return np.isin(np.arange(CONTROLS), channels_in_use(self.level))
 
     @functools.cached_property

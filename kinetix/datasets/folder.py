@@ -32,7 +32,7 @@ class ShardEntry(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
-    """What `dataset.json` holds."""
+    """Content of `dataset.json`."""
 
     format: str = FORMAT
     version: int = VERSION
@@ -52,7 +52,7 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Added:
-    """What became of episodes that were added."""
+    """Result of adding episodes."""
 
     added: int
     known: int

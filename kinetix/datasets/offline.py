@@ -49,7 +49,7 @@ _ALONE: Final = (
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Written:
-    """What was written."""
+    """Result of writing."""
 
     trajectories: int
     shards: int
@@ -138,7 +138,7 @@ def _told(states: Any, name: str) -> Any:
 
 
 def is_offline(folder: Path) -> bool:
-    """Whether a folder holds shards in kinetix-env's layout, by the fields of the first one."""
+    """Return whether a folder's first shard has the fields of kinetix-env's layout."""
     shards = sorted(folder.glob("*.npz")) if folder.is_dir() else []
     if not shards:
         return False

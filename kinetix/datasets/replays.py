@@ -28,7 +28,7 @@ _ROWS = 256
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class ReplayedEpisode:
-    """What came of playing controls again; axis `k` is environment steps."""
+    """Result of playing controls again; axis `k` is environment steps."""
 
     states: EnvState
     """Before each step, numpy arrays with a leading axis `k`."""

@@ -11,7 +11,7 @@ from kinetix.files.regular import FileError
 
 SCHEMES: Final = ("https", "http")
 SECONDS: Final = 20.0
-"""How long a server may keep silent."""
+"""Longest silence of a server."""
 
 
 class _Redirects(urllib.request.HTTPRedirectHandler):
@@ -26,7 +26,7 @@ class _Redirects(urllib.request.HTTPRedirectHandler):
 
 
 def is_address(words: str) -> bool:
-    """Whether words are an address on the web, such as `https://example.org/level.json`."""
+    """Return whether words are an address on the web, such as `https://example.org/level.json`."""
     parts = urllib.parse.urlsplit(words)
     return parts.scheme.lower() in SCHEMES and bool(parts.netloc)
 

@@ -1,4 +1,4 @@
-"""What a network is said to look at and to care for."""
+"""Explanations of a network: attention and importance."""
 
 import dataclasses
 
@@ -97,7 +97,7 @@ def test_saliency_is_the_slope_of_the_value(entity) -> None:
 
 
 def test_values_over_places_are_those_of_the_moved_state(entity) -> None:
-    """Where nothing is moved it is the value itself; elsewhere that of the moved level."""
+    """Where nothing is moved it is the value itself; elsewhere, that of the moved level."""
     agent, env, moment = entity
     state = moment.state
     moved = jnp.zeros(state.world.bodies.active.shape, bool).at[4].set(True)

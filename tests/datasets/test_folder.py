@@ -56,7 +56,7 @@ def test_episodes_are_added_once(tmp_path: Path) -> None:
 def test_a_stopped_recording_keeps_whole_shards(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What was written before the stop is a data set; going on adds the rest."""
+    """The shards before the stop are a data set; recording again adds the rest."""
     monkeypatch.setattr("kinetix.datasets.folder.SHARD_STEPS", 5)
 
     def stopping():

@@ -1,4 +1,4 @@
-"""What several files of tests share: a finished run, and trainers that are compiled once."""
+"""Fixtures of several files of tests: a finished run, and trainers that are compiled once."""
 
 import pytest
 

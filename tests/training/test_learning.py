@@ -1,4 +1,4 @@
-"""What training is for: PPO learns a level, SFL finds levels that can be learnt."""
+"""PPO learns a level, SFL finds levels that can be learnt."""
 
 import jax
 import numpy as np

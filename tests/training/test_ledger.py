@@ -1,4 +1,4 @@
-"""Who is who in a curriculum's buffer, and its pages on disk. No training."""
+"""Identities in a curriculum's buffer, and its pages on disk. No training."""
 
 from pathlib import Path
 

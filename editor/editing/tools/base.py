@@ -50,7 +50,7 @@ class Preferences(Protocol):
 
 
 class Shown(Protocol):
-    """What of the level can be taken on the canvas."""
+    """Parts of the level that can be taken on the canvas."""
 
     edit_arena: bool
     """True if floor, walls and ceiling can be selected."""
@@ -85,7 +85,7 @@ class ToolContext(Protocol):
 
     @property
     def view(self) -> Shown:
-        """What is on show."""
+        """View settings."""
         ...
 
     @property

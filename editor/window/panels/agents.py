@@ -43,7 +43,7 @@ OVERLAYS: Final[dict[str, tuple[str, str]]] = {
 
 
 _LOOK_SECONDS: Final = 3.0
-"""How often a run is looked at for new checkpoints."""
+"""Interval at which a run is searched for new checkpoints."""
 _ABOUT: Final[dict[About, str]] = {"value": "its value", "action": "its choice"}
 
 
@@ -213,7 +213,7 @@ class AgentsPanel(Panel):
             widgets.small(session.viewer.reasons.error, COLOURS.bad)
 
     def _about(self, session: "Session") -> None:
-        """What the rings are about."""
+        """Draw the meaning of the rings."""
         reasons = session.viewer.reasons
         imgui.indent(px(22))
         for index, (about, label) in enumerate(_ABOUT.items()):

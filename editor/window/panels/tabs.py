@@ -23,7 +23,7 @@ _MOMENT: Final = {
     "run.keep_moment": "Keep as Start",
     "run.drop_moment": "Discard",
 }
-"""What can become of a paused episode that is being changed."""
+"""Choices for a paused episode that is being changed."""
 
 
 class DocumentTabs:

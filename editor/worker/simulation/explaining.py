@@ -1,4 +1,4 @@
-"""Why an agent does what it does: attention, gradients per entity, the value over places."""
+"""Reasons for an agent's action: attention, gradients per entity, the value over places."""
 
 from typing import Any, Final
 

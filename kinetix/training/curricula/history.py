@@ -33,7 +33,7 @@ _PAGES: Final = 64
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Course:
-    """Where a training stands."""
+    """Progress of a training."""
 
     algorithm: str
     update: int

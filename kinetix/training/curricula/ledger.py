@@ -1,4 +1,4 @@
-"""Who is who in a buffer of levels: serial numbers, ages, ancestors, last results. Plain numpy."""
+"""Identities in a buffer of levels: serial numbers, ages, ancestors, last results. Plain numpy."""
 
 import dataclasses
 from typing import Final

@@ -50,7 +50,7 @@ class GoneLevel(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class PageHead(msgspec.Struct, frozen=True, kw_only=True):
-    """What a page says."""
+    """Head of a page."""
 
     format: str = FORMAT
     version: int = VERSION

@@ -49,7 +49,7 @@ class ReplayState:
 
 @pytree
 class _Visits:
-    """What an update did to the buffer, besides changing it."""
+    """Effects of an update on the buffer, for its history."""
 
     source: Int[Array, " m"]
     episodes: Int[Array, " n"]

@@ -1,4 +1,4 @@
-"""What an update did to a buffer of levels, and what is known about the levels in it now."""
+"""Changes of a buffer of levels by an update, and facts about the levels in it now."""
 
 import dataclasses
 from typing import Any, Final, Literal, Protocol, TypeAlias
@@ -7,19 +7,19 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 Kind: TypeAlias = Literal["new", "mutated", "refilled"]
-"""How levels came in: drawn anew, edited from a level of the buffer, chosen among many."""
+"""Origin of levels: drawn anew, edited from a level of the buffer, chosen among many."""
 KINDS: Final[tuple[Kind, ...]] = ("new", "mutated", "refilled")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Turnover:
-    """What one update did. Axis `m` is slots of the buffer, `n` the batch that was played."""
+    """Changes by one update. Axis `m` is slots of the buffer, `n` the batch that was played."""
 
     kind: Kind
     source: Int[np.ndarray, " m"]
-    """Which row of the batch is in each slot now; −1: the slot kept its level."""
+    """Row of the batch in each slot now; −1: the slot kept its level."""
     slot: Int[np.ndarray, " n"]
-    """Which slot each row of the batch was played from, or edited from; −1: none."""
+    """Slot from which each row of the batch was played or edited; −1: none."""
     episodes: Int[np.ndarray, " n"]
     """Episodes that ended on each row's level."""
     solved: Int[np.ndarray, " n"]
@@ -33,7 +33,7 @@ class BufferView:
     """States with a leading axis `m`, on the device."""
     filled: Bool[np.ndarray, " m"]
     score: Float[np.ndarray, " m"]
-    """What the curriculum keeps levels by."""
+    """Score by which the curriculum keeps levels."""
     episodes: Int[np.ndarray, " m"] | None = None
     """Episodes counted of each level, where the buffer counts them itself."""
     solved: Int[np.ndarray, " m"] | None = None

@@ -1,4 +1,4 @@
-"""What can be heard of an episode."""
+"""Audible events of an episode."""
 
 import dataclasses
 
