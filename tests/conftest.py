@@ -23,6 +23,10 @@ PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
 """Folder of kinetix-env's data, for developers; a user has none."""
 
 
+_SLOW_SECONDS = 10
+"""What a slow test takes that does not say more: `@pytest.mark.slow(seconds=100)`."""
+
+
 @pytest.fixture(scope="session")
 def peer() -> Path:
     """Folder of kinetix-env's data; tests that need it are skipped where it is absent."""
@@ -46,9 +50,12 @@ def fully_optimised() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files with the most slow tests first, so that no worker waits for one at the end."""
-    slow = collections.Counter(item.path for item in items if item.get_closest_marker("slow"))
-    items.sort(key=lambda item: -slow[item.path])
+    """Put the files that take longest first, so that no worker waits for one at the end."""
+    seconds = collections.Counter()
+    for item in items:
+        slow = item.get_closest_marker("slow")
+        seconds[item.path] += slow.kwargs.get("seconds", _SLOW_SECONDS) if slow else 0
+    items.sort(key=lambda item: -seconds[item.path])
 
 
 @pytest.fixture(autouse=True, scope="module")

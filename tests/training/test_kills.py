@@ -16,7 +16,7 @@ from kinetix.training.settings import make_config
 from tests.training.tiny import TINY, same_parameters, without_time
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=150)
 def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
     """SIGKILL, twenty times; the metrics are those of a run that was left alone."""
     flags = [
