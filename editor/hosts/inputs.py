@@ -61,7 +61,8 @@ class InputFeeder:
                 case events.WheelEvent(dx=dx, dy=dy):
                     io.add_mouse_wheel_event(dx, dy)
                 case events.TextEvent(text=text):
-                    for character in text:
+                    # Half of a surrogate pair would make the field's text unreadable.
+                    for character in text.encode("utf-8", "ignore").decode():
                         io.add_input_character(ord(character))
                 case events.FocusEvent(focused=focused):
                     self._focus(io, focused)

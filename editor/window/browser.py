@@ -5,6 +5,7 @@ is installed.
 """
 
 import functools
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -46,7 +47,7 @@ class FileBrowser:
 
     def __init__(self, question: FileQuestion) -> None:
         self._question = question
-        self._folder = question.folder if question.folder.is_dir() else Path.home()
+        self._folder = question.folder if os.path.isdir(question.folder) else Path.home()
         self._name = question.name
         self._filter = ""
         self._overwrite: Path | None = None
@@ -106,7 +107,7 @@ class FileBrowser:
         widgets.muted(words)
 
     def _go(self, folder: Path) -> None:
-        if folder.is_dir():
+        if os.path.isdir(folder):
             self._folder = folder
             self._filter, self._error = "", ""
 
@@ -119,9 +120,9 @@ class FileBrowser:
         kept = [
             path
             for path in found
-            if path.is_dir() or path.suffix.lower() in self._question.suffixes
+            if os.path.isdir(path) or path.suffix.lower() in self._question.suffixes
         ]
-        return sorted(kept, key=lambda path: (not path.is_dir(), path.name.lower()))
+        return sorted(kept, key=lambda path: (not os.path.isdir(path), path.name.lower()))
 
     def _list(self, session: "Session", size: tuple[float, float]) -> bool:
         """The folder's content; returns whether a file was chosen by a double click."""
@@ -133,7 +134,7 @@ class FileBrowser:
         if not entries:
             widgets.muted(self._error or nothing_here(self._question))
         for path in entries:
-            folder = path.is_dir()
+            folder = os.path.isdir(path)
             if not self._row(session, path, folder=folder):
                 continue
             twice = imgui.is_mouse_double_clicked(0)
@@ -184,7 +185,7 @@ class FileBrowser:
             self._about_folder()
             imgui.end_child()
             return
-        if path is None or not path.is_file():
+        if path is None or not os.path.isfile(path):
             if _LEVEL in self._question.suffixes:
                 widgets.small("Choose a level to see it here.")
             imgui.end_child()
@@ -290,7 +291,7 @@ class FileBrowser:
     def _type_folder(self) -> None:
         """Go to the folder whose name was typed."""
         path = self._typed()
-        if path.is_dir():
+        if os.path.isdir(path):
             self._go(path)
             self._name = ""
         else:
@@ -298,18 +299,18 @@ class FileBrowser:
 
     def _accept(self) -> tuple[bool, Path | None]:
         path = self._typed()
-        if path.is_dir():
+        if os.path.isdir(path):
             self._go(path)
             self._name = ""
             return False, None
         if self._saving:
             if path.suffix.lower() not in self._question.suffixes and self._question.suffixes[0]:
                 path = path.with_name(f"{path.name}{self._question.suffixes[0]}")
-            if path.exists() and self._overwrite != path:
+            if os.path.exists(path) and self._overwrite != path:
                 self._overwrite = path
                 return False, None
             return True, path
-        if not path.is_file():
+        if not os.path.isfile(path):
             self._error = f"There is no file {path.name} here."
             return False, None
         return True, path

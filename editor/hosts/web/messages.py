@@ -124,6 +124,7 @@ def _number(value: object) -> float:
 def _text(value: object) -> str:
     if not isinstance(value, str) or len(value) > _LONGEST:
         raise ValueError
+    value.encode()  # half of a surrogate pair is no text
     return value
 
 

@@ -430,3 +430,16 @@ def test_the_first_frames_ask_nothing_of_the_simulation(make_gui):
     gui = make_gui(session=Session(settings=Settings(), worker=worker, level=BALL))
     gui.frames(15)
     assert worker.idle and asked == []
+
+
+@pytest.mark.parametrize("name", ["9" * 400, "a/" * 300, "\ud800", "\x1b"])
+def test_a_name_that_no_file_can_have_breaks_no_dialog(gui, name):
+    gui.session.queue("file.save_as")
+    gui.frames(4)
+    gui.click("browser.name")
+    gui.text(name)
+    gui.frames(4)
+    assert not [line for line in gui.session.log.lines if "Traceback" in line]
+    gui.click("browser.cancel")
+    gui.frames(4)
+    assert not gui.session.prompts
