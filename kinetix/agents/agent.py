@@ -28,7 +28,7 @@ from kinetix.agents.kinetix_env import (
 )
 from kinetix.agents.networks.recurrent import Carry, initial_carry
 from kinetix.agents.normalisation import from_card, normalise
-from kinetix.agents.player import Decision, sample_each
+from kinetix.agents.player import PLANNER, ROWS, Decision, sample_each
 from kinetix.agents.scripted import SCRIPTED
 from kinetix.agents.shapes import network_of_card
 from kinetix.bundled import agent_hint, named_agent
@@ -43,6 +43,8 @@ class NetworkPolicy:
     """Chooses by a network; see `player.Policy`. Its params are "params" and "normalisation"."""
 
     network: nn.Module
+
+    rows = ROWS
 
     def init_carry(self, batch: int) -> Carry:
         """Zeros."""
@@ -174,7 +176,7 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     if not os.path.isdir(directory):
         raise CheckpointError(
             f"{named}: there is no such directory, nor a bundled agent of this name; "
-            f"{agent_hint(named, SCRIPTED)}"
+            f"{agent_hint(named, (PLANNER, *SCRIPTED))}"
         )
     if is_peer_checkpoint(directory):
         return Agent(*read_peer_checkpoint(directory, accept))

@@ -119,7 +119,7 @@ class AgentCard(_Part, frozen=True, kw_only=True):
     @property
     def plays_any_capacity(self) -> bool:
         """True if what the agent sees has one form for all capacities (else it plays just one)."""
-        return self.observation.type in ("symbolic_entity", "pixels", "blind")
+        return self.observation.type in ("symbolic_entity", "pixels", "blind", "simulator")
 
 
 class _File(AgentCard, frozen=True, kw_only=True):

@@ -4,10 +4,12 @@ import dataclasses
 from typing import Any
 
 from kinetix.agents.card import AgentCard
+from kinetix.agents.planner.simulator import SimulatorObservations
 from kinetix.agents.player import Player
 from kinetix.agents.shapes import observations_of_card
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.observations import Layout
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.errors import CheckpointError
 
@@ -39,13 +41,17 @@ def environment_for(
     env_params = EnvParams(
         dt=card.environment.dt, dense_reward_scale=card.environment.dense_reward_scale
     )
+    sees_simulator = card.observation.type == SimulatorObservations.name
     env: Any = make_kinetix_env(
         action_type=card.action.type,
-        observation_type=card.observation.type,
+        observation_type="blind" if sees_simulator else card.observation.type,
         env_params=env_params,
         static_env_params=static_env_params,
         auto_reset=auto_reset,
     )
+    if sees_simulator:
+        layout = Layout.of(env_params, static_env_params)
+        return dataclasses.replace(env, observations=SimulatorObservations(layout=layout))
     observations = observations_of_card(card, env_params, static_env_params)
     return dataclasses.replace(env, observations=observations)
 

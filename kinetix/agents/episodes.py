@@ -8,7 +8,7 @@ at once or step by step.
 import dataclasses
 import functools
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -21,10 +21,6 @@ from kinetix.environment.env import KinetixEnv
 from kinetix.environment.outcome import outcome_index
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
-
-BATCH: Final = 64
-"""Episodes that run at once on each device: one tile of worlds. Always the same number, so that
-rounding depends neither on how many levels are asked for nor on how many devices there are."""
 
 
 @pytree
@@ -60,9 +56,9 @@ class Episodes:
     last: LastStep
 
 
-def rows() -> int:
+def rows(policy: Policy) -> int:
     """Count the episodes that run at once on all devices of this process."""
-    return BATCH * jax.local_device_count()
+    return policy.rows * jax.local_device_count()
 
 
 def start(
@@ -79,7 +75,7 @@ def start(
         env: Where.
         policy: Who chooses.
         params: The player's.
-        states: `rows()` first states, as numpy arrays.
+        states: `rows(policy)` first states, as numpy arrays.
         keys: A key a row, from `episode_keys`.
         over: Rows that shall not count.
     """
@@ -109,7 +105,8 @@ def _begin(
     over: Bool[Array, " n"],
 ) -> Episodes:
     observation = jax.vmap(env.get_obs)(state)
-    carry, no = policy.init_carry(BATCH), jnp.zeros(BATCH, bool)
+    count = policy.rows
+    carry, no, zero = policy.init_carry(count), jnp.zeros(count, bool), jnp.zeros(count)
     shapes = jax.eval_shape(policy.decide, params, carry, observation, keys, no)
     action, _, info = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes)
     return Episodes(
@@ -117,13 +114,13 @@ def _begin(
         observation=observation,
         carry=carry,
         keys=keys,
-        begins=jnp.ones(BATCH, bool),
+        begins=~no,
         over=over,
-        ending=jnp.zeros(BATCH, jnp.int32),
-        dropped=jnp.zeros(BATCH, jnp.int32),
-        returns=jnp.zeros(BATCH),
-        lengths=jnp.zeros(BATCH, jnp.int32),
-        last=LastStep(action=action, reward=jnp.zeros(BATCH), distance=jnp.zeros(BATCH), info=info),
+        ending=jnp.zeros(count, jnp.int32),
+        dropped=jnp.zeros(count, jnp.int32),
+        returns=zero,
+        lengths=jnp.zeros(count, jnp.int32),
+        last=LastStep(action=action, reward=zero, distance=zero, info=info),
     )
 
 

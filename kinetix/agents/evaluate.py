@@ -142,8 +142,9 @@ def evaluate(
         env = environment_for(player, capacity, physics=settings.physics_for(player))
         states = {i: _numpy(level_state(levels[i].source, env.static_env_params)) for i in members}
         jobs = [(index, attempt) for index in members for attempt in range(settings.attempts)]
-        for first in range(0, len(jobs), rows()):
-            chosen = jobs[first : first + rows()]
+        batch = rows(player.policy)
+        for first in range(0, len(jobs), batch):
+            chosen = jobs[first : first + batch]
             asked = [(states[index], prepared[index].key, attempt) for index, attempt in chosen]
             episodes = begin(env, player, asked, settings.seed)
             while not bool(jnp.all(episodes.over)):
@@ -226,14 +227,15 @@ def begin(
     Args:
         env: Where.
         player: Who plays.
-        asked: At most `BATCH` rows.
+        asked: At most `rows(player.policy)` of them.
         seed: Of the evaluation.
     """
     # They repeat the first row, which costs nothing extra: the batch has its size anyway.
-    filled = [*asked, *[asked[0]] * (rows() - len(asked))]
+    count = rows(player.policy)
+    filled = [*asked, *[asked[0]] * (count - len(asked))]
     states, levels, attempts = zip(*filled, strict=True)
     keys = episode_keys(levels, attempts, seed)
-    over = np.arange(rows()) >= len(asked)
+    over = np.arange(count) >= len(asked)
     return start(env, player.policy, player.params, states, keys, over)
 
 

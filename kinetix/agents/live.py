@@ -38,6 +38,8 @@ class Thought:
     """Each control's probabilities of −1, 0 and +1; 0 throughout for scripted players."""
     sane: Bool[Array, ""]
     """True where all that the network said are numbers."""
+    outlook: Any = None
+    """The futures that a planner tried (`planner.policy.Outlook`); None for other players."""
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1), static_argnames="deterministic")
@@ -159,6 +161,7 @@ def _thought(
             entropy=nothing,
             chances=jnp.zeros((*own.shape, 3)),
             sane=jnp.ones((), bool),
+            outlook=jax.tree.map(lambda x: x[0], said.get("outlook")),
         )
     reading = read_policy(env, said, live)
     return Thought(

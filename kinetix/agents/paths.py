@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from kinetix.agents.environments import environment_for
-from kinetix.agents.episodes import BATCH, Episodes, advance
+from kinetix.agents.episodes import Episodes, advance
 from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult
@@ -59,8 +59,9 @@ def attempt_paths(
     green = int(np.argmax((role == GREEN) & active))
     parts: list[np.ndarray] = []
     results: list[EpisodeResult] = []
-    for first in range(0, settings.attempts, BATCH):
-        chosen = range(first, min(first + BATCH, settings.attempts))
+    batch = player.policy.rows
+    for first in range(0, settings.attempts, batch):
+        chosen = range(first, min(first + batch, settings.attempts))
         rows = [(state, prepared.key, attempt) for attempt in chosen]
         episodes = begin(env, player, rows, settings.seed)
         places = [_place(episodes, green)]

@@ -1,12 +1,17 @@
 """Players: the interface that trained agents and scripted ones share."""
 
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import jax
 from jaxtyping import Array
 
 from kinetix.agents.card import AgentCard
 from kinetix.agents.networks.distributions import Distribution
+
+PLANNER: Final = "planner"
+"""Name of the player that knows the simulator."""
+ROWS: Final = 64
+"""Episodes of a network that run at once on each device: one tile of worlds."""
 
 Decision = tuple[Any, Any, dict[str, Any]]
 """Action, the next carry, and what is known about the action."""
@@ -17,6 +22,15 @@ class Policy(Protocol):
 
     Two players with equal policies share compiled code; what differs is in their `params`.
     """
+
+    @property
+    def rows(self) -> int:
+        """Episodes that run at once on each device when it is measured.
+
+        Always the same number, so that rounding depends neither on how many levels are asked for
+        nor on how many devices there are.
+        """
+        ...
 
     def init_carry(self, batch: int) -> Any:
         """Memory at the start of `batch` episodes."""

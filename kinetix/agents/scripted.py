@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from kinetix.agents.card import ActionCard, AgentCard, ObservationCard
-from kinetix.agents.player import Decision
+from kinetix.agents.player import ROWS, Decision
 from kinetix.environment.actions import AbstractAction, MultiDiscreteActions
 from kinetix.errors import CheckpointError
 
@@ -22,6 +22,8 @@ class ScriptedPolicy:
 
     actions: AbstractAction
     random: bool
+
+    rows = ROWS
 
     def init_carry(self, batch: int) -> tuple[()]:
         """Nothing to remember."""

@@ -86,14 +86,12 @@ def _players(name: str, every_checkpoint: bool) -> "list[Player]":
     """The players that a name means: one, or all checkpoints of a training run."""
     from kinetix.agents.agent import load_agent
     from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run
-    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.agents.named import load_player
 
-    if name in SCRIPTED:
-        return [ScriptedPlayer(name)]
     steps = steps_of_run(Path(name)) if every_checkpoint else []
     if steps:
         return [load_agent(Path(name) / RUN_CHECKPOINTS / str(step)) for step in steps]
-    return [load_agent(name)]
+    return [load_player(name)]
 
 
 def _measured(

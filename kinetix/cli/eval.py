@@ -12,8 +12,8 @@ import tyro
 class Eval:
     """Measure how often a player solves each of some levels."""
 
-    agent: Annotated[str, tyro.conf.arg(metavar="DIR|noop|random")]
-    """Directory of an agent or of a training run, a bundled agent (general), or noop, or random."""
+    agent: Annotated[str, tyro.conf.arg(metavar="DIR|planner|noop|random")]
+    """Directory of an agent or of a run, a bundled agent (general), or planner, noop or random."""
     levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
     """Folders of levels, level files, level sets; names of bundled ones (s/…, levels/s, sets/s)."""
     attempts: int = 20
@@ -33,10 +33,9 @@ class Eval:
 def run(command: Eval) -> int:
     """Play everything, print a line a level and the summary; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.agent import load_agent
     from kinetix.agents.evaluate import NamedLevel, Progress, Settings, evaluate
+    from kinetix.agents.named import load_player
     from kinetix.agents.results import report
-    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.errors import KinetixError
     from kinetix.level.sets import gather_levels
 
@@ -46,8 +45,7 @@ def run(command: Eval) -> int:
         NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
         for level in gather_levels(command.levels)
     ]
-    name = command.agent
-    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    player = load_player(command.agent)
     settings = Settings(
         attempts=command.attempts,
         seed=command.seed,

@@ -15,7 +15,7 @@ class Play:
     level: Annotated[str, tyro.conf.Positional]
     """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
     agent: str = "noop"
-    """Directory of an agent, a bundled agent (general), or noop, or random."""
+    """Directory of an agent, a bundled agent (general), or planner, noop or random."""
     seed: int = 0
     """Seed of the agent's draws."""
     physics: str | None = None
@@ -29,9 +29,8 @@ class Play:
 def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout, broken) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.agent import load_agent
     from kinetix.agents.environments import capacity_for, environment_for
-    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.agents.named import load_player
     from kinetix.environment.episode import play_episode
     from kinetix.environment.reset import level_state
     from kinetix.level.codec import load_document
@@ -40,17 +39,16 @@ def run(command: Play) -> int:
     document = load_document(command.level)
     source = document.source
     capacity = capacity_of(document.level) if source is None else source.capacity
-    name = command.agent
-    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    player = load_player(command.agent)
     capacity = capacity_for(player.card, capacity, level=document.level.name)
     physics = command.physics or player.card.environment.physics
     env = environment_for(player, capacity, physics=physics)
     episode = play_episode(
         env,
         level_state(command.level, env.static_env_params),
-        player.decide,
+        player.policy.decide,
         params=player.params,
-        carry=player.init_carry(1),
+        carry=player.policy.init_carry(1),
         seed=command.seed,
     )
     row = {

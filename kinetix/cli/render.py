@@ -39,7 +39,7 @@ class Render:
     out: Annotated[Path, Positional, tyro.conf.arg(metavar="OUT")]
     """Picture (.png), film (.gif, .mp4) or page to play it on (.html) to write."""
     agent: str = "noop"
-    """The player: an agent (directory or name), noop, random, or solution (the recorded one)."""
+    """The player: an agent (directory or name), planner, noop, random, or solution."""
     rival: str | None = None
     """A second player of the same level beside the first, on a page."""
     steps: int | None = None
@@ -128,10 +128,9 @@ class Showing:
 
 
 def _showing(command: Render, agent: str) -> Showing:
-    from kinetix.agents.agent import load_agent
     from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.identity import digest_of
-    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+    from kinetix.agents.named import load_player
     from kinetix.environment.episode import rollout
     from kinetix.environment.replay import next_row, recorded_rows
     from kinetix.environment.reset import level_state
@@ -146,11 +145,9 @@ def _showing(command: Render, agent: str) -> Showing:
     if agent == "solution":
         if solution is None:
             raise KinetixError(f"{command.level}: this level records no solution")
-        recorded, player = recorded_rows(list(solution.unrolled())), ScriptedPlayer("noop")
-    elif agent in SCRIPTED:
-        player = ScriptedPlayer(agent)
+        recorded, player = recorded_rows(list(solution.unrolled())), load_player("noop")
     else:
-        player = load_agent(agent)
+        player = load_player(agent)
     capacity = capacity_of(document.level) if source is None else source.capacity
     capacity = capacity_for(player.card, capacity, level=document.level.name)
     own = solution.physics if recorded and solution else player.card.environment.physics

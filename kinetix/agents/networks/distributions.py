@@ -6,7 +6,7 @@ out the controls that a level does not have: what is said about those changes no
 
 import dataclasses
 import itertools
-from typing import Protocol
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -37,6 +37,13 @@ class Distribution(Protocol):
 
     def entropy(self) -> Float[Array, "*n"]:
         """Entropy [nat], summed over the parts of an action."""
+        ...
+
+    def divergence(self, other: Any) -> Float[Array, "*n"]:
+        """Return the Kullback–Leibler divergence of another one of the kind from this one [nat].
+
+        It is 0 where both say the same; parts that are not live do not count.
+        """
         ...
 
     def restricted(self, live: Bool[Array, "*n u"]) -> "Distribution":
@@ -97,6 +104,17 @@ class MultiCategorical:
             start=jnp.zeros(self.logits.shape[:-1], self.logits.dtype),
         )
 
+    def divergence(self, other: "MultiCategorical") -> Float[Array, "*n"]:
+        """Sum of the parts' divergences [nat]."""
+        pairs = zip(self.log_probs(), other.log_probs(), strict=True)
+        return sum(
+            (
+                self._counted(index, jnp.sum(jnp.exp(own) * (own - its), axis=-1))
+                for index, (own, its) in enumerate(pairs)
+            ),
+            start=jnp.zeros(self.logits.shape[:-1], self.logits.dtype),
+        )
+
     def restricted(self, live: Bool[Array, "*n parts"]) -> "MultiCategorical":
         """Return the distribution of the parts that are live; a part is a control."""
         return MultiCategorical(logits=self.logits, sizes=self.sizes, live=live)
@@ -151,6 +169,12 @@ class Categorical:
         """Entropy [nat]."""
         # Choices that do the same share one logarithm: their sum is −p ln p of all together.
         return -jnp.sum(jnp.exp(jax.nn.log_softmax(self.logits)) * self._told_apart(), axis=-1)
+
+    def divergence(self, other: "Categorical") -> Float[Array, "*n"]:
+        """See `Distribution`; choices that do the same count as one."""
+        alike = Categorical(logits=other.logits, idle=self.idle)
+        apart = self._told_apart() - alike._told_apart()
+        return jnp.sum(jnp.exp(jax.nn.log_softmax(self.logits)) * apart, axis=-1)
 
     def restricted(self, live: Bool[Array, "*n u"]) -> "Categorical":
         """Return the distribution in which controls that drive nothing are the no-op."""
@@ -214,6 +238,13 @@ class DiagonalNormal:
         """Differential entropy [nat]."""
         each = self.log_std + 0.5 * (1 + jnp.log(2 * jnp.pi))
         return self._sum(jnp.broadcast_to(each, self.logits.shape))
+
+    def divergence(self, other: "DiagonalNormal") -> Float[Array, "*n"]:
+        """Sum of the entries' divergences [nat]."""
+        spread = jnp.exp(2 * (self.log_std - other.log_std))
+        distance = ((self.logits - other.logits) * jnp.exp(-other.log_std)) ** 2
+        each = other.log_std - self.log_std + 0.5 * (spread + distance - 1)
+        return self._sum(each)
 
     def restricted(self, live: Bool[Array, "*n d"]) -> "DiagonalNormal":
         """Return the distribution of the entries that are live; an entry is a control."""

@@ -1,0 +1,26 @@
+"""Players by name: those that need no checkpoint, and agents from anywhere."""
+
+from pathlib import Path
+from typing import Final
+
+from kinetix.agents.agent import load_agent
+from kinetix.agents.planner.player import Planner
+from kinetix.agents.player import PLANNER, Player
+from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+
+BUILT_IN: Final = (PLANNER, *SCRIPTED)
+"""Names of the players that need no checkpoint."""
+
+
+def load_player(name: str | Path) -> Player:
+    """Return the player that a name or a folder means.
+
+    Args:
+        name: `planner`, `noop` or `random`; otherwise as for `load_agent`.
+
+    Raises:
+        CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
+    """
+    if name == PLANNER:
+        return Planner()
+    return ScriptedPlayer(str(name)) if name in SCRIPTED else load_agent(name)
