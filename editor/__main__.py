@@ -39,7 +39,7 @@ class Options:
     ] = ()
     """Levels in either format, episodes (`.npz`), comparisons (`.json`); files or addresses."""
     agent: Path | None = None
-    """Folder of an agent or of a training run to load; F6 lets it play."""
+    """An agent to load: its folder, a training run, or planner; F6 lets it play."""
     offscreen: bool = False
     """Draw in software into memory: no display is needed."""
     replay: Path | None = None

@@ -92,7 +92,9 @@ class Settings:
     """Folders that the gallery shows besides the app's and the user's own."""
     recent_agents: list[str] = dataclasses.field(default_factory=list)
     """Folders of agents, newest first."""
-    agent_overlay: list[str] = dataclasses.field(default_factory=lambda: ["heat", "numbers"])
+    agent_overlay: list[str] = dataclasses.field(
+        default_factory=lambda: ["heat", "numbers", "futures"]
+    )
     """Names of the agent's overlays that are on."""
     guide_step: Annotated[int, Meta(ge=-1, le=10)] = -1
     """Number of the guided first level's next step; 10: all are done, -1: it is not shown."""

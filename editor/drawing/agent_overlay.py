@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 from editor.base.controls import Drive, key_caps
 from editor.base.language import tr
 from editor.documents.commands.bodies import posed
+from editor.drawing.futures_overlay import outlook
 from editor.drawing.marks import arrow
 from editor.drawing.vectors import Painter, Placement, poses_of
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
@@ -158,6 +159,8 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top:
     lines.append((f"{who}    return {snapshot.total_reward:+.2f}", COLOURS.text))
     if draws:
         lines.append((draws, COLOURS.muted))
+    if snapshot.mind is not None and snapshot.mind.futures is not None:
+        lines.append((outlook(snapshot.mind.futures), COLOURS.info))
     if other is not None:
         difference = snapshot.total_reward - other.total_reward
         sign = Icons.worse if difference > 0.005 else Icons.better if difference < -0.005 else "="

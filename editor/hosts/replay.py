@@ -296,7 +296,8 @@ class Replayer:
             raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
         until = time.monotonic() + float(event.get("seconds", 60))
         while not _CONDITIONS[what](self._session):
-            if what in _PLAYED and self._session.editing:
+            coming = self._session.expected is not None
+            if what in _PLAYED and self._session.editing and not coming:
                 reason = self._session.playback.failure or "nothing is played: the app is in Edit"
                 raise KinetixError(f"{what} cannot come: {reason}")
             if time.monotonic() > until:

@@ -20,6 +20,7 @@ from editor.documents.commands.bodies import posed
 from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.drawing.confetti import paint_confetti
 from editor.drawing.debug_draw import paint_debug
+from editor.drawing.futures_overlay import paint_futures
 from editor.drawing.marks import CapPlace, Marker
 from editor.drawing.minimap import Minimap
 from editor.drawing.name_tags import paint_names
@@ -345,6 +346,8 @@ class Canvas:
                 self._second_half(session, painter, other, heat=heat)
             elif snapshot is not None:
                 paint_ghost(painter, level, snapshot, other)
+        if snapshot is not None and "futures" in session.settings.agent_overlay:
+            paint_futures(painter, snapshot)
         if heat and snapshot is not None:
             paint_heat(painter, where, snapshot)
 

@@ -36,6 +36,18 @@ class ContactPoint:
     """Ids, or names of arena bodies."""
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Futures:
+    """What a planner tried when it last planned; the plan that it follows comes first."""
+
+    ways: Float[np.ndarray, "n k 2"]
+    """Where the first green body would go [m]."""
+    ends: tuple[str, ...]
+    """`won`, `lost`, or nothing where the episode goes on."""
+    steps: tuple[int, ...]
+    """Environment steps until it ends, or as far as it was tried."""
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Mind:
     """Outputs of an agent in the step before."""
@@ -54,6 +66,8 @@ class Mind:
     """True if a person drove instead."""
     scripted: bool = False
     """True if there is no network: value and entropy mean nothing."""
+    futures: Futures | None = None
+    """What it tried, where it plans."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -48,7 +48,8 @@ class Pull:
 About: TypeAlias = Literal["value", "action"]
 """Target of a gradient (a test keeps it that of `kinetix.agents.explain`)."""
 
-SCRIPTED: Final = ("noop", "random")
+PLANNER: Final = "planner"
+BUILT_IN: Final = (PLANNER, "noop", "random")
 """Agents that need no folder (a test keeps them those of `kinetix.agents`)."""
 
 

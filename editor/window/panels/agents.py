@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 OVERLAYS: Final[dict[str, tuple[str, str]]] = {
     "heat": ("Actions on joints and thrusters", "Colour: where the policy leans. Arrow: chosen."),
+    "futures": ("Futures", "Where the green shape would go in what a planner tries."),
     "numbers": (
         "Value, entropy, probabilities",
         "What it expects of the future, how unsure it is, and each control's choices.",

@@ -1,6 +1,8 @@
 """Agents on the worker: load them once, tell what they are, let them drive an episode."""
 
+import dataclasses
 import math
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,11 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from editor.worker.recording import Action, Mind
-from editor.worker.requests import SCRIPTED, AgentRef, AgentSummary, Casting, Progress, Rehearse
+from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Action, Futures, Mind
+from editor.worker.requests import BUILT_IN, AgentRef, AgentSummary, Casting, Progress, Rehearse
 from editor.worker.simulation.compiling import FULL, QUICK, Recipe
 from editor.worker.simulation.stepping import PROGRAMS, first_state
-from kinetix.agents.agent import load_agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import newest_checkpoint
 from kinetix.agents.environments import capacity_for, environment_for
@@ -23,8 +24,10 @@ from kinetix.agents.evaluate import capacity_and_key
 from kinetix.agents.identity import digest_of
 from kinetix.agents.kinetix_env import is_peer_checkpoint
 from kinetix.agents.live import play_step
+from kinetix.agents.named import load_player
+from kinetix.agents.planner.budget import Budget
+from kinetix.agents.planner.player import Planner
 from kinetix.agents.player import Player
-from kinetix.agents.scripted import ScriptedPlayer
 from kinetix.environment.actions import MultiDiscreteActions
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
@@ -46,7 +49,7 @@ def player_of(ref: AgentRef) -> Player:
     """
     player = _MEMORY.get(ref)
     if player is None:
-        player = ScriptedPlayer(ref.path) if ref.path in SCRIPTED else load_agent(ref.path)
+        player = load_player(ref.path)
         _MEMORY[ref] = player
         while len(_MEMORY) > _KEPT:
             del _MEMORY[next(iter(_MEMORY))]
@@ -66,13 +69,14 @@ def load(path: str) -> AgentSummary:
     capacity = card.capacity
     steps = card.training.get("env_steps", card.training.get("environment_steps"))
     arrays = jax.tree.leaves(player.params.get("params", {}))
+    network = "it knows the simulator" if isinstance(player, Planner) else "no network"
     return AgentSummary(
         ref=ref,
         name=card.name,
         description=card.description,
         observation=card.observation.type,
         action=card.action.type,
-        network=_network(card) if arrays else "no network",
+        network=_network(card) if arrays else network,
         parameters=sum(int(np.prod(leaf.shape)) for leaf in arrays),
         recurrent=bool(arrays) and card.network.recurrent_model,
         capacity=None
@@ -90,7 +94,7 @@ def load(path: str) -> AgentSummary:
 
 def _folder(path: str) -> Path | None:
     """Return the folder of an agent's arrays: of a training run its newest checkpoint."""
-    if path in SCRIPTED:
+    if path in BUILT_IN:
         return None
     folder = Path(path)
     if not folder.is_dir():
@@ -134,6 +138,38 @@ class Step:
     """The agent's, or None."""
 
 
+class _Thinking:
+    """How much a planner thinks: as much as leaves play at real time, on this machine."""
+
+    FIRST = 1500.0
+    """Before its first move [ms]."""
+    SHARE = 0.6
+    """Of the time between two plannings."""
+
+    def __init__(self, planner: Planner) -> None:
+        policy, skip = planner.policy, planner.card.environment.frame_skip
+        self._every = policy.every
+        between = policy.every * skip / ENGINE_STEPS_PER_SECOND * 1e3
+        self._pace = Budget(
+            milliseconds=self.SHARE * between, first_milliseconds=self.FIRST, horizon=policy.horizon
+        )
+        self.nothing = _rounds(0, 0)
+        """Params with which it does not think at all."""
+        self.params = _rounds(self._pace.rounds, self._pace.first)
+
+    def note(self, seconds: float, step: int) -> None:
+        """Take note of how long a step took."""
+        if step % self._every == 0:
+            first = step == 0
+            rounds = int(self.params["first" if first else "rounds"])
+            self._pace.note(seconds, rounds=rounds, first=first)
+            self.params = _rounds(self._pace.rounds, self._pace.first)
+
+
+def _rounds(rounds: int, first: int) -> dict[str, Any]:
+    return {"rounds": np.int32(rounds), "first": np.int32(first)}
+
+
 class AgentDriver:
     """An agent that plays one episode, with its memory and its draws.
 
@@ -170,6 +206,9 @@ class AgentDriver:
         _, number = capacity_and_key(level)
         self._key = episode_keys([number], [casting.attempt], casting.seed)[0]
         self._carry = self._player.policy.init_carry(1)
+        self._thinking = _Thinking(self._player) if isinstance(self._player, Planner) else None
+        # Its futures are many steps: a quick step would make them slow.
+        quick = quick and self._thinking is None
         hand = MultiDiscreteActions(
             motor_bindings=self.env.actions.motor_bindings,
             thruster_bindings=self.env.actions.thruster_bindings,
@@ -201,8 +240,9 @@ class AgentDriver:
         driven = np.zeros(width, np.float32)
         if hand is not None:
             driven = np.asarray(self._hand.unified(jnp.asarray(hand, jnp.int32)))
+        params = self._player.params if self._thinking is None else self._thinking.params
         return (
-            self._player.params,
+            params,
             state,
             self._carry,
             jnp.asarray(step == 0),
@@ -231,9 +271,20 @@ class AgentDriver:
             step: How many steps there were before.
             hand: What a person drives, or None to let the agent.
         """
+        started = time.perf_counter()
         taken = self._play(*self._arguments(state, step, hand))
+        if self._thinking is not None:
+            jax.block_until_ready(taken)
+            self._thinking.note(time.perf_counter() - started, step)
         state, self._carry, thought, info = taken
         return Step(state=state, info=info, unified=thought.action, thought=thought)
+
+    def warm(self, state: EnvState, step: int) -> None:
+        """Do once what a first step does, so that nothing is left to be made ready in the game."""
+        arguments = self._arguments(state, step, None)
+        if self._thinking is not None:
+            arguments = (self._thinking.nothing, *arguments[1:])
+        jax.block_until_ready(self._play(*arguments)[0])
 
     def mind(self, thought: Any, *, by_hand: bool, step: int) -> Mind:
         """A thought for the window.
@@ -246,15 +297,16 @@ class AgentDriver:
                 f"The agent {self._player.card.name!r} gave NaN at step "
                 f"{step}: its parameters, or what it was shown, are broken."
             )
-        return mind_of(
+        mind = mind_of(
             thought.intention,
             thought.own_action,
             value=float(thought.value),
             entropy=float(thought.entropy),
             chances=thought.chances,
             by_hand=by_hand,
-            scripted=not self._player.params,
+            scripted=self._casting.agent.path in BUILT_IN,
         )
+        return dataclasses.replace(mind, futures=_futures(thought.outlook))
 
 
 def rehearse(request: Rehearse, progress: Progress) -> None:
@@ -287,6 +339,19 @@ def mind_of(
         chances=() if scripted or chances is None else _triples(chances),
         by_hand=by_hand,
         scripted=scripted,
+    )
+
+
+def _futures(outlook: Any) -> Futures | None:
+    """What a planner tried, for the window; None for other players."""
+    if outlook is None:
+        return None
+    won, lost = np.asarray(outlook.won), np.asarray(outlook.lost)
+    ends = np.where(won, "won", np.where(lost, "lost", ""))
+    return Futures(
+        ways=np.asarray(outlook.ways, np.float32),
+        ends=tuple(ends.tolist()),
+        steps=tuple(np.asarray(outlook.steps).tolist()),
     )
 
 

@@ -71,6 +71,10 @@ class HandDriver:
     def remember(self, memory: Any) -> None:
         """Nothing to remember."""
 
+    def warm(self, state: EnvState, step: int) -> None:
+        """Do once what a first step does; see `AgentDriver.warm`."""
+        jax.block_until_ready(self.step(state, step, NOOP).state)
+
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
         """One environment step; see `AgentDriver.step`."""
         del step
@@ -115,7 +119,7 @@ class Episode:
             memory=since.memory if since is not None else None,
         )
         # What is still to be compiled for a first step is compiled here, not in the game.
-        jax.block_until_ready(self._driver.step(self._state, self.snapshot.step, NOOP).state)
+        self._driver.warm(self._state, self.snapshot.step)
         self._driver.remember(self.snapshot.memory)
 
     def _cast(

@@ -6,7 +6,7 @@ from typing import Any
 
 from editor.worker.recording import Mind, Snapshot, Trace, channels_of
 from editor.worker.requests import (
-    SCRIPTED,
+    BUILT_IN,
     AttemptPaths,
     Ending,
     Evaluate,
@@ -177,7 +177,7 @@ class _Recorder:
         self.snapshots: list[Snapshot] = []
         self._level, self._capacity = level, capacity
         self._env = env
-        self._scripted = player.card.name in SCRIPTED
+        self._scripted = player.card.name in BUILT_IN
         self._frame_skip = player.card.environment.frame_skip
         self._view: LevelView | None = None
 

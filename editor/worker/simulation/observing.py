@@ -69,7 +69,7 @@ def _environment(request: Observe) -> tuple[Capacity, KinetixEnv]:
     capacity = capacity_of(request.level)
     if request.agent is not None:
         player = player_of(request.agent)
-        if player.params:
+        if "params" in player.params:  # it has a network
             capacity = capacity_for(player.card, capacity, level=repr(request.level.name))
             physics = player.card.environment.physics
             env = environment_for(player, capacity, physics=physics)

@@ -13,6 +13,7 @@ from editor.agents.evaluation import Plan
 from editor.base.prompts import FileQuestion
 from editor.base.settings import Settings
 from editor.drawing.agent_overlay import most_entropy, value_range
+from editor.drawing.futures_overlay import outlook, paint_futures
 from editor.gallery.results import Results
 from editor.play.playback import Mode
 from editor.play.second_player import Follower
@@ -23,7 +24,7 @@ from editor.window.panels import timeline
 from editor.window.panels.evaluate import end_of
 from editor.window.panels.timeline import marks_of
 from editor.worker.jobs import Worker
-from editor.worker.recording import Mind
+from editor.worker.recording import Futures, Mind
 from editor.worker.requests import (
     AgentView,
     AttemptPaths,
@@ -121,9 +122,9 @@ def test_every_row_of_the_agent_menu_is_on_the_screen(with_agent):
 def test_overlays_are_switched_and_kept(with_agent):
     front(with_agent, "agents")
     with_agent.click("agents.overlay.heat")
-    assert with_agent.session.settings.agent_overlay == ["numbers"]
+    assert with_agent.session.settings.agent_overlay == ["numbers", "futures"]
     with_agent.click("agents.overlay.heat")
-    assert with_agent.session.settings.agent_overlay == ["numbers", "heat"]
+    assert with_agent.session.settings.agent_overlay == ["numbers", "futures", "heat"]
 
 
 def test_the_timeline_scrubs_and_its_buttons_work(with_agent):
@@ -218,6 +219,47 @@ def test_what_the_agent_thinks_and_the_ghost_are_drawn_without_error(with_agent)
     with_agent.frames(3)
     assert not session.log.lines[-1].startswith("Traceback")
     assert not [toast for toast in session.toasts if toast.kind == "error"]
+
+
+def a_fan(*ends):
+    ways = np.linspace((1.0, 1.0), (3.0, 2.0), 32)[None].repeat(len(ends), axis=0)
+    ways[:, :, 1] += np.linspace(0, 1, len(ends))[:, None]
+    return Futures(ways=ways, ends=ends, steps=tuple(range(20, 20 + len(ends))))
+
+
+def test_the_futures_of_a_planner_are_drawn_and_can_be_switched_off(with_agent, monkeypatch):
+    session = with_agent.session
+    with_agent.key("f6")
+    with_agent.frames(20)
+    drawn = []
+    monkeypatch.setattr(
+        "editor.window.canvas.paint_futures",
+        lambda painter, snapshot: drawn.append(1) or paint_futures(painter, snapshot),
+    )
+    session.playback.pause()
+    for futures in (a_fan("won", "", "lost"), a_fan("", ""), a_fan("lost"), None):
+        mind = Mind(
+            intention=(0.0,) * 6,
+            own_action=(0.0,) * 6,
+            value=0.0,
+            entropy=0.0,
+            scripted=True,
+            futures=futures,
+        )
+        session.playback.snapshot = dataclasses.replace(session.playback.snapshot, mind=mind)
+        with_agent.frames(3)
+    assert drawn
+    assert not session.log.lines[-1].startswith("Traceback")
+    session.settings.agent_overlay = ["heat", "numbers"]
+    drawn.clear()
+    with_agent.frames(3)
+    assert not drawn
+
+
+def test_the_plate_says_what_the_plan_leads_to():
+    assert outlook(a_fan("won", "lost")) == "plans: a win 20 steps ahead"
+    assert "no win" in outlook(a_fan("", "won"))
+    assert "no way out" in outlook(a_fan("lost", "lost"))
 
 
 def test_the_camera_comes_back_after_side_by_side(with_agent):
