@@ -29,6 +29,7 @@ COMMANDS: Final[dict[str, str]] = {
     "levelset": "build, check and split level sets",
     "dataset": "record episodes of people, agents and the search as data",
     "train": "train an agent",
+    "teach": "make a data set of wins on random levels, to learn from",
     "bench": "measure speed, scaling, accuracy and rendering",
     "cache": "say how much compiled programs and thumbnails take, or clear them",
 }

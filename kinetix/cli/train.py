@@ -21,6 +21,7 @@ _SUMMARIES = {
     "sfl": "Sampling for learnability: random levels that are solved sometimes.",
     "plr": "Prioritised level replay: levels that look worth replaying.",
     "accel": "PLR with mutations of what was replayed.",
+    "bc": "Imitation of wins: a teacher's data, exported episodes, recorded solutions.",
     "dr": "Domain randomisation: fresh random levels every time.",
 }
 

@@ -25,13 +25,14 @@ from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
 from kinetix.training.averages import EpisodeAverages
-from kinetix.training.config import RESUMABLE, PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.config import RESUMABLE, BcConfig, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.films import Filming
+from kinetix.training.imitation.clone import Clone
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks, read_metrics
 from kinetix.training.pace import Pace
 from kinetix.training.ppo.train import Ppo
@@ -97,6 +98,8 @@ def make_trainer(config: PpoConfig, teacher: Agent | None = None) -> Trainer:
         config: The configuration, already checked.
         teacher: The agent to start from.
     """
+    if isinstance(config, BcConfig):
+        return Clone(config, teacher)
     if isinstance(config, SflConfig):
         return Sfl(config, teacher)
     if isinstance(config, ReplayConfig):
@@ -153,7 +156,7 @@ def train(
             recover(out)
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
-        state, progress, damaged = _begin(trainer, out, say, status)
+        state, progress, damaged = _begin(trainer, out, say, status, taught=teacher is not None)
         wait_for_all("everybody has read what is there")
         sinks: list[Sink] = []
         if is_leader():
@@ -194,11 +197,15 @@ def train(
 
 
 def _begin(
-    trainer: Trainer, out: Path, say: Say, status: Say
+    trainer: Trainer, out: Path, say: Say, status: Say, *, taught: bool
 ) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
     found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
+    config = trainer.setup.config
     if found is None:
+        if not taught and (config.teacher_coef or config.critic_warmup):
+            name = "teacher_coef" if config.teacher_coef else "critic_warmup"
+            raise KinetixError(f"{name}: there is no agent to start from; name it with --from")
         if (out / CONFIG).is_file():
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")

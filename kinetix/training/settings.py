@@ -109,6 +109,14 @@ def _complete(fields: dict[str, Any]) -> None:
         fields["level_mode"] = "list"
         if "size" not in fields:
             fields["size"] = _size_of(fields["levels"])
+    if fields.get("data"):
+        # Here, so that a configuration of another algorithm needs no JAX.
+        from kinetix.training.imitation.sources import origin_of
+
+        origin = origin_of(tuple(fields["data"]))
+        fields.setdefault("size", ",".join(map(str, dataclasses.astuple(origin.capacity))))
+        fields.setdefault("physics", origin.physics)
+        fields.setdefault("frame_skip", origin.frame_skip)
     if fields.get("parity") == "kinetix-3":
         fields["physics"] = "jax2d"
         fields.setdefault("bootstrap_on_timeout", False)

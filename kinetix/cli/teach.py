@@ -1,0 +1,69 @@
+"""Make a data set of winning plans for random levels; the same --out goes on where it stopped."""
+
+import dataclasses
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from kinetix.errors import KinetixError
+
+if TYPE_CHECKING:
+    from kinetix.training.imitation.teach import Yield
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Teach:
+    """Search random levels for wins and keep them, for `kinetix train bc`."""
+
+    size: str
+    """s, m, l, locomotion, or polygons with the arena, circles, joints, thrusters: 12,4,6,2."""
+    count: int
+    """How many levels shall be won, those that are there included."""
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    """Folder of the data set."""
+    seed: int = 0
+    """Equal seeds give equal levels."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    rounds: int = 6
+    """Rounds of search after which a level is given up."""
+    batch: int = 32
+    """Levels that are searched at once: a divisor of 256."""
+    copies: int = 2
+    """Perturbed starts per level that are tried with its plan; those that it wins too are kept."""
+    cores: int | None = None
+    """Processor cores to use (KINETIX_CORES, else all)."""
+
+
+def run(command: Teach) -> int:
+    """Search until enough levels are won; 0 when they are."""
+    # Imported here, so that a wrong command line fails before JAX loads.
+    from kinetix.training.imitation.teach import TeachConfig, teach
+
+    if command.count < 1:
+        raise KinetixError(f"--count {command.count}: expected at least 1")
+    config = TeachConfig(
+        size=command.size,
+        seed=command.seed,
+        physics=command.physics,
+        rounds=command.rounds,
+        batch=command.batch,
+        copies=command.copies,
+    )
+    done = teach(config, command.count, command.out, report=_report)
+    print(f"{command.out}: {_told(done)}")
+    return 0
+
+
+def _report(so_far: "Yield") -> None:
+    print(_told(so_far), file=sys.stderr, flush=True)
+
+
+def _told(so_far: "Yield") -> str:
+    return (
+        f"{so_far.won} of {so_far.levels} levels won ({so_far.share:.0%} of those that doing "
+        f"nothing does not win), {so_far.episodes} episodes, {so_far.steps:,} steps, "
+        f"{so_far.seconds_per_win:.2f} s a win"
+    )

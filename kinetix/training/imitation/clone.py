@@ -1,0 +1,187 @@
+"""Behavioural cloning: the likelihood of what a teacher did, and a critic on what it got."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from flax import linen as nn
+from jaxtyping import Array, Bool, Float, Int
+
+from kinetix.agents.agent import Agent
+from kinetix.agents.networks.distributions import MultiCategorical
+from kinetix.agents.networks.recurrent import initial_carry
+from kinetix.agents.normalisation import Normalisation, normalise, update
+from kinetix.pytree import pytree
+from kinetix.training.config import BcConfig
+from kinetix.training.imitation.lessons import Lessons, played_again, state_at
+from kinetix.training.imitation.sources import demonstrations
+from kinetix.training.ppo.update import Learner
+from kinetix.training.setup import Setup, make_setup
+
+_SAMPLE = 4096
+"""Moments of which the statistics of observations are taken."""
+
+
+@pytree
+class CloneState:
+    """Everything that an update changes."""
+
+    learner: Learner
+    statistics: Normalisation | None
+    key: Array
+
+
+class Clone:
+    """Learns from demonstrations; an update is `num_minibatches` gradient steps."""
+
+    def __init__(self, config: BcConfig, teacher: Agent | None = None) -> None:
+        """Play the demonstrations again; no gradient step is compiled yet.
+
+        Args:
+            config: The configuration, already checked.
+            teacher: The agent to start from.
+
+        Raises:
+            KinetixError: There is nothing to learn from.
+        """
+        steps = config.num_updates * config.num_minibatches
+        self.setup: Setup = make_setup(config, gradient_steps=steps, teacher=teacher)
+        self._config, self._teacher = config, teacher
+        env = self.setup.env
+        episodes = demonstrations(config.data, env.static_env_params)
+        random = np.random.default_rng(config.seed)
+        random.shuffle(episodes)  # pyright: ignore[reportArgumentType]
+        self.played = played_again(env, episodes, gamma=config.gamma)
+        lessons = self.played.lessons
+        # Whole episodes are kept back: moments of one episode are much alike.
+        kept_back = lessons.episode < int(config.held_out * self.played.episodes)
+        self._train_rows = np.flatnonzero(~kept_back)
+        self._held_out = np.flatnonzero(kept_back)
+        self._lessons = jax.device_put(lessons)
+        self._update = jax.jit(self._one_update)
+        self._judge = jax.jit(self._measured)
+
+    def start(self) -> CloneState:
+        """The state before the first update."""
+        key, learner_key, rows_key = jax.random.split(jax.random.PRNGKey(self._config.seed), 3)
+        statistics = self.setup.start_statistics(self._teacher)
+        if statistics is not None:
+            rows = jax.random.choice(rows_key, jnp.asarray(self._train_rows), (_SAMPLE,))
+            seen = jax.vmap(self.setup.env.get_obs)(state_at(self._lessons, rows))
+            statistics = update(statistics, jax.tree.map(lambda x: x[None], seen))
+        learner = self.setup.start_learner(learner_key, self._teacher)
+        return CloneState(learner=learner, statistics=statistics, key=key)
+
+    def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
+        """Learn from some minibatches.
+
+        Args:
+            state: From `start` or the last update.
+
+        Returns:
+            The next state, and metrics.
+        """
+        config = self._config
+        key, rows_key = jax.random.split(state.key)
+        shape = (config.num_minibatches, config.minibatch_size)
+        rows = jax.random.choice(rows_key, jnp.asarray(self._train_rows), shape)
+        learner, report = self._update(self._lessons, state.learner, state.statistics, rows)
+        if len(self._held_out):
+            chosen = np.resize(self._held_out, config.minibatch_size)
+            judged = self._judge(self._lessons, learner, state.statistics, jnp.asarray(chosen))
+            report |= {f"held_out/{name}": value for name, value in judged.items()}
+        return CloneState(learner=learner, statistics=state.statistics, key=key), report
+
+    def _one_update(
+        self,
+        lessons: Lessons,
+        learner: Learner,
+        statistics: Normalisation | None,
+        rows: Int[Array, "m n"],
+    ) -> tuple[Learner, dict[str, Array]]:
+        def gradient_step(
+            learner: Learner, rows: Int[Array, " n"]
+        ) -> tuple[Learner, dict[str, Array]]:
+            differentiate = jax.value_and_grad(self._loss, has_aux=True)
+            (_, report), gradient = differentiate(learner.params, lessons, statistics, rows)
+            report["loss/grad_norm"] = optax.tree.norm(gradient)
+            change, state = self.setup.optimiser.update(gradient, learner.optimiser, learner.params)
+            params = optax.apply_updates(learner.params, change)
+            return dataclasses.replace(learner, params=params, optimiser=state), report
+
+        learner, reports = jax.lax.scan(gradient_step, learner, rows)
+        return learner, jax.tree.map(jnp.mean, reports)
+
+    def _measured(
+        self,
+        lessons: Lessons,
+        learner: Learner,
+        statistics: Normalisation | None,
+        rows: Int[Array, " n"],
+    ) -> dict[str, Array]:
+        return self._loss(learner.params, lessons, statistics, rows)[1]
+
+    def _loss(
+        self,
+        params: Any,
+        lessons: Lessons,
+        statistics: Normalisation | None,
+        rows: Int[Array, " n"],
+    ) -> tuple[Array, dict[str, Array]]:
+        config = self._config
+        states = state_at(lessons, rows)
+        observation = normalise(statistics, jax.vmap(self.setup.env.get_obs)(states))
+        live = self.setup.game.live_controls(states)
+        policy, value = _said(self.setup.game.network, params, observation, len(rows))
+        action = lessons.action[rows]
+        loss, agreement = imitation_loss(policy, action, live, smoothing=config.label_smoothing)
+        critic = 0.5 * jnp.mean((value - lessons.worth[rows]) ** 2)
+        report = {
+            "loss/total": loss + config.vf_coef * critic,
+            "loss/policy": loss,
+            "loss/value": critic,
+            "loss/entropy": jnp.mean(policy.restricted(live).entropy()),
+            "loss/agreement": agreement,
+        }
+        return report["loss/total"], report
+
+
+def _said(
+    network: nn.Module, params: Any, observation: Any, count: int
+) -> tuple[MultiCategorical, Float[Array, " n"]]:
+    """What a network says of moments that it has no memory of."""
+    inputs = (jax.tree.map(lambda x: x[None], observation), jnp.ones((1, count), bool))
+    output: Any = network.apply(params, initial_carry(count), inputs)
+    _, policy, value = output
+    return policy.replace(logits=policy.logits[0]), value[0]
+
+
+def imitation_loss(
+    policy: MultiCategorical,
+    action: Int[Array, "n u"],
+    live: Bool[Array, "n u"],
+    *,
+    smoothing: float,
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Return the cross-entropy per live control, and how often the likeliest choice is the same.
+
+    Args:
+        policy: What the network says.
+        action: What the teacher did.
+        live: Controls that drive anything; the others say nothing about the policy.
+        smoothing: Share of the target that is spread evenly over all choices, as a plan's choice
+            is often one of several that are as good.
+    """
+    loss = jnp.zeros(action.shape[0])
+    same = jnp.zeros(action.shape[0])
+    for index, part in enumerate(policy.log_probs()):
+        chosen = jax.nn.one_hot(action[:, index], part.shape[-1])
+        target = (1 - smoothing) * chosen + smoothing / part.shape[-1]
+        loss -= jnp.where(live[:, index], jnp.sum(target * part, axis=-1), 0.0)
+        agrees = jnp.argmax(part, axis=-1) == action[:, index]
+        same += jnp.where(live[:, index], agrees, False)
+    controls = jnp.maximum(jnp.sum(live), 1)
+    return jnp.sum(loss) / controls, jnp.sum(same) / controls

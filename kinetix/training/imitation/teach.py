@@ -1,0 +1,258 @@
+"""A data set of wins on random levels: searched in batches, written in shards, resumable."""
+
+import dataclasses
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import msgspec
+import numpy as np
+
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.generators.filters import noop_solved
+from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
+from kinetix.environment.reset import make_reset_fn_sample_kinetix_level
+from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
+from kinetix.files.json_text import read_object
+from kinetix.files.lock import locked_folder
+from kinetix.level.atomic import write_atomically
+from kinetix.level.sizes import parse_capacity
+from kinetix.training.imitation.records import Demonstration, Origin, write_shard
+from kinetix.training.imitation.teacher import (
+    ELITE,
+    LENGTH,
+    kicked,
+    search_round,
+    wins_again,
+)
+
+PROGRESS: Final = "teach.json"
+SHARD: Final = 256
+"""Levels that are drawn, searched and written together."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class TeachConfig:
+    """What is searched, and how hard."""
+
+    size: str
+    """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
+    seed: int = 0
+    """Equal seeds give equal levels."""
+    physics: str = "balanced"
+    """Physics preset or solver."""
+    rounds: int = 6
+    """Rounds after which a level is given up."""
+    batch: int = 32
+    """Levels that are searched at once."""
+    copies: int = 2
+    """Perturbed starts per level that are tried besides; those that its plan wins too are kept."""
+
+    def check(self) -> None:
+        """Refuse what cannot work.
+
+        Raises:
+            KinetixError: One sentence that names the field.
+        """
+        for name, least in (("rounds", 1), ("batch", 1), ("copies", 0)):
+            if getattr(self, name) < least:
+                raise KinetixError(f"{name}: expected at least {least}, got {getattr(self, name)}")
+        if SHARD % self.batch:
+            raise KinetixError(f"batch: expected a divisor of {SHARD}, got {self.batch}")
+
+
+class Yield(msgspec.Struct, frozen=True, kw_only=True):
+    """What came of the levels so far."""
+
+    levels: int = 0
+    """Levels drawn."""
+    trivial: int = 0
+    """Of them, won by doing nothing: left out."""
+    won: int = 0
+    """Levels that were won by search, each with at least one episode in the data."""
+    episodes: int = 0
+    """Episodes written: those of perturbed starts count too."""
+    steps: int = 0
+    """Environment steps of these."""
+    shards: int = 0
+    seconds: float = 0.0
+    """Of searching."""
+
+    @property
+    def share(self) -> float:
+        """How many of the levels that are not trivial were won."""
+        return self.won / max(self.levels - self.trivial, 1)
+
+    @property
+    def seconds_per_win(self) -> float:
+        """Seconds of search per level won."""
+        return self.seconds / max(self.won, 1)
+
+
+def teach(
+    config: TeachConfig,
+    count: int,
+    out: Path,
+    *,
+    report: Callable[[Yield], None] = lambda so_far: None,
+) -> Yield:
+    """Search random levels until so many are won; what is there already counts.
+
+    Args:
+        config: What is searched.
+        count: How many levels shall be won.
+        out: Folder of the data set; the same one goes on where it stopped.
+        report: Called after every shard.
+
+    Raises:
+        KinetixError: The folder holds something else, or data of other settings.
+    """
+    config.check()
+    out.mkdir(parents=True, exist_ok=True)
+    with locked_folder(out, "another teacher"):
+        so_far = _resumed(config, out)
+        if so_far.won >= count:
+            return so_far
+        search = _Search(config)
+        while so_far.won < count:
+            began = time.monotonic()
+            found, told = search.shard(so_far.shards)
+            if found:
+                path = out / f"wins_{so_far.shards:06d}.npz"
+                write_shard(path, search.origin, found)
+            so_far = Yield(
+                levels=so_far.levels + SHARD,
+                trivial=so_far.trivial + told["trivial"],
+                won=so_far.won + told["won"],
+                episodes=so_far.episodes + len(found),
+                steps=so_far.steps + sum(len(each.actions) for each in found),
+                shards=so_far.shards + 1,
+                seconds=so_far.seconds + time.monotonic() - began,
+            )
+            _note(config, so_far, out)
+            report(so_far)
+    return so_far
+
+
+def _note(config: TeachConfig, so_far: Yield, out: Path) -> None:
+    content = {"settings": dataclasses.asdict(config), "yield": msgspec.to_builtins(so_far)}
+    write_atomically(out / PROGRESS, (json.dumps(content, indent=2) + "\n").encode())
+
+
+def _resumed(config: TeachConfig, out: Path) -> Yield:
+    path = out / PROGRESS
+    if not path.is_file():
+        if any(not entry.name.startswith(".") for entry in out.iterdir()):
+            raise KinetixError(f"{out}: is not empty and holds no data of a teacher")
+        return Yield()
+    content = read_object(path, "run")
+    for name, value in dataclasses.asdict(config).items():
+        before = content.get("settings", {}).get(name)
+        if before != value:
+            raise KinetixError(
+                f"{path}: this data set was begun with {name} = {json.dumps(before)}, now it is "
+                f"{json.dumps(value)}; choose another folder"
+            )
+    try:
+        return msgspec.convert(content.get("yield"), Yield)
+    except msgspec.ValidationError as error:
+        raise KinetixError(f"{path}: $.yield: {error}") from None
+
+
+class _Search:
+    """Draws levels and searches them, a shard's worth at a time."""
+
+    def __init__(self, config: TeachConfig) -> None:
+        self._config = config
+        capacity = parse_capacity(config.size)
+        self.origin = Origin(capacity=capacity, physics=config.physics, frame_skip=LEVEL_FRAME_SKIP)
+        static = static_env_params_of(capacity, physics=config.physics)
+        env = make_kinetix_env(
+            ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
+        )
+        assert isinstance(env, KinetixEnv)
+        self._env = env
+        reset = make_reset_fn_sample_kinetix_level(EnvParams(), static)
+        self._draw = jax.jit(jax.vmap(reset))
+
+    def shard(self, index: int) -> tuple[list[Demonstration], dict[str, int]]:
+        """Search the levels of a shard.
+
+        Returns:
+            Episodes, and counts of levels: `trivial` and `won`.
+        """
+        key = jax.random.fold_in(jax.random.PRNGKey(self._config.seed), index)
+        levels = self._draw(jax.random.split(key, SHARD))
+        trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
+        levels = jax.tree.map(np.asarray, levels)
+        todo = np.flatnonzero(~trivial)
+        plans, rounds = self._searched(levels, todo, key)
+        random = np.random.default_rng((self._config.seed, index))
+        found = self._proven(levels, plans, rounds, random, index * SHARD)
+        won = len({episode.number for episode in found})
+        return found, {"trivial": int(trivial.sum()), "won": won}
+
+    def _searched(
+        self, levels: EnvState, todo: np.ndarray, key: Any
+    ) -> tuple[dict[int, np.ndarray], dict[int, int]]:
+        """Winning plans and rounds by level: a place that is done takes the next level."""
+        places = np.resize(todo, self._config.batch)
+        waiting = list(todo[self._config.batch :])
+        active = np.arange(len(places)) < len(todo)
+        age = np.zeros(len(places), int)
+        elite = np.zeros((len(places), ELITE, LENGTH, 6), np.int8)
+        plans: dict[int, np.ndarray] = {}
+        rounds: dict[int, int] = {}
+        turn = 0
+        while active.any():
+            states = jax.tree.map(lambda x: x[places], levels)
+            turn += 1
+            result = search_round(self._env, states, elite, jax.random.fold_in(key, turn))
+            elite, won = np.array(result.elite), np.asarray(result.won)
+            age += 1
+            for k in np.flatnonzero(active & (won | (age >= self._config.rounds))):
+                if won[k]:
+                    plans[int(places[k])] = elite[k, 0]
+                    rounds[int(places[k])] = int(age[k])
+                elite[k], age[k] = 0, 0
+                active[k] = bool(waiting)
+                if waiting:
+                    places[k] = waiting.pop(0)
+        return plans, rounds
+
+    def _proven(
+        self,
+        levels: EnvState,
+        plans: dict[int, np.ndarray],
+        rounds: dict[int, int],
+        random: np.random.Generator,
+        first: int,
+    ) -> list[Demonstration]:
+        """Episodes of the plans that win when they are played again, perturbed starts last."""
+        if not plans:
+            return []
+        # Always as many rows: one compilation.
+        chosen = np.resize(np.array(list(plans), int), SHARD)
+        counted = np.arange(SHARD) < len(plans)
+        rows = np.stack([plans[int(k)] for k in chosen])
+        found: list[Demonstration] = []
+        again = jax.tree.map(lambda x: x[chosen], levels)
+        for copy in range(self._config.copies + 1):
+            states = again if copy == 0 else kicked(again, random)
+            won, steps = (np.asarray(x) for x in wins_again(self._env, states, jnp.asarray(rows)))
+            found += [
+                Demonstration(
+                    state=jax.tree.map(lambda x, k=k: np.asarray(x[k]), states),
+                    actions=rows[k, : steps[k]],
+                    number=first + int(chosen[k]),
+                    rounds=rounds[int(chosen[k])],
+                )
+                for k in np.flatnonzero(won & counted)
+            ]
+        return found
