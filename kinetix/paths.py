@@ -29,6 +29,11 @@ def user_levels_dir() -> Path:
     return Path(platformdirs.user_documents_dir()) / "Kinetix"
 
 
+def user_agents_dir() -> Path:
+    """Folder in which agents that the editor trains are put; it need not exist."""
+    return Path(platformdirs.user_data_dir(_APP, appauthor=False)) / "agents"
+
+
 def cache_dir() -> Path:
     """Folder for what can be made anew (compiled functions, thumbnails)."""
     return Path(platformdirs.user_cache_dir(_APP, appauthor=False))

@@ -10,7 +10,7 @@ from typing import Literal, get_args
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
 
-Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr"]
+Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr", "bc"]
 LevelMode = Literal["random", "random_all", "locomotion", "empty", "list"]
 ObservationName = Literal[
     "symbolic_entity", "symbolic_flat", "symbolic_flat_padded", "pixels", "blind"
@@ -30,7 +30,15 @@ _LEAST = {
         *("buffer_update_frequency", "rollout_episodes", "outer_rollout_steps"),
         *("level_buffer_capacity", "topk_k"),
     ),
-    0: ("eval_freq", "video_frequency", "eval_sampled_levels", "level_filter_n_steps", "num_edits"),
+    0: (
+        "eval_freq",
+        "video_frequency",
+        "eval_sampled_levels",
+        "level_filter_n_steps",
+        "num_edits",
+        "critic_warmup",
+        "teacher_coef",
+    ),
 }
 """The least that numbers may be, where a configuration has them."""
 
@@ -48,6 +56,9 @@ class PpoConfig:
     list."""
     levels: tuple[str, ...] = ()
     """Folders, files, names or sets of levels; implies the mode `list`."""
+    demo_starts: float = 0.0
+    """Share of the episodes that begin somewhere on the way of a win of `levels`: the recorded
+    solution, or one that is searched for."""
     physics: str = "balanced"
     """Physics preset or solver."""
     parity: Literal["kinetix-3"] | None = None
@@ -97,6 +108,13 @@ class PpoConfig:
     """Weight of the entropy bonus."""
     vf_coef: float = 0.5
     """Weight of the value loss."""
+    teacher_coef: float = 0.0
+    """Weight of the divergence from the agent of `--from`, which keeps what it can do; 0: none."""
+    teacher_frac: float = 0.5
+    """Share of the training over which that weight falls to 0 (at once, where it is 0)."""
+    critic_warmup: int = 0
+    """Updates, after `--from`, in which the critic alone learns: one from imitation knows wins
+    only."""
     total_timesteps: int = 10_737_418_240
     """Environment steps in all. A larger number makes a run longer; where its learning rate falls,
     it goes on as in a run of the new length."""
@@ -175,6 +193,23 @@ class PpoConfig:
         for least, names in _LEAST.items():
             for name in names:
                 _check_number(name, getattr(self, name, least), least)
+        if not 0 <= self.demo_starts <= 1 or (self.demo_starts and self.level_mode != "list"):
+            raise KinetixError(
+                f"demo_starts: expected 0 … 1, and levels to begin on, got {self.demo_starts} for "
+                f"{self.level_mode} levels"
+            )
+        self._check_minibatches()
+        if self.anneal_lr and self.warmup_lr:
+            raise KinetixError("anneal_lr and warmup_lr: choose one of them")
+        if self.num_updates < 1:
+            raise KinetixError(
+                f"total_timesteps = {self.total_timesteps} is less than one update of "
+                f"num_steps × num_train_envs = {self.steps_per_update}"
+            )
+        if self.level_mode == "list" and not self.levels:
+            raise KinetixError("level_mode = 'list' needs levels")
+
+    def _check_minibatches(self) -> None:
         units = self.num_train_envs
         if self.full_minibatch_shuffle:
             if self.network.recurrent_model:
@@ -185,15 +220,6 @@ class PpoConfig:
                 f"num_minibatches = {self.num_minibatches} must divide num_train_envs = "
                 f"{self.num_train_envs}"
             )
-        if self.anneal_lr and self.warmup_lr:
-            raise KinetixError("anneal_lr and warmup_lr: choose one of them")
-        if self.num_updates < 1:
-            raise KinetixError(
-                f"total_timesteps = {self.total_timesteps} is less than one update of "
-                f"num_steps × num_train_envs = {self.steps_per_update}"
-            )
-        if self.level_mode == "list" and not self.levels:
-            raise KinetixError("level_mode = 'list' needs levels")
 
     @property
     def only_listed(self) -> bool:
@@ -306,7 +332,55 @@ class ReplayConfig(PpoConfig):
         return super().only_listed and not self.use_accel
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class BcConfig(PpoConfig):
+    """Behavioural cloning: learn what was done in wins."""
+
+    data: tuple[str, ...] = ()
+    """Folders of `kinetix teach`, `.npz` files, levels with a recorded solution."""
+    learning_rate: float = 5e-4
+    """Step size of Adam, where it is constant or falls linearly."""
+    minibatch_size: int = 1024
+    """Moments of a gradient step."""
+    label_smoothing: float = 0.05
+    """Share of the target that is spread over all choices."""
+    held_out: float = 0.05
+    """Share of the episodes that is measured and not learnt from."""
+    total_timesteps: int = 8_388_608
+    """Moments in all, repetitions included."""
+
+    @property
+    def steps_per_update(self) -> int:
+        """Moments of one update."""
+        return self.minibatch_size * self.num_minibatches
+
+    def fits_devices(self, devices: int) -> bool:
+        """One device learns."""
+        return devices == 1
+
+    def check(self) -> None:
+        """See `PpoConfig.check`."""
+        super().check()
+        if not self.data:
+            raise KinetixError(
+                "data: expected demonstrations: a folder of `kinetix teach`, episodes that the "
+                "editor exported, or levels with a recorded solution"
+            )
+        if self.action_type != "multi_discrete":
+            raise KinetixError(
+                f"action_type: demonstrations are multi_discrete, got {self.action_type!r}"
+            )
+        if self.network.recurrent_model:
+            raise KinetixError("recurrent_model: imitation learns from single moments")
+        if self.minibatch_size < 1:
+            raise KinetixError(f"minibatch_size: expected at least 1, got {self.minibatch_size}")
+        for name in ("label_smoothing", "held_out"):
+            if not 0 <= getattr(self, name) < 1:
+                raise KinetixError(f"{name}: expected 0 … below 1, got {getattr(self, name)}")
+
+
 CONFIGS: dict[str, type[PpoConfig]] = {
+    "bc": BcConfig,
     "ppo": PpoConfig,
     "sfl": SflConfig,
     "plr": ReplayConfig,
@@ -326,6 +400,8 @@ def algorithm_of(config: PpoConfig) -> str:
     """Return the name of the algorithm that a configuration is for."""
     if isinstance(config, SflConfig):
         return "sfl"
+    if isinstance(config, BcConfig):
+        return "bc"
     if isinstance(config, ReplayConfig):
         if config.use_accel:
             return "accel"

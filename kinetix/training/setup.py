@@ -44,6 +44,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.sets import SetLevel, gather_levels, part_of
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.devices import check_divisible
+from kinetix.training.imitation.starts import beginning_on_the_way, starts_on_the_way
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
 from kinetix.training.ppo.update import Learner, learn
 from kinetix.training.schedule import make_optimiser
@@ -133,7 +134,11 @@ class Setup:
         """
         tree = init_parameters(self.card, key) if teacher is None else teacher.params["params"]
         params = {"params": tree}
-        return Learner(params=params, optimiser=self.optimiser.init(params))
+        learner = Learner(params=params, optimiser=self.optimiser.init(params))
+        if not (self.config.teacher_coef or self.config.critic_warmup):
+            return learner
+        kept = jax.tree.map(jnp.copy, params) if self.config.teacher_coef else None
+        return dataclasses.replace(learner, teacher=kept, age=jnp.zeros((), jnp.int32))
 
     def start_statistics(self, teacher: Agent | None) -> Normalisation | None:
         """Statistics of observations, where they are normalised.
@@ -231,6 +236,10 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         keep_terminal_observation=config.bootstrap_on_timeout,
         parity=config.parity,
     )
+    if config.demo_starts and not config.dummy_env:
+        moments = starts_on_the_way(listed, env)
+        on_the_way = beginning_on_the_way(env.reset_fn, moments, config.demo_starts)
+        env = dataclasses.replace(env, reset_fn=on_the_way)
     observations = observations_of_card(card, env_params, env.static_env_params)
     env = dataclasses.replace(env, observations=observations)
     if config.dummy_env:

@@ -136,3 +136,89 @@ def test_controls_that_a_level_lacks_are_neither_learnt_nor_counted():
     bias, report = _learnt([True] * 6)
     assert np.all(bias)
     assert float(report["loss/entropy"]) == pytest.approx(4 * np.log(3) + 2 * np.log(2), abs=0.05)
+
+
+def _one_update(config, **more):
+    """Losses of one update, and how far the policy's parameters moved."""
+    head = action_head("multi_discrete")
+    network = build_network(NetworkConfig(kind="flat_mlp", actor_depth=1, critic_depth=1), head)
+    observation = jax.random.normal(jax.random.key(0), (8, 4, 5))
+    inputs = (observation, jnp.zeros((8, 4), bool))
+    params = network.init(jax.random.key(1), initial_carry(4), inputs)
+    _, policy, value = network.apply(params, initial_carry(4), inputs)
+    action = policy.sample(jax.random.key(2))
+    live = jnp.ones((8, 4, 6), bool)
+    no, zero = jnp.zeros((8, 4), bool), jnp.zeros((8, 4))
+    played = Rollout(
+        trajectory=Trajectory(
+            observation=observation,
+            action=action,
+            live=live,
+            log_prob=policy.log_prob(action),
+            value=value,
+            reward=jax.random.normal(jax.random.key(3), (8, 4)),
+            begins=no,
+            done=no,
+            solved=no,
+            bad=no,
+            episode_return=zero,
+            episode_length=zero.astype(jnp.int32),
+        ),
+        last_value=jnp.zeros(4),
+        carry=initial_carry(4),
+    )
+    optimiser = optax.adam(1e-2)
+    learner = Learner(params=params, optimiser=optimiser.init(params), **more)
+    after, report = learn(config, network, optimiser, learner, played, jax.random.key(4))
+    moved = jax.tree.map(lambda a, b: jnp.abs(a - b).max(), after.params, params)
+    return params, after, report, moved["params"]
+
+
+def test_while_the_critic_warms_up_the_policy_stays():
+    config = PpoConfig(num_train_envs=4, num_steps=8, num_minibatches=1, critic_warmup=1)
+    name = "GeneralActorCriticRNN_0"
+    _, after, _, moved = _one_update(config, age=jnp.int32(0))
+    assert float(moved[name]["Dense_0"]["kernel"]) == 0
+    assert float(moved[name]["Dense_1"]["kernel"]) > 0
+    assert int(after.age) == 1
+    _, _, _, moved = _one_update(config, age=jnp.int32(1))
+    assert float(moved[name]["Dense_0"]["kernel"]) > 0
+
+
+def test_the_teacher_pulls_less_and_less():
+    config = PpoConfig(
+        num_train_envs=4,
+        num_steps=8,
+        num_minibatches=1,
+        update_epochs=40,
+        teacher_coef=20.0,
+        total_timesteps=8 * 4 * 10,
+    )
+    params, *_ = _one_update(config)
+
+    def strayed(age):
+        _, _, report, _ = _one_update(config, teacher=params, age=jnp.int32(age))
+        return float(report["loss/from_teacher"])
+
+    assert strayed(0) < 0.5 * strayed(5)
+    # Half of the ten updates are over: nothing pulls any more.
+    assert strayed(5) == strayed(9)
+
+
+def test_divergences_are_those_of_the_textbook():
+    head = action_head("multi_discrete")
+    a, b = jax.random.normal(jax.random.key(0), (2, 16))
+    own, other = head(a, None), head(b, None)
+    p, q = jax.nn.softmax(a[:3]), jax.nn.softmax(b[:3])
+    live = jnp.array([True, False, False, False, False, False])
+    wanted = jnp.sum(p * jnp.log(p / q))
+    np.testing.assert_allclose(own.restricted(live).divergence(other), wanted, rtol=1e-5)
+    np.testing.assert_allclose(own.divergence(own), 0.0, atol=1e-6)
+    head = action_head("continuous")
+    own, other = head(a[:6], jnp.zeros(6)), head(b[:6], jnp.full(6, 0.5))
+    each = 0.5 + 0.5 * ((1 + (a[:6] - b[:6]) ** 2) / jnp.exp(1.0) - 1)
+    np.testing.assert_allclose(own.divergence(other), jnp.sum(each), rtol=1e-5)
+    head = action_head("discrete")
+    own, other = head(a[:11], None), head(b[:11], None)
+    p, q = jax.nn.softmax(a[:11]), jax.nn.softmax(b[:11])
+    np.testing.assert_allclose(own.divergence(other), jnp.sum(p * jnp.log(p / q)), rtol=1e-5)

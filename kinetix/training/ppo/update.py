@@ -1,5 +1,6 @@
 """Learning from one rollout: epochs of minibatches."""
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -43,6 +44,10 @@ class Learner:
     """Variables of the network, with the root "params"."""
     optimiser: Any
     """State of the optimiser."""
+    teacher: Any = None
+    """Variables of the agent that it must not leave too soon; None: it may."""
+    age: Int[Array, ""] | None = None
+    """Updates so far, where that matters."""
 
 
 def learn(
@@ -100,13 +105,13 @@ def _learn(
         part, part_carry, dropout_key = inputs
         differentiate = jax.value_and_grad(_loss, argnums=2, has_aux=True)
         (_, report), gradient = differentiate(
-            config, network, learner.params, part, part_carry, dropout_key
+            config, network, learner.params, part, part_carry, dropout_key, learner
         )
         gradient, report = average((gradient, report))
         report["loss/grad_norm"] = optax.tree.norm(gradient)
         change, state = optimiser.update(gradient, learner.optimiser, learner.params)
         params = optax.apply_updates(learner.params, change)
-        return Learner(params=params, optimiser=state), report
+        return dataclasses.replace(learner, params=params, optimiser=state), report
 
     def epoch(learner: Learner, key: Array) -> tuple[Learner, dict[str, Array]]:
         shuffle_key, dropout_key = jax.random.split(key)
@@ -115,11 +120,19 @@ def _learn(
         return jax.lax.scan(gradient_step, learner, (parts, carries, keys))
 
     learner, reports = jax.lax.scan(epoch, learner, jax.random.split(key, config.update_epochs))
+    if learner.age is not None:
+        learner = dataclasses.replace(learner, age=learner.age + 1)
     return learner, jax.tree.map(jnp.mean, reports)
 
 
 def _loss(
-    config: PpoConfig, network: nn.Module, params: Any, batch: Batch, carry: Carry, key: Array
+    config: PpoConfig,
+    network: nn.Module,
+    params: Any,
+    batch: Batch,
+    carry: Carry,
+    key: Array,
+    learner: Learner,
 ) -> tuple[Array, dict[str, Array]]:
     old = batch.trajectory
     output: Any = network.apply(
@@ -131,7 +144,15 @@ def _loss(
     actor = policy_loss(log_prob, old.log_prob, batch.advantage, clip_eps=config.clip_eps)
     critic = value_loss(value, old.value, batch.target, clip_eps=config.clip_eps)
     entropy = jnp.mean(policy.entropy())
-    total = actor + config.vf_coef * critic - config.ent_coef * entropy
+    acting = actor - config.ent_coef * entropy
+    pull: Array | None = None
+    if learner.teacher is not None and config.teacher_coef:
+        said: Any = network.apply(learner.teacher, carry, (old.observation, old.begins))
+        pull = jnp.mean(said[1].restricted(old.live).divergence(policy))
+        acting = acting + _teacher_weight(config, learner) * pull
+    if learner.age is not None:
+        acting = jnp.where(learner.age < config.critic_warmup, 0.0, acting)
+    total = acting + config.vf_coef * critic
     ratio = jnp.exp(log_prob - old.log_prob)
     report = {
         "loss/total": total,
@@ -142,7 +163,15 @@ def _loss(
         "loss/approx_kl": jnp.mean(ratio - 1.0 - jnp.log(ratio)),
         "loss/clip_fraction": jnp.mean(jnp.abs(ratio - 1.0) > config.clip_eps),
     }
-    return total, report
+    return total, report if pull is None else report | {"loss/from_teacher": pull}
+
+
+def _teacher_weight(config: PpoConfig, learner: Learner) -> Float[Array, ""]:
+    """The weight of the teacher's pull: it falls to 0 once the critic has warmed up."""
+    assert learner.age is not None
+    updates = max(config.teacher_frac * config.num_updates, 1.0)
+    done = jnp.maximum(learner.age - config.critic_warmup, 0) / updates
+    return config.teacher_coef * jnp.maximum(1.0 - done, 0.0)
 
 
 def _minibatches(
