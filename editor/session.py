@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
+from editor.agents.local_training import LocalTraining
 from editor.agents.random_play import Trial
 from editor.agents.viewer import Viewer
 from editor.base import controls
@@ -169,6 +170,8 @@ class Session:
         """Motion between two steps."""
         self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
         """The agents, and how they are watched."""
+        self.training = LocalTraining()
+        """What is trained on the level in front."""
         self.trial = Trial(self.evaluator)
         """Findings about the level without a plan."""
         self.quick = False

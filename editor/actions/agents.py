@@ -5,20 +5,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.agents.viewer import AgentSlot, Compare, SlotName
+from editor.agents.viewer import AgentSlot, Compare, SlotName, mismatch
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.play.playback import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.recording import Action
 from editor.worker.requests import (
-    SCRIPTED,
+    BUILT_IN,
+    PLANNER,
     LoadAgent,
     Rehearse,
 )
 from kinetix.agents.card import read_card
 from kinetix.errors import CheckpointError, CommandError
-from kinetix.paths import checkpoints_dir
+from kinetix.paths import checkpoints_dir, user_agents_dir
 
 RECENT_AGENTS: Final = 8
 _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
@@ -93,12 +94,17 @@ def known_agents(session: Session) -> list[tuple[str, str]]:
         for folder in sorted(checkpoints_dir().glob("*"))
         if is_agent_folder(folder)
     ]
+    found += [
+        (str(folder), folder.name)
+        for folder in sorted(user_agents_dir().glob("*"))
+        if is_agent_folder(folder)
+    ]
     recent = [
         (path, Path(path).name)
         for path in session.settings.recent_agents
         if is_agent_folder(Path(path)) and path not in dict(found)
     ]
-    return [*found, *recent, *((name, name) for name in SCRIPTED)]
+    return [*found, *recent, *((name, name) for name in BUILT_IN)]
 
 
 def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
@@ -148,11 +154,11 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         if before.ref != summary.ref:
             session.toast(f"{summary.name}: newer parameters loaded.", "success")
         return
-    if slot == "a" and summary.ref.path not in SCRIPTED:
+    if slot == "a" and summary.ref.path not in BUILT_IN:
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
-    if path not in SCRIPTED and run_of(Path(path)) is None:
+    if path not in BUILT_IN and run_of(Path(path)) is None:
         recents = [path, *(other for other in session.settings.recent_agents if other != path)]
         session.settings.recent_agents = recents[:RECENT_AGENTS]
     use = "F6 lets it play." if slot == "a" else "It can be compared with agent A, or with you."
@@ -203,8 +209,10 @@ def choose(slot: SlotName) -> Callable[[Session], None]:
 
 
 def _where(path: str) -> str:
-    if path in SCRIPTED:
-        return "scripted"
+    if path in BUILT_IN:
+        return "knows the simulator" if path == PLANNER else "scripted"
+    if Path(path).is_relative_to(user_agents_dir()):
+        return "trained here"
     inside = Path(path).is_relative_to(checkpoints_dir())
     return "comes with the app" if inside else str(Path(path).parent)
 
@@ -234,17 +242,24 @@ def _folder(session: Session) -> Path:
 
 
 def play_agent(session: Session) -> None:
-    """Let agent A play the level, as soon as it is loaded; without one, ask which."""
+    """Let agent A play the level, as soon as it is loaded.
+
+    Where there is none, or it sees one size only and that is not the level's, the planner does.
+    """
     viewer = session.viewer
     if viewer.slots["a"].loading:
         session.expected = viewer.slots["a"].job
         return
-    casting, summary = viewer.casting("a"), viewer.slots["a"].summary
-    if casting is None or summary is None:
-        choose("a")(session)
-        return
     level = session.playback.level if session.playback.active else session.document.level
     assert level is not None
+    casting, summary = viewer.casting("a"), viewer.slots["a"].summary
+    unfit = "" if summary is None or summary.any_size else mismatch(summary, level)
+    if casting is None or summary is None or unfit:
+        if summary is not None:
+            session.toast(f"{summary.name}: {unfit} The planner plays instead.")
+        load_agent(session, PLANNER, "a")
+        session.expected = viewer.slots["a"].job
+        return
     session.leave_play()
     session.gallery.open = False
     session.autosaves.keep(session.document)

@@ -6,7 +6,7 @@ from pathlib import Path
 from editor.actions.agents import known_agents
 from editor.agents.viewer import mismatch
 from editor.session import Session
-from editor.worker.requests import SCRIPTED
+from editor.worker.requests import BUILT_IN
 from kinetix.agents.card import AgentCard, read_card
 from kinetix.errors import CheckpointError
 from kinetix.level.model import Level
@@ -19,12 +19,12 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
     """Names of the agents that can play a level: the app's own, recent and loaded ones."""
     found = []
     for path, label in known_agents(session):
-        card = None if path in SCRIPTED else _card_of(Path(path))
+        card = None if path in BUILT_IN else _card_of(Path(path))
         if card is not None and _plays(card, level):
             found.append(card.name or label)
     for summary in session.viewer.agents:
         able = summary.any_size or not mismatch(summary, level)
-        if able and summary.ref.path not in SCRIPTED:
+        if able and summary.ref.path not in BUILT_IN:
             found.append(summary.name)
     return tuple(dict.fromkeys(found))
 

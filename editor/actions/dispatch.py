@@ -4,7 +4,7 @@ import functools
 from pathlib import Path
 from typing import Final
 
-from editor.actions import address, agents, outside, play, watch
+from editor.actions import address, agents, outside, play, train, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
@@ -258,6 +258,7 @@ def advance(session: Session, seconds: float) -> None:
         session.cues = heard if session.settings.sound else []
     with session.guard():
         watch.update_viewer(session)
+        train.update_training(session)
         play.note_end(session)
     with session.guard():
         session.autosaves.follow(tab.document for tab in session.tabs)

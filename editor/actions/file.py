@@ -395,4 +395,5 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
 def _quit(session: Session) -> None:
     with session.guard():
         session.keeper.save()
+    session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

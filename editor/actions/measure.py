@@ -13,7 +13,7 @@ from editor.play.playback import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import (
-    SCRIPTED,
+    BUILT_IN,
     AgentSummary,
     Casting,
     EvaluatedLevel,
@@ -108,7 +108,7 @@ def ask_contender(session: Session) -> None:
     """Ask for one more agent to measure, or for all checkpoints of a training run."""
     choices = []
     for path, label in known_agents(session):
-        if path in SCRIPTED:
+        if path in BUILT_IN:
             continue
         choices.append(Choice(id=path, label=label))
         if steps_in(Path(path)):

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, TypeAlias
 
 from editor.worker.jobs import Job, JobState, Worker
 from editor.worker.requests import (
-    SCRIPTED,
+    BUILT_IN,
     AgentRef,
     AgentSummary,
     Evaluate,
@@ -84,7 +84,7 @@ def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummar
         provenance: Of a stored comparison's; then its folder is not known.
     """
     return AgentSummary(
-        ref=AgentRef(path=name if name in SCRIPTED else ""),
+        ref=AgentRef(path=name if name in BUILT_IN else ""),
         name=name,
         description="",
         observation="blind",

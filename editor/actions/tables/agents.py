@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import agents, export, look_back, measure, view, watch
+from editor.actions import agents, export, look_back, measure, train, view, watch
 from editor.actions.base import Action, Context, playing
 from editor.agents.viewer import Compare
 
@@ -162,6 +162,24 @@ AGENTS: Final = (
         enabled=lambda session: session.viewer.evaluation.running,
         refusal="No evaluation is running.",
         run=lambda session: session.viewer.evaluation.cancel(),
+    ),
+    Action(
+        id="agent.train_here",
+        label="Train on This Level",
+        menu="Agent",
+        tooltip="Learns the level in the background, from its solution or a win that is found.",
+        enabled=lambda session: not session.training.running,
+        refusal="An agent is being trained already: stop it in the Training panel.",
+        run=train.train_here,
+    ),
+    Action(
+        id="agent.stop_training",
+        label="Stop Training",
+        menu="Agent",
+        tooltip="What was learnt is kept, and can go on.",
+        enabled=lambda session: session.training.running,
+        refusal="Nothing is being trained.",
+        run=train.stop_training,
     ),
     Action(
         id="agent.watch_run",

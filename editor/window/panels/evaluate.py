@@ -18,7 +18,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.worker.requests import SCRIPTED, AgentSummary
+from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.compare import labels_of
 from kinetix.agents.results import EpisodeResult, LevelResult
 from kinetix.paths import levels_dir
@@ -177,7 +177,7 @@ class EvaluatePanel(Panel):
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
         self._who(session)
-        for name in SCRIPTED:
+        for name in BUILT_IN:
             widgets.beside(90, gap=12)
             on = name in form.scripted
             changed, on = widgets.checkbox(session, f"evaluate.{name}", name, on)

@@ -68,6 +68,8 @@ class TrainingPanel(Panel):
                 session.queue("agent.watch_run")
             return
         self._head(session)
+        if session.training.running:
+            self._local(session)
         if run.error:
             widgets.wrapped(run.error, COLOURS.bad)
         if not run.rows:
@@ -108,6 +110,18 @@ class TrainingPanel(Panel):
             viewer.other_runs = ()
             session.queue(lambda: watch.watch_run(session, ""))
         self._looks(session)
+
+    def _local(self, session: "Session") -> None:
+        """What is trained by the app itself: what it says, and a way to end it."""
+        training = session.training
+        if training.run is None or str(training.run) != session.viewer.run.path:
+            return
+        widgets.spinner(7)
+        imgui.same_line(0, px(8))
+        widgets.muted("Ending …" if training.stopping else training.words or "Starting …")
+        widgets.beside(120)
+        if widgets.button(session, "training.end", "Stop training"):
+            session.queue("agent.stop_training")
 
     def _looks(self, session: "Session") -> None:
         """Smoothing, a logarithmic axis, and of several runs one band."""

@@ -24,7 +24,7 @@ from editor.session import Session
 from editor.worker.jobs import Worker
 from editor.worker.recording import Mind, Trace, channels_of
 from editor.worker.requests import (
-    SCRIPTED,
+    BUILT_IN,
     AgentRef,
     AgentSummary,
     Evaluate,
@@ -171,9 +171,9 @@ def with_agent(session, stage):
 
 
 def test_the_scripted_agents_are_those_of_the_package():
-    from kinetix.agents.scripted import SCRIPTED as THEIRS
+    from kinetix.agents.named import BUILT_IN as THEIRS
 
-    assert SCRIPTED == THEIRS
+    assert BUILT_IN == THEIRS
 
 
 def test_loading_an_agent_takes_its_physics_and_gets_ready(with_agent, stage):
@@ -206,12 +206,39 @@ def test_a_dropped_folder_is_an_agent(session, stage, tmp_path):
     assert session.view.front == "agents"
 
 
-def test_f6_without_an_agent_asks_which(session):
-    assert actions.run(session, "run.play_agent")
+def test_agents_are_chosen_from_those_of_the_app_the_planner_and_the_scripted(session):
+    assert actions.run(session, "agent.choose_a")
     assert session.prompts[-1].title == "Agent A"
     ids = [choice.id for choice in session.prompts[-1].choices]
-    assert "random" in ids and "browse" in ids
+    assert "planner" in ids and "random" in ids and "browse" in ids
     assert any(Path(path).name == "goalkeeper" for path in ids)
+
+
+def a_planner():
+    return a_summary("planner", ref=AgentRef(path="planner"), capacity=None, physics="balanced")
+
+
+def test_f6_without_an_agent_lets_the_planner_play(session, stage):
+    stage.agents["planner"] = a_planner()
+    session.playback.physics = "accurate"
+    assert actions.run(session, "run.play_agent")
+    settle(session)
+    assert session.playback.active
+    assert session.playback.player == "planner"
+    # It plays under whatever physics is chosen, and is no agent of the user's.
+    assert session.playback.physics == "accurate"
+    assert session.settings.recent_agents == []
+
+
+def test_where_the_agent_cannot_play_the_level_the_planner_does(session, stage):
+    stage.agents["planner"] = a_planner()
+    stage.agents["/agents/Small"] = a_summary("Small", any_size=False, capacity=(4, 0, 0, 0))
+    agents.load_agent(session, "/agents/Small")
+    settle(session)
+    assert actions.run(session, "run.play_agent")
+    settle(session)
+    assert session.playback.player == "planner"
+    assert any("Small: It cannot play this level" in text for text in texts(session))
 
 
 def test_the_agent_plays_and_the_document_stays(with_agent):

@@ -1,0 +1,70 @@
+"""Train an agent on the level in front: one click, then it shows what it has learnt."""
+
+import re
+from pathlib import Path
+from typing import Final
+
+from editor.actions.agents import load_agent
+from editor.actions.watch import watch_run
+from editor.session import Session
+from kinetix.errors import CommandError
+from kinetix.level.codec import save_level
+from kinetix.level.controls import channels_in_use
+from kinetix.paths import user_agents_dir
+
+_LONGEST: Final = 60
+
+
+def train_here(session: Session) -> None:
+    """Begin to train an agent on the level, in a folder of the user's agents.
+
+    Raises:
+        CommandError: There is nothing to learn, or a training is on.
+    """
+    training, level = session.training, session.document.level
+    if training.running:
+        raise CommandError("An agent is being trained already: stop it in the Training panel.")
+    arena = level.arena
+    walls = (arena.floor, arena.left_wall, arena.right_wall, arena.ceiling)
+    if not {"green", "blue"} <= {body.role for body in (*level.bodies, *walls)}:
+        raise CommandError("There is nothing to learn: the level needs a green and a blue shape.")
+    if not channels_in_use(level):
+        raise CommandError("There is nothing to drive: the level needs a motor or a thruster.")
+    run = _free_folder(level.name)
+    run.parent.mkdir(parents=True, exist_ok=True)
+    file = run.with_suffix(".json")
+    save_level(level, file)
+    training.begin(file, run)
+    watch_run(session, str(run))
+    session.toast(
+        f"Training on {level.name}: its newest attempt plays with F6 as soon as there is one.",
+        "success",
+    )
+
+
+def _free_folder(name: str) -> Path:
+    """A new folder among the user's agents that is called after a level."""
+    plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:_LONGEST] or "level"
+    number, folder = 1, user_agents_dir() / plain
+    while folder.exists() or folder.with_suffix(".json").exists():
+        number += 1
+        folder = user_agents_dir() / f"{plain}_{number}"
+    return folder
+
+
+def stop_training(session: Session) -> None:
+    """End the training; what was learnt is kept."""
+    session.training.stop()
+
+
+def update_training(session: Session) -> None:
+    """Let a frame pass: say how a training ended."""
+    training = session.training
+    ended = training.ended()
+    if ended is None or training.run is None:
+        return
+    if ended:
+        session.toast(f"The training ended: {ended}", "error")
+        return
+    session.toast(f"{training.run.name} is trained. F6 lets it play.", "success")
+    load_agent(session, training.run, "a")

@@ -1,0 +1,113 @@
+"""A training on this machine that the app has begun: a process of its own, which may outlive it.
+
+It writes a run's folder like any other training, so the Training panel shows it, and the command
+line can go on with it.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import IO, Final, Protocol
+
+NICENESS: Final = 5
+"""It leaves the processor to the window and to what is played."""
+LOG: Final = "training.log"
+
+
+class Process(Protocol):
+    """What is used of `subprocess.Popen`."""
+
+    def poll(self) -> int | None:
+        """The exit status, or None while it runs."""
+        ...
+
+    def send_signal(self, sig: int, /) -> None:
+        """Send a signal."""
+        ...
+
+
+Start = Callable[[Sequence[str], Path], Process]
+"""Starts a command whose output goes to a file."""
+
+
+def start_process(words: Sequence[str], log: Path) -> Process:
+    """Start a command with low priority."""
+    with log.open("wb") as output:
+        return _niced(words, output)
+
+
+def _niced(words: Sequence[str], output: IO[bytes]) -> Process:
+    before: Callable[[], None] | None = None
+    if os.name == "posix":
+        before = _step_back
+    return subprocess.Popen(
+        list(words),
+        stdout=output,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        preexec_fn=before,  # noqa: PLW1509 (nothing but a system call)
+        start_new_session=True,
+    )
+
+
+def _step_back() -> None:
+    os.nice(NICENESS)
+
+
+class LocalTraining:
+    """At most one training at a time."""
+
+    def __init__(self, start: Start = start_process) -> None:
+        self._start = start
+        self._process: Process | None = None
+        self._log: Path | None = None
+        self.run: Path | None = None
+        """The run's folder."""
+        self.stopping = False
+
+    @property
+    def running(self) -> bool:
+        """Whether it trains."""
+        return self._process is not None and self._process.poll() is None
+
+    def begin(self, level: Path, run: Path) -> None:
+        """Train an agent on a level.
+
+        Args:
+            level: The level's file.
+            run: The run's folder; one that is there goes on.
+        """
+        run.mkdir(parents=True, exist_ok=True)
+        self.run, self._log, self.stopping = run, level.with_suffix(".log"), False
+        words = (sys.executable, "-m", "kinetix", "train", "ppo", "--preset", "specialist")
+        self._process = self._start((*words, "--levels", str(level), "--out", str(run)), self._log)
+
+    def stop(self) -> None:
+        """Ask it to end; it saves first."""
+        if self.running and self._process is not None:
+            self.stopping = True
+            self._process.send_signal(signal.SIGTERM)
+
+    @property
+    def words(self) -> str:
+        """What it said last."""
+        if self._log is None:
+            return ""
+        try:
+            lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+        except OSError:
+            return ""
+        return next((line for line in reversed(lines) if line.strip()), "")
+
+    def ended(self) -> str | None:
+        """Return once how it ended: nothing when all is well, else one sentence; None: it did not.
+
+        What it was stopped by the user for is no failure.
+        """
+        if self._process is None or self.running:
+            return None
+        status, self._process = self._process.poll(), None
+        return "" if status == 0 or self.stopping else self.words

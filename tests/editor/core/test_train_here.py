@@ -1,0 +1,119 @@
+"""Training on the level in front: a process is begun, watched, ended, and its agent taken."""
+
+import os
+import signal
+import sys
+
+import pytest
+
+from editor import actions
+from editor.actions import train
+from editor.agents.local_training import LocalTraining, start_process
+from editor.documents.document import Document
+from kinetix.errors import CommandError
+from kinetix.level.codec import load_level
+from kinetix.level.model import Level
+from tests.editor.core.helpers import a_level, texts
+from tests.editor.core.test_viewer import Stage, a_summary, session, settle, stage
+
+__all__ = ["session", "stage"]
+
+
+class FakeProcess:
+    """Runs until it is told to end."""
+
+    def __init__(self):
+        self.status = None
+        self.signals = []
+
+    def poll(self):
+        return self.status
+
+    def send_signal(self, sig):
+        self.signals.append(sig)
+
+
+@pytest.fixture
+def began(session, tmp_path, monkeypatch):
+    """What was started: (words, process); the user's agents are below the test's folder."""
+    monkeypatch.setattr("editor.actions.train.user_agents_dir", lambda: tmp_path / "agents")
+    started = []
+
+    def start(words, log):
+        log.write_text("compiling\n3/96  solved 0.4\n")
+        started.append((list(words), FakeProcess()))
+        return started[-1][1]
+
+    session.training = LocalTraining(start)
+    return started
+
+
+def _trainable():
+    level = a_level()
+    assert {"green", "blue"} <= {body.role for body in level.bodies}
+    return level
+
+
+def test_one_click_trains_on_the_level_as_it_stands(session, began, tmp_path):
+    assert actions.run(session, "agent.train_here")
+    ((words, _),) = began
+    run = session.training.run
+    assert run.parent == tmp_path / "agents"
+    assert words[words.index("--out") + 1] == str(run)
+    assert words[words.index("--preset") + 1] == "specialist"
+    stored = load_level(words[words.index("--levels") + 1])
+    assert stored.bodies == session.document.level.bodies
+    assert session.viewer.run.path == str(run)
+    assert session.view.front == "training"
+    assert session.training.words == "3/96  solved 0.4"
+    assert session.training.running
+
+
+def test_there_is_one_training_at_a_time_and_it_can_be_ended(session, began):
+    actions.run(session, "agent.train_here")
+    assert not actions.run(session, "agent.train_here")
+    assert len(began) == 1
+    assert actions.run(session, "agent.stop_training")
+    process = began[0][1]
+    assert process.signals == [signal.SIGTERM]
+    process.status = 143
+    settle(session)
+    assert not any("The training ended" in text for text in texts(session))
+
+
+def test_what_was_trained_is_taken_and_a_failure_is_told(session, stage: Stage, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    stage.agents[str(run)] = a_summary("Specialist")
+    began[0][1].status = 0
+    settle(session)
+    assert session.viewer.slots["a"].summary.name == "Specialist"
+    actions.run(session, "agent.train_here")
+    assert session.training.run.name == f"{run.name}_2"
+    began[1][1].status = 1
+    settle(session)
+    assert any("3/96  solved 0.4" in text for text in texts(session))
+
+
+def test_what_cannot_be_learnt_is_said_before_anything_begins(session, began):
+    level = _trainable()
+    for broken, says in (
+        (_with(level, role="none"), "green and a blue"),
+        (Level(name="still", bodies=level.bodies), "motor or a thruster"),
+    ):
+        session.open_tab(Document(broken))
+        with pytest.raises(CommandError, match=says):
+            train.train_here(session)
+    assert began == []
+
+
+def _with(level, **changes):
+    return level.replace(bodies=tuple(body.replace(**changes) for body in level.bodies))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="niceness is of POSIX systems")
+def test_the_process_is_of_low_priority_and_its_words_are_kept(tmp_path):
+    log = tmp_path / "log"
+    process = start_process([sys.executable, "-c", "import os; print(os.nice(0))"], log)
+    assert process.wait(30) == 0
+    assert int(log.read_text()) >= 5
