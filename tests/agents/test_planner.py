@@ -41,7 +41,7 @@ def test_it_wins_a_level_that_nothing_and_chance_lose(game):
     for name in ("noop", "random"):
         other = load_player(name)
         world = environment_for(other, env.static_env_params.capacity, physics="balanced")
-        lost = play_episode(world, state, other.decide, carry=other.init_carry(1))
+        lost = play_episode(world, state, other.policy.decide, carry=other.policy.init_carry(1))
         assert lost.outcome != "won"
 
 

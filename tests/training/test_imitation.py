@@ -195,9 +195,11 @@ def test_settings_that_cannot_work_are_told_at_once(values, says):
 
 def test_episodes_begin_on_the_way_of_the_recorded_solution():
     name = "s/goalkeeper"
-    steps = load_level(name).solution.steps
+    solution = load_level(name).solution
+    assert solution is not None
+    steps = solution.steps
     config = make_config("ppo", preset="specialist", values={"levels": (name,)})
-    reset = make_setup(config, gradient_steps=1).env.reset_fn
+    reset = make_setup(config, gradient_steps=1).reset_fn
     states = jax.jit(jax.vmap(reset))(jax.random.split(jax.random.key(0), 400))
     begun = np.asarray(states.timestep)
     # Half of them, less those that happen to begin at the start.
