@@ -32,6 +32,7 @@ def game():
     return player, env, jax.tree.map(jnp.asarray, level_state(level, env.static_env_params))
 
 
+@pytest.mark.slow
 def test_it_wins_a_level_that_nothing_and_chance_lose(game):
     player, env, state = game
     episode = play_episode(
@@ -45,6 +46,7 @@ def test_it_wins_a_level_that_nothing_and_chance_lose(game):
         assert lost.outcome != "won"
 
 
+@pytest.mark.slow
 def test_it_tells_the_futures_that_it_tried(game):
     player, env, state = game
     observation = jax.tree.map(lambda x: x[None], env.get_obs(state))
@@ -64,6 +66,7 @@ def test_it_tells_the_futures_that_it_tried(game):
     assert int(later.age[0]) == 2
 
 
+@pytest.mark.slow
 def test_it_is_measured_like_any_other_player():
     level = NamedLevel(name="goal", source=_LEVEL)
     *_, last = evaluate(Planner(rounds=1, first=2), [level], Settings(attempts=1))

@@ -40,6 +40,7 @@ def monkeypatch_module():
     patch.undo()
 
 
+@pytest.mark.slow
 def test_the_teacher_wins_random_levels_and_says_how_many(data):
     out, _, told = data
     assert told.won >= 2
@@ -50,6 +51,7 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
     assert stored["yield"]["won"] == told.won
 
 
+@pytest.mark.slow
 def test_a_teacher_goes_on_where_it_stopped_and_refuses_other_settings(data):
     out, config, told = data
     assert teach.teach(config, told.won, out) == told
@@ -64,6 +66,7 @@ def test_a_teacher_goes_on_where_it_stopped_and_refuses_other_settings(data):
     other.rmdir()
 
 
+@pytest.mark.slow
 def test_shards_come_back_as_they_were(data, tmp_path):
     out, _, told = data
     part = next(sources.gather([str(out)]))
@@ -79,6 +82,7 @@ def test_shards_come_back_as_they_were(data, tmp_path):
             np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "says"),
     [
@@ -100,6 +104,7 @@ def test_a_damaged_shard_is_told_in_one_sentence(data, tmp_path, change, says):
     assert str(path) in str(told.value)
 
 
+@pytest.mark.slow
 def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
     out, _, _ = data
     origin = sources.origin_of([str(out)])
@@ -127,6 +132,7 @@ def test_recorded_solutions_are_demonstrations():
     assert len(episodes) == len(_SOLVED)
 
 
+@pytest.mark.slow
 def test_imitation_learns_what_was_done(tmp_path):
     values = {
         "data": _SOLVED,
@@ -193,6 +199,7 @@ def test_settings_that_cannot_work_are_told_at_once(values, says):
         make_config("bc", values=values)
 
 
+@pytest.mark.slow
 def test_episodes_begin_on_the_way_of_the_recorded_solution():
     name = "s/goalkeeper"
     solution = load_level(name).solution
