@@ -18,7 +18,7 @@ LOG: Final = "training.log"
 
 
 class Process(Protocol):
-    """What is used of `subprocess.Popen`."""
+    """The part of `subprocess.Popen` that is used."""
 
     def poll(self) -> int | None:
         """The exit status, or None while it runs."""
@@ -70,7 +70,7 @@ class LocalTraining:
 
     @property
     def running(self) -> bool:
-        """Whether it trains."""
+        """True if it trains."""
         return self._process is not None and self._process.poll() is None
 
     def begin(self, level: Path, run: Path) -> None:
@@ -93,7 +93,7 @@ class LocalTraining:
 
     @property
     def words(self) -> str:
-        """What it said last."""
+        """Last line that it printed."""
         if self._log is None:
             return ""
         try:

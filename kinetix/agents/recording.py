@@ -47,8 +47,9 @@ def recorded_attempts(
     prepared = prepare(player, level)
     env = environment_for(player, prepared.capacity, physics=settings.physics_for(player))
     provenance = settings.provenance(player)
-    for first in range(0, settings.attempts, rows()):
-        chosen = range(first, min(first + rows(), settings.attempts))
+    batch = rows(player.policy)
+    for first in range(0, settings.attempts, batch):
+        chosen = range(first, min(first + batch, settings.attempts))
         driven: list[np.ndarray] = []
         rewards: list[np.ndarray] = []
         episodes: Episodes | None = None

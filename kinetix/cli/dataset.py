@@ -118,17 +118,20 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
     return 0
 
 
+<<<<<<< HEAD
 def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
     from kinetix.agents.agent import load_agent
+=======
+def _recorded(command: Record) -> "Iterator[RecordedEpisode]":
+>>>>>>> 7ef4bb9 (Imitation tells its parts; docstrings say what things are)
     from kinetix.agents.evaluate import NamedLevel, Settings
+    from kinetix.agents.named import load_player
     from kinetix.agents.recording import recorded_attempts
-    from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
     from kinetix.level.sets import gather_levels
 
     if command.attempts < 1:
         raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
-    name = command.agent
-    player = ScriptedPlayer(name) if name in SCRIPTED else load_agent(name)
+    player = load_player(command.agent)
     settings = Settings(
         attempts=command.attempts,
         seed=command.seed,

@@ -20,7 +20,7 @@ class Teach:
     size: str
     """s, m, l, locomotion, or polygons with the arena, circles, joints, thrusters: 12,4,6,2."""
     count: int
-    """How many levels shall be won, those that are there included."""
+    """Number of levels to be won, those that are there included."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
     """Folder of the data set."""
     seed: int = 0

@@ -58,7 +58,7 @@ class PpoConfig:
     """Folders, files, names or sets of levels; implies the mode `list`."""
     demo_starts: float = 0.0
     """Share of the episodes that begin somewhere on the way of a win of `levels`: the recorded
-    solution, or one that is searched for."""
+    solution, or one that is searched for. Random levels have none."""
     physics: str = "balanced"
     """Physics preset or solver."""
     parity: Literal["kinetix-3"] | None = None
@@ -193,11 +193,8 @@ class PpoConfig:
         for least, names in _LEAST.items():
             for name in names:
                 _check_number(name, getattr(self, name, least), least)
-        if not 0 <= self.demo_starts <= 1 or (self.demo_starts and self.level_mode != "list"):
-            raise KinetixError(
-                f"demo_starts: expected 0 … 1, and levels to begin on, got {self.demo_starts} for "
-                f"{self.level_mode} levels"
-            )
+        if not 0 <= self.demo_starts <= 1:
+            raise KinetixError(f"demo_starts: expected 0 … 1, got {self.demo_starts}")
         self._check_minibatches()
         if self.anneal_lr and self.warmup_lr:
             raise KinetixError("anneal_lr and warmup_lr: choose one of them")

@@ -236,7 +236,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         keep_terminal_observation=config.bootstrap_on_timeout,
         parity=config.parity,
     )
-    if config.demo_starts and not config.dummy_env:
+    if config.demo_starts and listed and not config.dummy_env:
         moments = starts_on_the_way(listed, env)
         on_the_way = beginning_on_the_way(env.reset_fn, moments, config.demo_starts)
         env = dataclasses.replace(env, reset_fn=on_the_way)

@@ -217,9 +217,9 @@ def test_episodes_begin_on_the_way_of_the_recorded_solution():
     assert apart > 0.2
 
 
-def test_only_levels_that_are_named_have_a_way():
+def test_the_share_of_starts_on_the_way_is_a_share():
     with pytest.raises(KinetixError, match="demo_starts"):
-        make_config("ppo", values={"demo_starts": 0.5})
+        make_config("ppo", values={"demo_starts": 1.5})
 
 
 def test_a_pull_needs_somebody_who_pulls(tmp_path):

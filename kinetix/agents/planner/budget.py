@@ -1,4 +1,4 @@
-"""How many rounds a planner can afford in the time it is given."""
+"""Rounds that a planner can afford in the time it is given."""
 
 from typing import Final
 
@@ -28,12 +28,12 @@ class Budget:
 
     @property
     def rounds(self) -> int:
-        """How many rounds fit when it plans again: at least one."""
+        """Rounds that fit when it plans again: at least one."""
         return self._fitting(self._budget)
 
     @property
     def first(self) -> int:
-        """How many rounds fit before the first move, each to the end of a plan: at least one."""
+        """Rounds that fit before the first move, each to the end of a plan: at least one."""
         return self._fitting(self._first_budget / self._stretch)
 
     def _fitting(self, seconds: float) -> int:

@@ -21,9 +21,9 @@ from kinetix.pytree import pytree
 STRETCH: Final = 16
 """Environment steps between two choices of what the beam goes on from."""
 LOST: Final = 10.0
-"""How many metres of distance a loss is worth when plans are ranked."""
+"""Worth of a loss when plans are ranked [m of distance]."""
 LATE: Final = 0.004
-"""How many metres of distance an environment step is worth."""
+"""Worth of an environment step [m of distance]."""
 WON: Final = -1000.0
 WAY: Final = 32
 """Places that are noted of a way."""
@@ -37,10 +37,10 @@ _MOVING: Final = ("physics", "timestep", "last_distance")
 
 @pytree
 class Futures:
-    """What came of plans; axes: group, plan of the group."""
+    """Results of plans; axes: group, plan of the group."""
 
     plans: Int[Array, "g n t 6"]
-    """What was played: of the beam, not what was proposed."""
+    """Plans as they were played: of the beam, not what was proposed."""
     score: Float[Array, "g n"]
     """The less the better; below 0 only where the plan won."""
     won: Bool[Array, "g n"]
@@ -48,7 +48,7 @@ class Futures:
     steps: Int[Array, "g n"]
     """Environment steps until it ended."""
     ways: Float[Array, "g n k 2"]
-    """Where the green body goes (the blue one where that cannot move), every few steps; it stays
+    """Way of the green body (of the blue one where that cannot move), every few steps; it stays
     where the plan ends [m]."""
 
 
@@ -192,7 +192,7 @@ def _advance(
 
 
 def _shown(states: EnvState, position: Float[Array, "g n b 2"]) -> Float[Array, "g n 2"]:
-    """Where the body of each group is whose way is told: green or blue, the first that can move."""
+    """Return the place of the body whose way is told: green or blue, the first that can move."""
     role, bodies = states.labels.role, states.world.bodies
     moves = bodies.active & (bodies.inverse_mass > 0)
     green = (role == GREEN) & bodies.active

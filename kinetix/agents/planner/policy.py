@@ -34,7 +34,7 @@ class Outlook:
     """The futures that were tried when the planner last planned, for overlays."""
 
     ways: Float[Array, "n k 2"]
-    """Where the first green body would go from there [m]; the first is that of the plan chosen."""
+    """Ways of the green body from there [m]; the first is that of the plan chosen."""
     won: Bool[Array, " n"]
     lost: Bool[Array, " n"]
     steps: Int[Array, " n"]
@@ -43,7 +43,7 @@ class Outlook:
 
 @pytree
 class Mind:
-    """What a planner carries from decision to decision, for one episode."""
+    """Memory that a planner carries from decision to decision, for one episode."""
 
     elite: Int[Array, "g k t 6"]
     """The best plans of each group from here on, the best first."""
@@ -67,7 +67,7 @@ class PlannerPolicy:
     every: int = 4
     """Decisions between two times that it plans."""
     horizon: int = 64
-    """How far ahead it looks once it moves [environment steps]; at first, to the end of a plan."""
+    """Length of its futures once it moves [environment steps]; at first, to the end of a plan."""
 
     rows = 1
     """Episodes that an evaluation plays at once: the futures fill the machine."""

@@ -1,4 +1,4 @@
-"""What a planner is shown: the simulator itself, in the state that the episode is in."""
+"""The observation of a planner: the simulator itself, in the state that the episode is in."""
 
 import dataclasses
 from typing import ClassVar
@@ -22,7 +22,7 @@ class Simulator:
 
     @property
     def env(self) -> KinetixEnv:
-        """Where futures are played: episodes end there, and nothing is observed."""
+        """Environment in which futures are played: episodes end there, and nothing is observed."""
         env = make_kinetix_env(
             ActionType.MULTI_DISCRETE,
             ObservationType.BLIND,

@@ -20,7 +20,9 @@ from kinetix.training.imitation.lessons import Lessons, played_again, state_at
 from kinetix.training.imitation.sources import demonstrations
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
+from kinetix.training.work import Work
 
+_UPDATE = "update"
 _SAMPLE = 4096
 """Moments of which the statistics of observations are taken."""
 
@@ -50,6 +52,8 @@ class Clone:
         steps = config.num_updates * config.num_minibatches
         self.setup: Setup = make_setup(config, gradient_steps=steps, teacher=teacher)
         self._config, self._teacher = config, teacher
+        self.work = Work()
+        self.parts_per_update = {_UPDATE: 1.0}
         env = self.setup.env
         episodes = demonstrations(config.data, env.static_env_params)
         random = np.random.default_rng(config.seed)
@@ -88,7 +92,9 @@ class Clone:
         key, rows_key = jax.random.split(state.key)
         shape = (config.num_minibatches, config.minibatch_size)
         rows = jax.random.choice(rows_key, jnp.asarray(self._train_rows), shape)
-        learner, report = self._update(self._lessons, state.learner, state.statistics, rows)
+        learner, report = self.work(
+            _UPDATE, self._update, self._lessons, state.learner, state.statistics, rows
+        )
         if len(self._held_out):
             chosen = np.resize(self._held_out, config.minibatch_size)
             judged = self._judge(self._lessons, learner, state.statistics, jnp.asarray(chosen))
@@ -152,7 +158,7 @@ class Clone:
 def _said(
     network: nn.Module, params: Any, observation: Any, count: int
 ) -> tuple[MultiCategorical, Float[Array, " n"]]:
-    """What a network says of moments that it has no memory of."""
+    """Return what a network says of moments that it has no memory of."""
     inputs = (jax.tree.map(lambda x: x[None], observation), jnp.ones((1, count), bool))
     output: Any = network.apply(params, initial_carry(count), inputs)
     _, policy, value = output

@@ -32,11 +32,11 @@ class Lessons:
     """All moments; axes: moment, episode."""
 
     starts: EnvState
-    """Where each episode begins; axis 0 episodes."""
+    """First states of the episodes; axis 0 episodes."""
     episode: Int[Array, " r"]
-    """Which episode a moment belongs to."""
+    """Index of the episode that a moment belongs to."""
     moving: dict[str, Array]
-    """Where the bodies are, and what touches."""
+    """Poses and speeds of the bodies, and pairs that touch."""
     timestep: Int[Array, " r"]
     action: Int[Array, "r 6"]
     worth: Float[Array, " r"]
@@ -44,13 +44,13 @@ class Lessons:
 
     @property
     def count(self) -> int:
-        """How many moments there are."""
+        """Number of moments."""
         return self.episode.shape[0]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Replayed:
-    """What came of playing demonstrations again."""
+    """Results of playing demonstrations again."""
 
     lessons: Lessons
     episodes: int

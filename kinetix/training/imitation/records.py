@@ -37,7 +37,7 @@ _MOVING: Final = ("position", "rotation", "velocity", "angular_velocity")
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Origin:
-    """What all episodes of a shard have in common."""
+    """The things that all episodes of a shard have in common."""
 
     capacity: Capacity
     physics: str
@@ -55,7 +55,7 @@ class Demonstration:
     """One episode."""
 
     state: EnvState
-    """Where it begins, as numpy arrays."""
+    """First state, as numpy arrays."""
     actions: Int[np.ndarray, "k 6"]
     """Multi-discrete, one per environment step, up to the winning one."""
     number: int = -1
@@ -162,7 +162,7 @@ def _states(origin: Origin, arrays: dict[str, np.ndarray]) -> EnvState:
 
 
 def _named(state: EnvState) -> dict[str, np.ndarray]:
-    """What is stored of a state, by name."""
+    """Return the arrays of a state that are stored, by name."""
     leaves = jax.tree_util.tree_flatten_with_path(state)[0]
     named = {_name(path): np.asarray(leaf) for path, leaf in leaves}
     physics = "state/physics/"

@@ -1,4 +1,4 @@
-"""Where demonstrations come from: a teacher's shards, exported episodes, recorded solutions."""
+"""Sources of demonstrations: a teacher's shards, exported episodes, recorded solutions."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence

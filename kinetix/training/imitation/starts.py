@@ -19,7 +19,7 @@ from kinetix.training.imitation.lessons import played_again, state_at
 from kinetix.training.imitation.records import Demonstration
 
 SECONDS: Final = 60.0
-"""How long a win is searched for where none is recorded, or the recorded one wins no more."""
+"""Time for which a win is searched for where none is recorded, or the recorded one wins no more."""
 
 
 def starts_on_the_way(levels: Sequence[SetLevel], env: KinetixEnv) -> EnvState:

@@ -39,7 +39,7 @@ SHARD: Final = 256
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TeachConfig:
-    """What is searched, and how hard."""
+    """Levels to search, and the effort."""
 
     size: str
     """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
@@ -68,7 +68,7 @@ class TeachConfig:
 
 
 class Yield(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of the levels so far."""
+    """Counts of the levels so far."""
 
     levels: int = 0
     """Levels drawn."""
@@ -86,7 +86,7 @@ class Yield(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def share(self) -> float:
-        """How many of the levels that are not trivial were won."""
+        """Share of the levels that are not trivial that was won."""
         return self.won / max(self.levels - self.trivial, 1)
 
     @property

@@ -29,12 +29,12 @@ KICK: Final = (0.15, 0.3)
 
 @pytree
 class Searched:
-    """What a round found out about each level."""
+    """Findings of a round about each level."""
 
     elite: Int[Array, "n k t 6"]
     """Its best plans, the best first."""
     won: Bool[Array, " n"]
-    """Whether that one wins."""
+    """True if that one wins."""
     steps: Int[Array, " n"]
     """After how many environment steps."""
 

@@ -35,7 +35,7 @@ class FakeProcess:
 
 @pytest.fixture
 def began(session, tmp_path, monkeypatch):
-    """What was started: (words, process); the user's agents are below the test's folder."""
+    """The processes that were started, as (words, process)."""
     monkeypatch.setattr("editor.actions.train.user_agents_dir", lambda: tmp_path / "agents")
     started = []
 
