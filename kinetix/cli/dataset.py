@@ -118,12 +118,7 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
     return 0
 
 
-<<<<<<< HEAD
 def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
-    from kinetix.agents.agent import load_agent
-=======
-def _recorded(command: Record) -> "Iterator[RecordedEpisode]":
->>>>>>> 7ef4bb9 (Imitation tells its parts; docstrings say what things are)
     from kinetix.agents.evaluate import NamedLevel, Settings
     from kinetix.agents.named import load_player
     from kinetix.agents.recording import recorded_attempts
