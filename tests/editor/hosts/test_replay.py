@@ -162,6 +162,29 @@ def test_from_an_empty_level_to_one_that_is_won(play, script, tmp_path):
     assert session.document.path == tmp_path / "first_car.json"
 
 
+_BY_HAND = frozenset({"key", "drag", "down", "hold", "text", "wheel"})
+"""What a person does: a release ends what a press began, and waiting is no work."""
+
+
+@pytest.mark.slow
+def test_a_newcomer_builds_plays_wins_and_saves_three_machines(play, script, tmp_path):
+    """A car over a gap, a catapult with limits, a lander with two thrusters, from nothing."""
+    lines = script("newcomer.jsonl").read_text().splitlines()
+    assert sum(json.loads(line)["do"] in _BY_HAND for line in lines) <= 90
+    play(*lines)
+    levels = {}
+    for name in ("car", "catapult", "lander"):
+        assert json.loads((tmp_path / f"{name}_played.json").read_text())["outcome"] == "won", name
+        levels[name] = load_level(tmp_path / f"{name}_level.json")
+        assert not [each for each in validate(levels[name]) if each.severity == "error"]
+    car, catapult, lander = levels.values()
+    assert len(car.joints) == 2 and all(joint.motor.on for joint in car.joints)
+    left, right = (body for body in car.bodies[:2])
+    assert right.position[0] - left.position[0] > 0
+    assert catapult.joints[0].limits is not None and catapult.joints[0].motor.speed == 4.0
+    assert [thruster.binding for thruster in lander.thrusters] == [0, 0]
+
+
 @pytest.mark.slow
 def test_draws_undoes_redoes_plays_stops_and_saves(play, script, tmp_path):
     peer = Path(__file__).resolve().parents[4] / "shared" / "peer" / "levels" / "l"
