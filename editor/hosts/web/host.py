@@ -169,9 +169,9 @@ class WebHost(OffscreenHost):
         """Serve until the app is closed or Ctrl+C is pressed."""
         # SDL would make a question of SIGTERM that nobody sees.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        self._server.start()
-        self._announce()
         try:
+            self._server.start()
+            self._announce()
             super().run()
         except KeyboardInterrupt:
             # The ordinary way to end a server. Copies of unsaved levels wait for the next start.

@@ -7,7 +7,7 @@ import threading
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -62,6 +62,7 @@ def outlet():
     return Outlet(lambda: None)
 
 
+@settings(deadline=None)
 @given(
     size=st.tuples(st.integers(1, 150), st.integers(1, 150)),
     places=st.lists(st.tuples(st.integers(0, 149), st.integers(0, 149)), max_size=6),
