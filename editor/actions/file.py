@@ -257,11 +257,14 @@ def _save_in_format(
 
 def save_now(session: Session, document: Document, path: Path, format: Format) -> bool:
     """Save without asking; a failure becomes a toast."""
+    named = document.level.size
     try:
         files.save_document(document, path, format)
     except LevelError as error:
         session.toast(str(error), "error")
         return False
+    if document.level.size != named:
+        session.toast(f"The level does not fit size {named}: its size is automatic now.", "warning")
     session.settings.remember(path)
     if format == "kinetix-level":
         with session.guard():

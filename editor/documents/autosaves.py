@@ -21,6 +21,7 @@ from kinetix.files.json_text import parse
 from kinetix.files.regular import FileError, read_text
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import dumps
+from kinetix.level.sizes import without_outgrown_size
 from kinetix.paths import state_dir
 
 PAUSE: Final = 2.0
@@ -158,7 +159,7 @@ class Autosaves:
             "time": now.astimezone(datetime.UTC).isoformat(),
             "base": stamp.digest if isinstance(stamp, Stamp) else None,
             "origin": [str(file) for file in document.origin],
-            "level": dumps(level),
+            "level": dumps(without_outgrown_size(level)),
         }
         with self._wake:
             watched.wanted, watched.gone = json.dumps(record).encode(), False

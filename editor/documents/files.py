@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document, Format, Stamp
 from editor.documents.old_names import OldNames, named
 from kinetix.errors import LevelError
@@ -11,6 +12,7 @@ from kinetix.level.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document, resolve_path
 from kinetix.level.kinetix_env import lost_fields
 from kinetix.level.model import Level
+from kinetix.level.sizes import without_outgrown_size
 
 
 def open_document(path: str | Path, waiting: OldNames | None = None) -> Document:
@@ -45,6 +47,8 @@ def lost_on_save(level: Level, path: Path, format: Format) -> tuple[str, ...]:
 def save_document(document: Document, path: Path, format: Format) -> None:
     """Write a document; the file's previous content stays beside it as `NAME.json.bak`.
 
+    A level that does not fit the size it names could not be read again: its size becomes automatic.
+
     Args:
         document: What to save; afterwards it is clean and belongs to the file.
         path: The file.
@@ -55,6 +59,8 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     """
     if path.is_file() and not os.access(path, os.W_OK):
         raise LevelError(f"{path}: cannot be saved: the file is read-only")
+    if without_outgrown_size(document.level) is not document.level:
+        document.commit(SetLevelField(field="size", value=None))
     data = dumps(document.level, format=format, source=document.source).encode()
     write_with_backup(path, data)
     document.mark_saved(path, format)

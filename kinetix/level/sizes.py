@@ -49,6 +49,13 @@ def hinted_capacity(level: Level) -> Capacity | None:
     return SIZES[level.size]
 
 
+def without_outgrown_size(level: Level) -> Level:
+    """Return the level, its size chosen automatically where it does not fit the one it names."""
+    hint = hinted_capacity(level)
+    fits = hint is None or hint.covers(needed_capacity(level))
+    return level if fits else level.replace(size=None)
+
+
 def capacity_of(level: Level) -> Capacity:
     """The capacity to compile the level to: its hint, else the smallest size that fits."""
     return hinted_capacity(level) or smallest_capacity(needed_capacity(level))

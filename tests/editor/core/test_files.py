@@ -6,8 +6,10 @@ import os
 import pytest
 
 from editor import actions
+from editor.actions import file
 from editor.base.settings import RECENTS_MAX, Settings
-from editor.documents import files
+from editor.documents import files, recovery
+from editor.documents.commands.bodies import AddBody
 from editor.documents.commands.group import Move
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_level, save_level
@@ -32,6 +34,32 @@ def test_a_save_keeps_the_previous_content_beside_it(path):
     assert not document.dirty
     assert path.with_name("mine.json.bak").read_bytes() == before
     assert load_level(path) == document.level
+
+
+def an_outgrown_level():
+    """A level of size s with more shapes than that has room for."""
+    level = a_level()
+    more = tuple(level.bodies[2].replace(id=100 + i, role="none") for i in range(9))
+    return level.replace(bodies=level.bodies + more, size="s", next_id=200)
+
+
+@pytest.mark.parametrize("format", ["kinetix-level", "kinetix-env"])
+def test_a_level_that_outgrew_its_size_can_be_opened_again(path, format):
+    session = a_session(level=an_outgrown_level())
+    assert file.save_now(session, session.document, path, format)
+    assert any("does not fit size s" in text for text in texts(session))
+    assert not session.document.dirty
+    assert len(load_level(path).bodies) == len(session.document.level.bodies)
+
+
+def test_the_copy_of_a_level_that_outgrew_its_size_can_be_restored(tmp_path):
+    session = a_session(level=a_level().replace(size="s"))
+    for number in range(9):
+        session.execute(AddBody(body=an_outgrown_level().bodies[4 + number]))
+    session.save_aside()
+    session.autosaves.flush()
+    (left,) = [recovery._read(copy) for copy in session.autosaves.folder.glob("*[0-9].json")]
+    assert len(left.level.bodies) == len(session.document.level.bodies)
 
 
 def test_a_failed_save_leaves_the_old_file_and_the_changes(path, monkeypatch):
