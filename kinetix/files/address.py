@@ -1,5 +1,6 @@
 """Files from an address: bounded in size and time, only from the web, nothing runs."""
 
+import os
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -25,9 +26,12 @@ class _Redirects(urllib.request.HTTPRedirectHandler):
         return super().redirect_request(req, fp, code, msg, headers, newurl)
 
 
-def is_address(words: str) -> bool:
+def is_address(words: str | os.PathLike[str]) -> bool:
     """Return whether words are an address on the web, such as `https://example.org/level.json`."""
-    parts = urllib.parse.urlsplit(words)
+    try:
+        parts = urllib.parse.urlsplit(os.fspath(words))
+    except ValueError:  # such as a bracket that is never closed
+        return False
     return parts.scheme.lower() in SCHEMES and bool(parts.netloc)
 
 
