@@ -40,6 +40,7 @@ def waves() -> dict[CueName, np.ndarray]:
         "won": _tune((523.25, 659.26, 783.99, 1046.5), 0.09),
         "lost": _tune((392.0, 329.63, 261.63), 0.14),
         "timeout": _tune((440.0, 440.0), 0.16),
+        "broken": _tune((220.0, 207.65), 0.16),
     }
     return {
         name: (0.5 * 32767 * wave / np.abs(wave).max()).astype(np.int16)

@@ -9,7 +9,7 @@ from editor.play.playback import Mode, Playback
 from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.model import Level
 
-CueName = Literal["hit", "won", "lost", "timeout"]
+CueName = Literal["hit", "won", "lost", "timeout", "broken"]
 
 QUIETEST: Final = 0.8
 """A sudden change of velocity below this is no hit [m/s]."""

@@ -25,7 +25,7 @@ EPISODE_KEYS: Final = ("level", "action", "physics", "outcome", "perturbed", "fr
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Part:
+class Collection:
     """Episodes of one origin."""
 
     source: str
@@ -34,7 +34,7 @@ class Part:
     episodes: tuple[Demonstration, ...]
 
 
-def gather(sources: Sequence[str]) -> Iterator[Part]:
+def gather(sources: Sequence[str]) -> Iterator[Collection]:
     """Read all demonstrations that some words mean.
 
     Args:
@@ -105,7 +105,7 @@ def demonstrations(
     return found
 
 
-def _file(path: Path) -> Part:
+def _file(path: Path) -> Collection:
     """A shard, or an episode that the editor exported."""
     try:
         arrays = read_npz(path, "demonstrations")
@@ -113,7 +113,7 @@ def _file(path: Path) -> Part:
         raise KinetixError(f"{path}: expected demonstrations: {error.reason}") from error
     if "about" in arrays:
         origin, episodes = read_shard(path)
-        return Part(source=str(path), origin=origin, episodes=tuple(episodes))
+        return Collection(source=str(path), origin=origin, episodes=tuple(episodes))
     missing = [name for name in EPISODE_KEYS if name not in arrays]
     if missing:
         raise KinetixError(
@@ -134,7 +134,7 @@ def _file(path: Path) -> Part:
     )
 
 
-def _solutions(source: str) -> Iterator[Part]:
+def _solutions(source: str) -> Iterator[Collection]:
     """The recorded solutions of levels."""
     for each in gather_levels([source]):
         solution = each.level.solution
@@ -151,11 +151,11 @@ def _solutions(source: str) -> Iterator[Part]:
 
 def _of_level(
     source: str, level: Level, actions: np.ndarray, *, physics: str, frame_skip: int
-) -> Part:
+) -> Collection:
     origin = Origin(capacity=capacity_of(level), physics=physics, frame_skip=frame_skip)
     if not len(actions):
-        return Part(source=source, origin=origin, episodes=())
+        return Collection(source=source, origin=origin, episodes=())
     static = static_env_params_of(origin.capacity, frame_skip=frame_skip, physics=physics)
     state = jax.tree.map(np.asarray, level_state(level, static))
     episode = Demonstration(state=state, actions=actions.astype(np.int8))
-    return Part(source=source, origin=origin, episodes=(episode,))
+    return Collection(source=source, origin=origin, episodes=(episode,))
