@@ -44,9 +44,9 @@ def test_hits_and_the_end_are_heard_once(session, hand):
     hand.wait()
     ears, playback = Ears(), session.playback
     level, (first, hit) = moments([(0, 0), (20, 0)], outcome="won")
-    playback.snapshot, playback.level = first, level
+    playback.current.snapshot, playback.current.level = first, level
     assert ears.hear(playback, 0.0) == []
-    playback.snapshot = hit
+    playback.current.snapshot = hit
     cues = ears.hear(playback, 0.1)
     assert cues == [Cue(name="hit", loudness=1.0), Cue(name="won")]
     assert LOUDEST < 20
