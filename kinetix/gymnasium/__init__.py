@@ -1,7 +1,7 @@
 """The environment in the form of Gymnasium, one level at a time or a batch (extra `gymnasium`).
 
 `gymnasium.make("Kinetix/s-random-v0")` and `gymnasium.make("Kinetix/level-v0", level="m/leapfrog")`
-make the first, `gymnasium.make_vec(…, num_envs=64)` the second.
+make the first, `gymnasium.make_vec(…, num_envs=64)` the second, once this package is imported.
 """
 
 from typing import TYPE_CHECKING

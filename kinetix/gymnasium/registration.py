@@ -1,4 +1,8 @@
-"""Names in Gymnasium's registry. Gymnasium calls `register_envs` by itself when it is imported."""
+"""Names in Gymnasium's registry.
+
+`import kinetix.gymnasium` enters them; Gymnasium before 1.4 also does so by itself, through the
+entry point of the package.
+"""
 
 from kinetix.errors import KinetixError
 
