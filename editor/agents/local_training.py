@@ -4,6 +4,7 @@ It writes a run's folder like any other training, so the Training panel shows it
 line can go on with it.
 """
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -40,28 +41,24 @@ def start_process(words: Sequence[str], log: Path) -> Process:
 
 
 def _niced(words: Sequence[str], output: IO[bytes]) -> Process:
-    before: Callable[[], None] | None = None
-    if os.name == "posix":
-        before = _step_back
-    return subprocess.Popen(
+    process = subprocess.Popen(
         list(words),
         stdout=output,
         stderr=subprocess.STDOUT,
         stdin=subprocess.DEVNULL,
-        preexec_fn=before,  # noqa: PLW1509 (nothing but a system call)
         start_new_session=True,
     )
-
-
-def _step_back() -> None:
-    os.nice(NICENESS)
+    if hasattr(os, "setpriority"):
+        with contextlib.suppress(OSError):  # it may have ended already
+            os.setpriority(os.PRIO_PROCESS, process.pid, NICENESS)
+    return process
 
 
 class LocalTraining:
     """At most one training at a time."""
 
-    def __init__(self, start: Start = start_process) -> None:
-        self._start = start
+    def __init__(self, start: Start | None = None) -> None:
+        self._start = start or start_process
         self._process: Process | None = None
         self._log: Path | None = None
         self.run: Path | None = None

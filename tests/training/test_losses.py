@@ -161,6 +161,7 @@ def _one_update(config, **more):
             done=no,
             solved=no,
             bad=no,
+            dropped=no,
             episode_return=zero,
             episode_length=zero.astype(jnp.int32),
         ),

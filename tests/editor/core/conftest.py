@@ -1,5 +1,7 @@
 """Every test of the core has a folder of its own for the user's files."""
 
+import types
+
 import pytest
 
 from tests.editor.core.helpers import Hand, a_session
@@ -16,6 +18,13 @@ def own_folders(tmp_path, monkeypatch):
     monkeypatch.setattr("editor.gallery.filing.user_levels_dir", lambda: tmp_path / "mine")
     monkeypatch.setattr("editor.actions.gallery.user_levels_dir", lambda: tmp_path / "mine")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+
+
+@pytest.fixture(autouse=True)
+def no_training(monkeypatch):
+    """No test trains for real by trying an action: the process ends as soon as it is begun."""
+    ended = types.SimpleNamespace(poll=lambda: 0, send_signal=lambda sig: None)
+    monkeypatch.setattr("editor.agents.local_training.start_process", lambda words, log: ended)
 
 
 @pytest.fixture

@@ -48,7 +48,7 @@ def test_panels_menus_and_settings_speak_german(make_gui):
     spoken = language.spoken()
     assert spoken is not None
     english = [words for words in spoken.missing if not ALLOWED.fullmatch(words)]
-    assert sorted(english) == []
+    assert sorted(english) == [], english
     assert not any("wrong" in line for line in gui.session.log.lines)
 
 

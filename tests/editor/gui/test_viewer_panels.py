@@ -246,7 +246,9 @@ def test_the_futures_of_a_planner_are_drawn_and_can_be_switched_off(with_agent, 
             scripted=True,
             futures=futures,
         )
-        session.playback.snapshot = dataclasses.replace(session.playback.snapshot, mind=mind)
+        session.playback.current.snapshot = dataclasses.replace(
+            session.playback.snapshot, mind=mind
+        )
         with_agent.frames(3)
     assert drawn
     assert not session.log.lines[-1].startswith("Traceback")
