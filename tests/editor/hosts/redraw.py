@@ -9,12 +9,12 @@ from editor.base.prompts import Choice, MenuQuestion
 from editor.base.settings import Settings
 from editor.hosts.bench import crowded_level
 from editor.hosts.offscreen import OffscreenHost
-from editor.hosts.renderer import GlRenderer
+from editor.hosts.renderer import GlRenderer, Window
 from editor.session import Session
 from editor.toolkit.appearance import COLOURS
 from editor.worker.jobs import Worker
 
-LASTING = sys.argv[1] == "window"
+WINDOW = Window.LASTS if sys.argv[1] == "window" else Window.FADES
 
 
 def refuse(request, progress):
@@ -23,7 +23,7 @@ def refuse(request, progress):
 
 class Host(OffscreenHost):
     def _make_renderer(self):
-        self._pictures = GlRenderer(window_lasts=LASTING)
+        self._pictures = GlRenderer(WINDOW)
         return self._pictures
 
 
