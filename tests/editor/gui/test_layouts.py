@@ -220,6 +220,10 @@ def test_in_play_the_arena_has_all_that_is_free_and_one_key_brings_the_panels_ba
     gui.frames(40)
     assert gui.shows("outliner.filter")
     assert seen_whole(gui)
+    for panel in ("timeline", "log"):
+        gui.bring(panel)
+        gui.frames(20)
+        assert seen_whole(gui), "the lower row grew over the arena"
     gui.key("tab")
     gui.frames(20)
     assert not gui.shows("outliner.filter")
