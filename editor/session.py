@@ -171,7 +171,7 @@ class Session:
         self.viewer = Viewer(self.worker, self.evaluator, WorkerSimulator(self.worker, "b"))
         """The agents, and how they are watched."""
         self.training = LocalTraining()
-        """What is trained on the level in front."""
+        """Training on the level in front."""
         self.trial = Trial(self.evaluator)
         """Findings about the level without a plan."""
         self.quick = False

@@ -38,10 +38,10 @@ class ContactPoint:
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Futures:
-    """What a planner tried when it last planned; the plan that it follows comes first."""
+    """Futures of a planner's last search; the plan that it follows comes first."""
 
     ways: Float[np.ndarray, "n k 2"]
-    """Where the first green body would go [m]."""
+    """Positions of the first green body [m]."""
     ends: tuple[str, ...]
     """`won`, `lost`, or nothing where the episode goes on."""
     steps: tuple[int, ...]
@@ -67,7 +67,7 @@ class Mind:
     scripted: bool = False
     """True if there is no network: value and entropy mean nothing."""
     futures: Futures | None = None
-    """What it tried, where it plans."""
+    """Futures of the last search, for a planner."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -97,7 +97,7 @@ def test_saliency_is_the_slope_of_the_value(entity) -> None:
 
 
 def test_values_over_places_are_those_of_the_moved_state(entity) -> None:
-    """Where nothing is moved it is the value itself; elsewhere, that of the moved level."""
+    """A map holds the value of the state at its own place, and of the moved level elsewhere."""
     agent, env, moment = entity
     state = moment.state
     moved = jnp.zeros(state.world.bodies.active.shape, bool).at[4].set(True)

@@ -112,7 +112,7 @@ class TrainingPanel(Panel):
         self._looks(session)
 
     def _local(self, session: "Session") -> None:
-        """What is trained by the app itself: what it says, and a way to end it."""
+        """Show the training that the app has begun: its last words, and a button that stops it."""
         training = session.training
         if training.run is None or str(training.run) != session.viewer.run.path:
             return

@@ -139,7 +139,7 @@ class Step:
 
 
 class _Thinking:
-    """How much a planner thinks: as much as leaves play at real time, on this machine."""
+    """Budget of a planner: as much as leaves play at real time on this machine."""
 
     FIRST = 1500.0
     """Before its first move [ms]."""
@@ -343,7 +343,7 @@ def mind_of(
 
 
 def _futures(outlook: Any) -> Futures | None:
-    """What a planner tried, for the window; None for other players."""
+    """Return the futures of a planner's last search; None for other players."""
     if outlook is None:
         return None
     won, lost = np.asarray(outlook.won), np.asarray(outlook.lost)
