@@ -1,6 +1,6 @@
 """Prioritised replay with jaxued's own level buffer: levels that random play sometimes wins.
 
-Needs `pip install jaxued`.
+Needs `pip install jaxued six` (its gymnax imports six without asking for it).
 """
 
 import argparse

@@ -15,7 +15,7 @@ EXAMPLES = ROOT / "examples"
 
 NEEDS = {"sb3_ppo": "stable_baselines3"}
 """Packages of examples that are too large to be fetched: without them the example is skipped."""
-FETCHED = {"jaxued_replay": "jaxued", "stoa_rollout": "stoa-env"}
+FETCHED = {"jaxued_replay": ("jaxued", "six"), "stoa_rollout": ("stoa-env",)}
 """Packages of examples that are no dependency: each gets an environment of its own."""
 
 RUNS = {
@@ -73,7 +73,7 @@ def test_example(name: str, tmp_path: Path) -> None:
         pytest.importorskip(NEEDS[name])
     python = Path(sys.executable)
     if name in FETCHED:
-        python = python_with(tmp_path / "venv", FETCHED[name])
+        python = python_with(tmp_path / "venv", *FETCHED[name])
     result = subprocess.run(
         [python, EXAMPLES / f"{name}.py", *RUNS[name]],
         cwd=tmp_path,

@@ -1,6 +1,7 @@
 """Whole runs, tiny: they learn, can be stopped at any moment, refuse what does not fit."""
 
 import dataclasses
+import math
 import shutil
 
 import numpy as np
@@ -151,9 +152,8 @@ def _check_history(run, rows, algorithm):
     for page in pages:
         head = page.head
         assert head.algorithm == algorithm and len(page.levels) == len(head.levels)
-        assert [one.score for one in head.levels] == sorted(
-            (one.score for one in head.levels), reverse=True
-        )
+        scores = [-math.inf if one.score is None else one.score for one in head.levels]
+        assert scores == sorted(scores, reverse=True)
         assert all(one.born <= head.update for one in head.levels)
         assert all(one.serial in seen for one in head.gone)
         seen |= {one.serial for one in head.levels}
