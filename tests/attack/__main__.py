@@ -4,6 +4,8 @@ make attack                                             an hour of everything, b
 make attack ARGS="--seconds 600 --seed 3"
 make attack ARGS="--inputs 1000000 --kills 2000 --steps 100000000"    until so much was tried
 make attack ARGS="--inputs 100000 --only 'schema beside reader'"
+
+Ctrl+C and SIGTERM end it early, with what was counted until then.
 """
 
 import argparse
@@ -14,10 +16,11 @@ import math
 import os
 import random
 import shutil
+import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from tests.attack.mutate import Mutator
@@ -44,16 +47,35 @@ def main() -> int:
     seconds = options.seconds or (math.inf if given else 3600.0)
     if all(goal is None for goal in goals.values()):
         goals = dict.fromkeys(rounds, math.inf) if not options.only else {"inputs": math.inf}
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        _attack(tally, random_, options, rounds, goals, time.monotonic() + seconds)
+    except KeyboardInterrupt:
+        _print("\nended early")
+    _print(f"\n{tally.table()}")
+    _store(options.report, tally, options.seed)
+    return 1 if tally.wrong else 0
+
+
+def _attack(
+    tally: Tally,
+    random_: random.Random,
+    options: argparse.Namespace,
+    rounds: Mapping[str, Round],
+    goals: Mapping[str, float | None],
+    until: float,
+) -> None:
+    """Attack by turns until every goal is reached, or the time is over."""
     began = printed = time.monotonic()
     tried = dict.fromkeys(goals, 0)
     spent = dict.fromkeys(goals, 0.0)
     with tempfile.TemporaryDirectory() as place:
-        while time.monotonic() < began + seconds:
+        while (start := time.monotonic()) < until:
             left = [name for name, goal in goals.items() if goal and tried[name] < goal]
             if not left:
                 break
             name = min(left, key=spent.__getitem__)  # each gets the same share of the time
-            before, start = tally.tried, time.monotonic()
+            before = tally.tried
             folder = Path(place) / str(before)
             folder.mkdir(exist_ok=True)
             rounds[name](tally, random_, folder)
@@ -64,9 +86,6 @@ def main() -> int:
                 printed = time.monotonic()
                 _print(f"\n{printed - began:.0f} s\n{tally.table()}")
                 _store(options.report, tally, options.seed)
-    _print(f"\n{tally.table()}")
-    _store(options.report, tally, options.seed)
-    return 1 if tally.wrong else 0
 
 
 def _options() -> argparse.Namespace:

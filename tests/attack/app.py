@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from kinetix.level.codec import dumps, load_level, loads
+from tests.attack.clock import PATIENCE
 from tests.attack.levels import check_level, native_levels
 from tests.attack.mutate import Mutator
 
@@ -238,10 +239,10 @@ def _look(folder: Path) -> None:
     library = Library(folder)
     try:
         library.look((levels,))
-        assert library.wait(60), "the gallery's thread is dead"
+        assert library.wait(PATIENCE), "the gallery's thread is dead"
         assert len(library.cards) == 2
         library.want(library.cards)
-        assert library.wait(60), "the gallery's thread is dead"
+        assert library.wait(PATIENCE), "the gallery's thread is dead"
     finally:
         library.stop()
 

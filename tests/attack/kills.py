@@ -7,6 +7,7 @@ starts JAX, whose threads no fork would survive.
 
 import argparse
 import contextlib
+import ctypes
 import importlib
 import json
 import logging
@@ -20,13 +21,17 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from tests.attack.clock import OwnClock, ended
 from tests.attack.tally import Tally
 from tests.attack.writers import WRITERS, Writer
 
 _STARTING = 0.2
 """Share of the kills that do not wait until a child has begun to write."""
+_PR_SET_PDEATHSIG = 1
 _LONGEST_START = 1200.0
-"""A child that has not begun after so long is a fault [s]."""
+"""A child that has not begun after so long by its own clock is a fault [s]."""
+_LONGEST_READ = 600.0
+"""Nor may a child take longer that ends by itself [s]."""
 
 
 def kill_writers(
@@ -39,7 +44,7 @@ def kill_writers(
         command = [sys.executable, "-m", "tests.attack.kills", "--writer", name]
         command += ["--kills", str(WRITERS[name].kills), "--folder", str(place)]
         command += ["--seed", str(random_.getrandbits(31))]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=3600)
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         row = tally.row(f"kills: {name}")
         if done.returncode:
             row.wrong.append(done.stderr.strip().splitlines()[-1][:300])
@@ -52,11 +57,16 @@ def kill_writers(
 
 @contextlib.contextmanager
 def _child(work: Callable[[], None]) -> Iterator[int]:
-    """Fork a process that does some work and ends; gives its id, and waits for it."""
+    """Fork a process that does some work and ends; gives its id, and waits for it.
+
+    Raises:
+        TimeoutError: It has not ended after `_LONGEST_READ` seconds of its own clock.
+    """
     child = os.fork()
     if child == 0:
         status = 1
         try:
+            ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)  # nobody writes on alone
             work()
             status = 0
         except BaseException as error:
@@ -64,7 +74,10 @@ def _child(work: Callable[[], None]) -> Iterator[int]:
         finally:
             os._exit(status)
     yield child
+    in_time = ended(child, _LONGEST_READ)
     os.waitpid(child, 0)
+    if not in_time:
+        raise TimeoutError(f"a child has not ended after {_LONGEST_READ:g} s")
 
 
 def _asked(question: Callable[[], int | None]) -> tuple[int | None, str]:
@@ -79,8 +92,11 @@ def _asked(question: Callable[[], int | None]) -> tuple[int | None, str]:
             answer.write(json.dumps(told))
             answer.flush()
 
-        with _child(work):
-            pass
+        try:
+            with _child(work):
+                pass
+        except TimeoutError as error:
+            return None, str(error)
         answer.seek(0)
         found, wrong = json.loads(answer.read() or '[null, "the child died"]')
         return found, wrong
@@ -94,11 +110,11 @@ def _write_for_ever(writer: Writer, folder: Path, number: int) -> None:
 
 def _await(writer: Writer, folder: Path, child: int, before: object) -> str:
     """Wait until a child has begun to write; returns what is wrong with it."""
-    until = time.monotonic() + _LONGEST_START
+    clock = OwnClock(child)
     while writer.begun is not None and writer.begun(folder) == before:
         if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
             return "the writer failed before it was killed"
-        if time.monotonic() > until:
+        if clock.seconds > _LONGEST_START:
             return f"the writer has not begun after {_LONGEST_START:g} s"
         time.sleep(0.002)
     return ""
@@ -141,6 +157,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, required=True)
     options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
     logging.getLogger("absl").setLevel(logging.CRITICAL)
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")

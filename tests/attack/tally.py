@@ -3,24 +3,19 @@
 import dataclasses
 import hashlib
 import resource
-import signal
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from kinetix.errors import KinetixError
+from tests.attack.clock import Hang, no_hang
 
 SLOW_SECONDS = 2.0
 """Processor time that no input may take."""
-_HANG_SECONDS = 120
+_HANG_SECONDS = 120.0
 LARGEST_GROWTH = 2000
 """Of the process while one input is read [MB]."""
-
-
-class Hang(BaseException):
-    """An input took far too long."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -58,11 +53,8 @@ class Tally:
         return sum(row.tried for row in self.rows.values())
 
     def as_dict(self) -> dict[str, Any]:
-        """The rows, for a file; what went wrong is counted."""
-        return {
-            name: dataclasses.asdict(row) | {"wrong": len(row.wrong)}
-            for name, row in self.rows.items()
-        }
+        """The rows, for a file."""
+        return {name: dataclasses.asdict(row) for name, row in self.rows.items()}
 
     @property
     def wrong(self) -> list[str]:
@@ -76,14 +68,14 @@ class Tally:
         began, memory = _seconds_and_peak_mb()
         problem = ""
         try:
-            with _no_hang():
+            with no_hang(_HANG_SECONDS):
                 attack()
             row.accepted += 1
         except KinetixError as error:
             row.refused += 1
             problem = _bad_sentence(str(error))
         except Hang:
-            problem = f"hung for {_HANG_SECONDS} s"
+            problem = f"hung for {_HANG_SECONDS:g} s"
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(last.filename).name}:{last.lineno}"
@@ -131,17 +123,3 @@ def _seconds_and_peak_mb() -> tuple[float, float]:
     """Return the processor time of this process, and the most memory it has had."""
     used = resource.getrusage(resource.RUSAGE_SELF)
     return used.ru_utime + used.ru_stime, used.ru_maxrss / 1000
-
-
-@contextmanager
-def _no_hang() -> Iterator[None]:
-    def ring(*_: object) -> None:
-        raise Hang
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.alarm(_HANG_SECONDS)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.attack import training
+from tests.attack.clock import PATIENCE
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -204,7 +205,7 @@ def write_gallery(folder: Path, number: int) -> None:
     write_level(folder / "levels", number)
     library = Library(folder)
     library.look((folder / "levels",))
-    assert library.wait(60)
+    assert library.wait(PATIENCE)
     library.stop()
 
 
@@ -214,10 +215,10 @@ def read_gallery(folder: Path) -> int:
 
     library = Library(folder)
     library.look((folder / "levels",))
-    assert library.wait(60)
+    assert library.wait(PATIENCE)
     (card,) = library.cards
     library.want(library.cards)
-    assert library.wait(60)
+    assert library.wait(PATIENCE)
     assert library.picture(card.sha256) is not None
     library.stop()
     return int(card.name.split()[1])
