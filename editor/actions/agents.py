@@ -18,6 +18,7 @@ from editor.worker.requests import (
     Rehearse,
 )
 from kinetix.agents.card import read_card
+from kinetix.bundled import named_agent
 from kinetix.errors import CheckpointError, CommandError
 from kinetix.paths import checkpoints_dir, user_agents_dir
 
@@ -112,10 +113,12 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
 
     Args:
         session: The app.
-        path: Its folder, a training run's, or the name of a scripted agent.
+        path: Its folder, a training run's, or the name of a bundled or a scripted agent.
         slot: Which place it takes.
     """
     path = str(path)
+    if path not in BUILT_IN and not Path(path).is_dir():
+        path = str(named_agent(path) or path)
     place = session.viewer.slots[slot]
     place.path, place.error, place.loading = path, "", True
     place.job = session.worker.submit(

@@ -67,6 +67,8 @@ class FileQuestion:
     folder will do."""
     wanted: str = ""
     """Requirement on a folder, in words: `an agent or a training run`."""
+    fresh: bool = False
+    """True if a folder that is not there yet may be named."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

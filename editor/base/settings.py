@@ -92,6 +92,8 @@ class Settings:
     """Folders that the gallery shows besides the app's and the user's own."""
     recent_agents: list[str] = dataclasses.field(default_factory=list)
     """Folders of agents, newest first."""
+    dataset: str = ""
+    """The data set that an episode went to last."""
     agent_overlay: list[str] = dataclasses.field(
         default_factory=lambda: ["heat", "numbers", "futures"]
     )

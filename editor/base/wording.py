@@ -37,8 +37,13 @@ def counts(records: Sequence[Record]) -> str:
     for kind, noun in _NOUNS.items():
         count = sum(isinstance(record, kind) for record in records)
         if count:
-            parts.append(f"{count} {noun}{'' if count == 1 else 's'}")
+            parts.append(plural(count, noun))
     return ", ".join(parts)
+
+
+def plural(count: int, noun: str) -> str:
+    """Return a number of things: `1 joint`, `3 joints`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def describe(level: Level, entity_id: int | str) -> str:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _PREVIEW: Final = 210.0
 _LEVEL: Final = ".json"
+_FOLDER_HINT: Final = "Go into the folder that you mean, or type its path"
 
 
 @functools.lru_cache(maxsize=64)
@@ -258,10 +259,15 @@ class FileBrowser:
 
     def _folder_footer(self, session: "Session") -> tuple[bool, Path | None]:
         """The buttons when a folder is asked for: the one on show is meant."""
-        entered = self._name_field(session, "Go into the folder that you mean, or type its path")
+        fresh = self._question.fresh
+        hint = "Go into a folder, or type the name of a new one" if fresh else _FOLDER_HINT
+        entered = self._name_field(session, hint)
         if self._error:
             widgets.small(self._error, COLOURS.warn)
         if entered and self._name:
+            path = self._typed()
+            if fresh and not os.path.exists(path) and os.path.isdir(path.parent):
+                return True, path
             self._type_folder()
         width = px(150)
         gap = imgui.get_style().item_spacing.x

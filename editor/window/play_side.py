@@ -186,6 +186,9 @@ def _states(session: "Session") -> list[str]:
         words.append(f"running at {actual:.2g}×")
     if playback.perturbed:
         words.append("perturbed")
+    shown = playback.snapshot
+    if shown is not None and shown.dropped:
+        words.append(f"contacts left out in {shown.dropped} of {shown.step} steps")
     return words
 
 

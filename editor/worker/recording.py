@@ -105,6 +105,8 @@ class Snapshot:
     """[kg m/s]"""
     penetration: float = 0.0
     """Deepest overlap of bodies that may touch [m]."""
+    dropped: int = 0
+    """Environment steps so far that met more contacts than physics has room for."""
     outcome: Outcome | None = None
     """Outcome of the episode, or None while it runs."""
     milliseconds: float = 0.0

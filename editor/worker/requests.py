@@ -500,9 +500,19 @@ class ExportFilm:
     """Every how many environment steps a picture is taken."""
     palette: str = "kinetix"
     overlay: bool = False
+    """Write step, controls, value and outcome on the pictures."""
     rival: Trace | None = None
     """The second player of a comparison, filmed beside the first one."""
-    """Write step, controls, value and outcome on the pictures."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class AddEpisode:
+    """Add an episode to a data set. Gives a sentence: what the data set holds then."""
+
+    level: Level
+    trace: Trace
+    folder: Path
+    """The data set; made where there is none."""
 
 
 Request: TypeAlias = (
@@ -529,6 +539,7 @@ Request: TypeAlias = (
     | CheckDynamics
     | ExportPicture
     | ExportFilm
+    | AddEpisode
 )
 
 

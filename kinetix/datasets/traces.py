@@ -28,7 +28,7 @@ def episode_of_trace(path: Path) -> RecordedEpisode:
     arrays = read_npz(path, "trace")
     try:
         level = loads(str(arrays["level"]), f"{path}: level")
-        return _episode(arrays, level, path)
+        return episode_of_arrays(arrays, level, str(path))
     except KeyError as error:
         raise KinetixError(f"{path}: expected an episode of the editor: {error} is missing") from (
             error
@@ -37,17 +37,29 @@ def episode_of_trace(path: Path) -> RecordedEpisode:
         raise KinetixError(f"{path}: expected an episode of the editor: {error}") from error
 
 
-def _episode(arrays: dict[str, np.ndarray], level: Level, path: Path) -> RecordedEpisode:
+def episode_of_arrays(arrays: dict[str, np.ndarray], level: Level, name: str) -> RecordedEpisode:
+    """Return an episode that the editor holds.
+
+    Args:
+        arrays: Its moments, as the editor saves them.
+        level: The level that it was played on.
+        name: How messages call it.
+
+    Raises:
+        KinetixError: It does not begin at the start, or has no end.
+        KeyError: An array is missing.
+        ValueError: An array has the wrong shape.
+    """
     steps, unified = arrays["step"], arrays["unified"]
     if unified.shape != (len(steps), CONTROLS) or arrays["reward"].shape != steps.shape:
         raise ValueError(f"expected {CONTROLS} controls in every moment")
     if int(steps[0]) != 0 or np.any(np.diff(steps) != 1):
         raise KinetixError(
-            f"{path}: does not begin at the level's start, so its controls do not tell it"
+            f"{name}: does not begin at the level's start, so its controls do not tell it"
         )
     outcome = str(arrays["outcome"])
     if outcome not in OUTCOMES:
-        raise KinetixError(f"{path}: was saved before the episode ended; play it to its end")
+        raise KinetixError(f"{name}: was saved before the episode ended; play it to its end")
     control = unified[1:].astype(np.float32)
     if not np.isfinite(control).all():
         raise ValueError("its controls are not all finite")

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import agents, export, look_back, measure, train, view, watch
+from editor.actions import agents, datasets, export, look_back, measure, train, view, watch
 from editor.actions.base import Action, Context, playing
 from editor.agents.viewer import Compare
 
@@ -146,6 +146,16 @@ AGENTS: Final = (
         enabled=export.has_clip,
         refusal="Play the level first.",
         run=export.ask_page,
+    ),
+    Action(
+        id="file.add_to_dataset",
+        label="Add to a Data Set…",
+        menu="Run",
+        context=PLAY,
+        tooltip="The whole episode, for kinetix train bc.",
+        enabled=datasets.can_add,
+        refusal="Play an episode to its end first.",
+        run=datasets.ask_dataset,
     ),
     Action(
         id="level.evaluate",

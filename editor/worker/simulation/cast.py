@@ -28,6 +28,7 @@ from kinetix.agents.named import load_player
 from kinetix.agents.planner.budget import Budget
 from kinetix.agents.planner.player import Planner
 from kinetix.agents.player import Player
+from kinetix.bundled import agent_hint
 from kinetix.environment.actions import MultiDiscreteActions
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
@@ -98,7 +99,10 @@ def _folder(path: str) -> Path | None:
         return None
     folder = Path(path)
     if not folder.is_dir():
-        raise CheckpointError(f"{folder}: expected the directory of an agent, found none")
+        raise CheckpointError(
+            f"{path}: there is no such directory, nor a bundled agent of this name; "
+            f"{agent_hint(path, BUILT_IN)}"
+        )
     return folder if is_peer_checkpoint(folder) else newest_checkpoint(folder)
 
 

@@ -116,6 +116,7 @@ class Episode:
             tailored=driver.tailored,
             quick=driver.quick,
             total_reward=since.total_reward if since is not None else 0.0,
+            dropped=since.dropped if since is not None else 0,
             memory=since.memory if since is not None else None,
         )
         # What is still to be compiled for a first step is compiled here, not in the game.
@@ -278,6 +279,7 @@ class LevelView:
             reward=reward,
             total_reward=before.total_reward + reward,
             distance=float(info["distance"]),
+            dropped=before.dropped + bool(info.get("overflow", False)),
             outcome=outcome,
             milliseconds=milliseconds,
             tailored=before.tailored,

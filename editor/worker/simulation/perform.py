@@ -8,6 +8,7 @@ from typing import Any, Final
 import jax
 
 from editor.worker.requests import (
+    AddEpisode,
     Advance,
     CheckDynamics,
     Evaluate,
@@ -36,6 +37,7 @@ from editor.worker.requests import (
 )
 from editor.worker.simulation.cast import load, rehearse
 from editor.worker.simulation.curriculum import read_curriculum
+from editor.worker.simulation.dataset import add_episode
 from editor.worker.simulation.episode import Episode, play_solution
 from editor.worker.simulation.evaluating import open_episode, read_run, run_evaluation, trace_paths
 from editor.worker.simulation.explaining import explain
@@ -75,6 +77,7 @@ class _Bridge:
             CheckDynamics: check_dynamics,
             ExportPicture: lambda request, _: export_picture(request),
             ExportFilm: export_film,
+            AddEpisode: add_episode,
             LoadAgent: lambda request, _: load(request.path),
             Rehearse: self._rehearse,
             Evaluate: run_evaluation,

@@ -35,7 +35,7 @@ from kinetix.level.sizes import capacity_of
 MOVING: Final = ("physics", "timestep", "last_distance")
 """Fields of a state that a step changes. The others, which the level fixes, are neither returned by
 a compiled step nor fetched after it: that would take about as long as the physics of one world."""
-_TOLD: Final = ("GoalR", "distance", "terminated", "truncated", "nan")
+_TOLD: Final = ("GoalR", "distance", "terminated", "truncated", "nan", "overflow")
 """Entries of the environment's `info` that are kept."""
 
 Compiled: TypeAlias = Callable[[EnvState, Array], tuple[dict[str, Any], dict[str, Array]]]

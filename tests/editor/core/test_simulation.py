@@ -288,6 +288,20 @@ def test_a_level_is_judged_without_a_plan(perform):
     assert report.random_solved == 1.0
 
 
+def test_steps_without_room_for_all_contacts_are_counted(perform):
+    square = Polygon(vertices=((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)))
+    shapes = [*(square,) * 8, *(Circle(radius=0.2),) * 4]
+    heap = [Body(id=1 + k, shape=shape, position=(2.0, 2.0)) for k, shape in enumerate(shapes)]
+    level = Level(name="Heap", size="l", bodies=tuple(heap))
+    assert "W211" in {issue.code for issue in validate(level)}
+    snapshots = play(perform, level, actions=((0,) * 6,) * 3)
+    assert [snapshot.dropped for snapshot in snapshots[:2]] == [0, 1]
+    perform(Restore(run=1, snapshot=snapshots[1]))
+    (again,) = perform(Advance(run=1, actions=((0,) * 6,)))
+    assert again.dropped == snapshots[2].dropped >= 1
+    assert [snapshot.dropped for snapshot in play(perform)] == [0] * 41
+
+
 NAMES = """
 from editor.base import physics
 from editor.base.settings import Settings

@@ -40,6 +40,7 @@ from editor.worker.requests import (
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, KinetixError
+from kinetix.paths import checkpoints_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
 NOOP = (0,) * 6
@@ -191,6 +192,24 @@ def test_what_cannot_be_loaded_is_one_sentence_and_the_old_agent_stays(with_agen
     assert place.error == "/nothing/here: expected the directory of an agent, found none"
     assert place.summary.name == "Tester"
     assert any("/nothing/here" in text for text in texts(with_agent))
+
+
+@pytest.mark.parametrize("name", ["goalkeeper", "checkpoints/goalkeeper"])
+def test_a_bundled_agent_has_a_name_from_any_folder(session, stage, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    path = str(checkpoints_dir() / "goalkeeper")
+    stage.agents[path] = a_summary("goalkeeper")
+    agents.load_agent(session, name)
+    settle(session)
+    assert session.viewer.slots["a"].summary.name == "goalkeeper"
+    assert session.settings.recent_agents == [path]
+
+
+def test_a_mistyped_agent_is_told_which_there_are():
+    from editor.worker.simulation import cast
+
+    with pytest.raises(CheckpointError, match=r"^golkeeper: .*did you mean 'goalkeeper'"):
+        cast.load("golkeeper")
 
 
 def test_a_dropped_folder_is_an_agent(session, stage, tmp_path):

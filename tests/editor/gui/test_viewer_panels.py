@@ -551,3 +551,17 @@ def test_a_run_without_metrics_and_one_that_is_gone(with_agent):
     assert with_agent.shows("training.plot.episode_solved")
     with_agent.click("training.stop")
     assert with_agent.session.viewer.run.path == ""
+
+
+def test_contacts_that_were_left_out_are_told_while_it_plays(gui, monkeypatch):
+    shown = []
+    monkeypatch.setattr(
+        play_side._Column, "lines", lambda column, words, *style: shown.append(words)
+    )
+    simulator = gui.session.playback.simulator
+    gui.key("space")
+    gui.frames(10)
+    assert not any("left out" in words for words in shown)
+    simulator.state = dataclasses.replace(simulator.state, dropped=3)
+    gui.frames(10)
+    assert any(words.startswith("contacts left out in 3 of ") for words in shown)

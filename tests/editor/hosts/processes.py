@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 _TIED = """
-import ctypes, os, sys
+import ctypes, os, signal, sys
 
 PR_SET_PDEATHSIG, SIGKILL = 1, 9
 libc = ctypes.CDLL(None)
@@ -17,6 +17,8 @@ if hasattr(libc, "prctl"):
     libc.prctl(PR_SET_PDEATHSIG, SIGKILL)
 if os.getppid() != int(sys.argv[1]):
     sys.exit("the tests are gone")
+# A shell that starts the tests in the background has them ignore Ctrl+C; the app must not.
+signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[2], sys.argv[2:])
 """
 

@@ -1,0 +1,71 @@
+"""Recorded play as data: the episode on show goes into a data set."""
+
+from pathlib import Path
+
+from editor.base.prompts import FileQuestion
+from editor.base.wording import plural
+from editor.session import Session
+from editor.worker.jobs import Job, JobState
+from editor.worker.recording import Trace
+from editor.worker.requests import AddEpisode
+from kinetix.datasets.folder import MANIFEST, read_manifest
+from kinetix.errors import CommandError, KinetixError
+from kinetix.level.model import Level
+
+
+def can_add(session: Session) -> bool:
+    """Return whether an episode that came to its end is on show."""
+    moments = session.playback.moments
+    return session.playback.active and bool(moments) and moments[-1].outcome is not None
+
+
+def ask_dataset(session: Session) -> None:
+    """Ask which data set the episode shall go to."""
+    playback = session.playback
+    trace, level = playback.trace, playback.level
+    if trace is None or level is None or not can_add(session):
+        raise CommandError("Play an episode to its end first.")
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            add_episode(session, level, trace, path)
+
+    last = Path(session.settings.dataset) if session.settings.dataset else Path.cwd()
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Add the episode to a data set",
+            folder=last if last.is_dir() else Path.cwd(),
+            describe=about_dataset,
+            wanted="a data set of episodes or an empty folder",
+            fresh=True,
+            answer=answer,
+        )
+    )
+
+
+def add_episode(session: Session, level: Level, trace: Trace, folder: Path) -> None:
+    """Add an episode to a data set; a toast says what it holds then, or why not."""
+
+    def done(job: Job) -> None:
+        if job.state is JobState.DONE:
+            session.settings.dataset = str(folder.resolve())
+            session.toast(job.result, "success")
+        elif job.state is JobState.FAILED:
+            session.toast(job.error, "error")
+
+    request = AddEpisode(level=level, trace=trace, folder=folder)
+    session.worker.submit(request, title="Adding the episode", done=done)
+
+
+def about_dataset(folder: Path) -> str:
+    """Return what a folder is as a place for episodes; empty where they cannot go there."""
+    try:
+        if (folder / MANIFEST).is_file():
+            manifest = read_manifest(folder)
+            many = plural(manifest.episodes, "episode")
+            return f"A data set of {many}, {plural(manifest.steps, 'step')}."
+        empty = not any(not entry.name.startswith(".") for entry in folder.iterdir())
+    except (KinetixError, OSError):
+        return ""
+    return "An empty folder: a data set begins here." if empty else ""
