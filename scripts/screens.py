@@ -14,6 +14,7 @@ from typing import Final
 
 from PIL import Image, ImageDraw
 
+from editor.base.language import spoken
 from editor.base.settings import Settings
 from editor.hosts.offscreen import OffscreenHost
 from editor.hosts.replay import Replayer
@@ -168,6 +169,7 @@ def main() -> None:
     asked = parser.parse_args()
     for name in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
         os.environ[name] = tempfile.mkdtemp()
+    missing: set[str] = set()
     for size, scale, theme in itertools.product(SIZES, SCALES, THEMES):
         name = f"{size[0]}x{size[1]}_{scale:g}_{theme}_{asked.language}"
         if asked.only not in name:
@@ -177,6 +179,10 @@ def main() -> None:
         if not asked.no_play:
             pictures += take(size, scale, PLAY, OUT / name, **looks)
         sheet(pictures, OUT / f"{name}.png")
+        language = spoken()
+        missing |= language.missing if language is not None else set()
+    for words in sorted(missing):
+        sys.stdout.write(f"not in {asked.language}: {words}\n")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ translated too: `"{0} selected": "{0} ausgewählt"`. What a file lacks stays Eng
 """
 
 import functools
+import heapq
 import json
 import re
 from collections.abc import Mapping
@@ -37,11 +38,11 @@ class Language:
         self._kept: dict[str, str] = {}
         self._said: set[str] = set()
         """Texts already translated, which are left alone."""
-        self._forms: dict[str, list[tuple[re.Pattern[str], str]]] = {}
-        forms = [english for english in words if _HOLE.search(english)]
+        self._forms: dict[str, list[tuple[int, str, re.Pattern[str], str]]] = {}
         # Of two forms that fit, the one that says more is meant.
-        for english in sorted(forms, key=lambda form: -len(_HOLE.sub("", form))):
-            row = (_pattern(english), words[english])
+        forms = [(-len(_HOLE.sub("", form)), form) for form in words if _HOLE.search(form)]
+        for length, english in sorted(forms):
+            row = (length, english, _pattern(english), words[english])
             self._forms.setdefault(english[:1], []).append(row)
 
     def translate(self, words: str) -> str:
@@ -76,17 +77,17 @@ class Language:
         """Return words that fit a form, what stands in its holes translated where it can be."""
         if depth == 0:
             return None
-        for start in (words[:1], "{"):
-            for pattern, form in self._forms.get(start, ()):
-                fits = pattern.fullmatch(words)
-                if fits is not None:
-                    parts = {f"h{name}": part for name, part in fits.groupdict().items()}
-                    return _HOLE.sub(
-                        lambda hole, parts=parts: self._translated(
-                            parts.get(f"hp{hole[1]}") or "", depth - 1
-                        ),
-                        form,
-                    )
+        rows = heapq.merge(*(self._forms.get(start, ()) for start in {words[:1], "{"}))
+        for _, _, pattern, form in rows:
+            fits = pattern.fullmatch(words)
+            if fits is not None:
+                parts = fits.groupdict()
+                return _HOLE.sub(
+                    lambda hole, parts=parts: self._translated(
+                        parts.get(f"p{hole[1]}") or "", depth - 1
+                    ),
+                    form,
+                )
         return None
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 ROW_LABEL: Final = 0.33
 """Share of a property row's width that its label gets."""
+_CAP_GAP: Final = 3.0
+"""Room between two key caps [px at 100 %]."""
 MIXED: Final = "—"
 """Text of a field when the selected things differ."""
 
@@ -141,8 +143,7 @@ def key_cap(label: str, *, lit: bool = False) -> None:
     line = imgui.get_text_line_height()
     with font(FONTS.bold, SMALL - 1):
         size = imgui.calc_text_size(label)
-        pad = px(5)
-        width, height = max(size.x + 2 * pad, size.y + px(5)), size.y + px(4)
+        width, height = _cap_width(label), size.y + px(4)
         at = imgui.get_cursor_screen_pos()
         offset = (line - height) / 2
         draw = imgui.get_window_draw_list()
@@ -174,11 +175,27 @@ def draw_key_plate(
 
 def key_caps(keys: str) -> None:
     """A chord as a row of plates: `"Ctrl+Z"` is two."""
-    parts = keys.split("+") if not keys.endswith("+") else [*keys[:-2].split("+"), "+"]
-    for index, part in enumerate(parts):
+    for index, part in enumerate(_caps_of(keys)):
         if index:
-            imgui.same_line(0, px(3))
+            imgui.same_line(0, px(_CAP_GAP))
         key_cap(part)
+
+
+def width_of_caps(keys: str) -> float:
+    """Return the width of a chord's plates [px]."""
+    parts = _caps_of(keys)
+    with font(FONTS.bold, SMALL - 1):
+        return sum(map(_cap_width, parts)) + px(_CAP_GAP) * (len(parts) - 1)
+
+
+def _cap_width(label: str) -> float:
+    """Return the width of a plate in the present font [px]."""
+    size = imgui.calc_text_size(label)
+    return max(size.x + 2 * px(5), size.y + px(5))
+
+
+def _caps_of(keys: str) -> list[str]:
+    return keys.split("+") if not keys.endswith("+") else [*keys[:-2].split("+"), "+"]
 
 
 def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:

@@ -89,7 +89,7 @@ class FileBrowser:
             (
                 (f"{Icons.up}", self._folder.parent),
                 ("Levels", levels_dir()),
-                ("Home", Path.home()),
+                ("Home folder", Path.home()),
                 ("Here", Path.cwd()),
             )
         ):

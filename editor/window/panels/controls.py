@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.toolkit.widgets import px
@@ -36,7 +37,7 @@ class ControlsPanel(Panel):
                 imgui.same_line(0, px(4))
             imgui.same_line(px(72))
             names = [session.document.name_of(entity) for entity in driven]
-            widgets.text(", ".join(names), COLOURS.muted)
+            widgets.text(", ".join(map(tr, names)), COLOURS.muted)
             if imgui.is_item_hovered():
                 session.highlighted = driven
         if not used:

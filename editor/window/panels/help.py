@@ -78,9 +78,10 @@ class HelpOverlay:
         imgui.same_line(imgui.get_window_width() - px(58))
         if widgets.icon_button(session, "help.close", Icons.close):
             session.view.help = False
-        widgets.muted(
+        widgets.wrapped(
             "Make a level in which green can touch blue without ever touching red. "
-            "Draw in Edit, try it in Play."
+            "Draw in Edit, try it in Play.",
+            COLOURS.muted,
         )
         imgui.dummy((0, px(6)))
 
@@ -118,14 +119,21 @@ class HelpOverlay:
                 if title == "Mouse":
                     widgets.wrapped(keys)
                 else:
-                    for index, chord in enumerate(keys.split("  ")):
-                        if index:
-                            imgui.same_line(0, px(8))
-                        widgets.key_caps(chord)
+                    _chords(keys.split("  "))
                 imgui.table_next_column()
                 widgets.wrapped(label, COLOURS.muted)
             imgui.end_table()
         imgui.dummy((0, px(10)))
+
+
+def _chords(chords: list[str]) -> None:
+    """Draw chords beside each other where the column has room, else below each other."""
+    edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    for index, chord in enumerate(chords):
+        after = imgui.get_item_rect_max().x + px(8)
+        if index and after + widgets.width_of_caps(chord) <= edge:
+            imgui.same_line(0, px(8))
+        widgets.key_caps(chord)
 
 
 def rows_of(session: "Session", menu: str) -> list[tuple[str, str]]:

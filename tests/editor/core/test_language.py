@@ -20,6 +20,9 @@ WORDS = {
     "Circle {0}": "Kreis {0}",
     "Name of {0}": "Name von {0}",
     "{0} of {1}": "{1} davon {0}",
+    "Step {0}": "Schritt {0}",
+    "Step Back": "Zurück",
+    "{0} in Play": "{0} im Spiel",
     "{0} of {1} won": "{0} von {1} gewonnen",
 }
 
@@ -33,6 +36,7 @@ def english():
 @pytest.mark.parametrize(
     ("english", "expected"),
     [
+        ("Step Back in Play", "Zurück im Spiel"),
         ("Save", "Speichern"),
         ("\uf0c7  Save", "\uf0c7  Speichern"),
         ("  Save ", "  Speichern "),

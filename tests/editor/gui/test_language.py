@@ -3,8 +3,10 @@
 import re
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.base import language
+from editor.toolkit import widgets
 from editor.window.panels.preferences import PAGES
 from tests.editor.core.helpers import FakeSimulator, a_level
 
@@ -40,6 +42,12 @@ def test_panels_menus_and_settings_speak_german(make_gui):
     for page in (*PAGES, "Files", "Keys"):
         gui.click(f"preferences.{page}")
     gui.session.view.preferences = False
+    gui.key("f1")
+    gui.frames(4)
+    gui.key("f1")
+    gui.key("ctrl+o")
+    gui.frames(4)
+    gui.key("escape")
     gui.key("space")
     gui.frames(20)
     gui.key("space")
@@ -76,3 +84,26 @@ def test_escape_closes_a_menu_without_a_crash(make_gui):
         gui.key("escape")
         gui.frames(2)
     assert not any("IM_ASSERT" in line for line in gui.session.log.lines)
+
+
+def test_two_chords_stand_below_each_other_where_a_column_is_narrow(make_gui, monkeypatch):
+    """Strg Umschalt Z and Strg Y do not fit beside each other: neither is cut off."""
+    drawn = []
+    cap = widgets.key_cap
+
+    def key_cap(label, **options):
+        cap(label, **options)
+        drawn.append((label, imgui.get_item_rect_min().y))
+
+    monkeypatch.setattr(widgets, "key_cap", key_cap)
+    gui = make_gui(size=(1280, 800))
+    gui.session.settings.language = "de"
+    gui.key("f1")
+    gui.frames(4)
+    drawn.clear()
+    gui.frames(1)
+    labels = [label for label, _ in drawn]
+    chords = ["Strg", "Umschalt", "Z", "Strg", "Y"]
+    at = next(k for k in range(len(labels)) if labels[k : k + 5] == chords)
+    tops = [top for _, top in drawn[at : at + 5]]
+    assert tops[0] == tops[2] and tops[3] == tops[4] > tops[2] + 5

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
+from editor.base.language import tr
+from editor.base.wording import plural
 from editor.gallery.card import Card
 from editor.gallery.results import HUMAN
 from editor.toolkit import widgets
@@ -153,7 +155,7 @@ class CardGrid:
                 room -= imgui.calc_text_size(sign).x
                 draw.add_text((at[0] + room, top), u32(colour), sign)
                 room -= px(6)
-            words = _fitted(_detail(card), max(room, 1.0), _text_size())
+            words = _fitted(tr(_detail(card)), max(room, 1.0), _text_size())
             draw.add_text((at[0], top), u32(COLOURS.muted), words)
 
     def _menu(self, session: "Session", card: Card) -> None:
@@ -219,7 +221,7 @@ def _detail(card: Card) -> str:
     if card.fault:
         return "cannot be read"
     label = SIZE_LABELS[card.size_class] if card.size_class != "other" else card.size
-    return f"{label}   {count_of(card.bodies, 'shape')}"
+    return f"{label}   {plural(card.bodies, 'shape')}"
 
 
 def _signs(session: "Session", card: Card) -> list[tuple[str, Rgba]]:
@@ -242,8 +244,3 @@ def _signs(session: "Session", card: Card) -> list[tuple[str, Rgba]]:
     elif card.solved:
         signs.append((Icons.good, COLOURS.faint))
     return signs
-
-
-def count_of(number: int, noun: str) -> str:
-    """A number with its noun: `3 shapes`."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -23,6 +23,10 @@ SIZE_LABELS: Final = {
     "other": "Other",
 }
 """Names of the classes of size."""
+_SWITCH: Final = 136.0
+_WINNERS: Final = 190.0
+_CLEAR: Final = 100.0
+"""Widths of what filters [px at 100 %]."""
 
 
 def draw_head(session: "Session", count: int) -> None:
@@ -76,7 +80,7 @@ def _filters(session: "Session") -> None:
         imgui.same_line(0, px(6))
         on = size in wish.sizes
         name = f"gallery.size.{size}"
-        if widgets.icon_button(session, name, SIZE_LABELS[size], on=on):
+        if widgets.icon_button(session, name, tr(SIZE_LABELS[size]), on=on):
             sizes = wish.sizes ^ {size}
             gallery.wish = dataclasses.replace(wish, sizes=sizes)
     for field, label in (
@@ -84,14 +88,14 @@ def _filters(session: "Session") -> None:
         ("problems", "problems"),
         ("solution", "solution"),
     ):
-        imgui.same_line(0, px(10))
+        widgets.beside(_SWITCH, gap=10)
         _switch(session, field, label)
     players = session.results.players
     if players:
-        imgui.same_line(0, px(10))
+        widgets.beside(_WINNERS, gap=10)
         _winners(session, players)
     if wish.filters:
-        imgui.same_line(0, px(10))
+        widgets.beside(_CLEAR, gap=10)
         if widgets.icon_button(session, "gallery.clear", Icons.close, label="No filters"):
             gallery.wish = dataclasses.replace(
                 type(wish)(), words=wish.words, sort=wish.sort, descending=wish.descending
@@ -106,7 +110,7 @@ def _switch(session: "Session", field: str, label: str) -> None:
         options[0] = ("any", f"All {label}")
     value = getattr(gallery.wish, field)
     current = "any" if value is None else ("with" if value else "without")
-    imgui.set_next_item_width(px(136))
+    imgui.set_next_item_width(px(_SWITCH))
     picked = widgets.choice(session, f"gallery.{field}", current, options)
     if picked is not None:
         wanted = {"any": None, "with": True, "without": False}[picked]
@@ -121,7 +125,7 @@ def _winners(session: "Session", players: Sequence[str]) -> None:
     options += [(f"-{name}", f"Not solved by {name}") for name in players]
     current = f"+{wish.solved_by}" if wish.solved_by else ""
     current = f"-{wish.unsolved_by}" if wish.unsolved_by else current
-    imgui.set_next_item_width(px(190))
+    imgui.set_next_item_width(px(_WINNERS))
     picked = widgets.choice(session, "gallery.solved", current, options)
     if picked is not None:
         gallery.wish = dataclasses.replace(

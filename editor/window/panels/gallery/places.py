@@ -73,7 +73,7 @@ def _place(
     left = start.x + px(8 + 16 * indent)
     icon = Icons.folder if folder is not None else Icons.gallery
     draw.add_text((left, top), u32(COLOURS.info if folder else COLOURS.muted), icon)
-    draw.add_text((left + px(24), top), u32(COLOURS.text), label if folder else tr(label))
+    draw.add_text((left + px(24), top), u32(COLOURS.text), tr(label))
     words = str(count)
     right = start.x + width - px(8) - imgui.calc_text_size(words).x
     draw.add_text((right, top), u32(COLOURS.faint), words)

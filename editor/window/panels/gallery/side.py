@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import gallery as doing
 from editor.base.language import tr
+from editor.base.wording import plural
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
 from editor.toolkit import widgets
@@ -15,7 +16,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.browser import peek, thumbnail
-from editor.window.panels.gallery.cards import PAYLOAD, count_of
+from editor.window.panels.gallery.cards import PAYLOAD
 from editor.window.panels.gallery.tray import SetTray
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class Side:
             widgets.small("  ".join(f"#{tag}" for tag in card.tags), COLOURS.info)
         if card.errors or card.warnings:
             kinds = ((card.errors, "error"), (card.warnings, "warning"))
-            parts = [count_of(number, noun) for number, noun in kinds if number]
+            parts = [plural(number, noun) for number, noun in kinds if number]
             colour = COLOURS.bad if card.errors else COLOURS.warn
             widgets.small(f"{Icons.warning}  {', '.join(parts)}", colour)
         for trial, record in sorted(session.results.of(card.sha256).items()):
@@ -137,7 +138,7 @@ def _summary(card: Card) -> str:
     if card.fault:
         return card.fault
     parts = [
-        count_of(number, noun)
+        plural(number, noun)
         for number, noun in (
             (card.bodies, "shape"),
             (card.joints, "joint"),
