@@ -167,6 +167,7 @@ def main() -> None:
     parser.add_argument("--language", default="en", help="of the interface, such as de")
     parser.add_argument("--no-play", action="store_true", help="leave out what is simulated")
     asked = parser.parse_args()
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     for name in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
         os.environ[name] = tempfile.mkdtemp()
     missing: set[str] = set()

@@ -14,6 +14,8 @@ _LONGEST: Final = 1_000_000
 """Most characters of a text."""
 _FAR_OUT: Final = 1e5
 """Largest coordinate [px]."""
+_MOST_ZOOM: Final = 4.0
+"""Largest zoom of one message."""
 _BUTTONS: Final = {0: events.LEFT, 1: events.MIDDLE, 2: events.RIGHT, 3: 6, 4: 7}
 """The browser's button numbers to pygame's."""
 
@@ -143,6 +145,13 @@ def _pointer(kind: events.Pointer, x: object, y: object, button: object) -> even
     )
 
 
+def _pinch(factor: object, x: object, y: object) -> events.InputEvent:
+    most = _MOST_ZOOM
+    return events.PinchEvent(
+        factor=max(min(_number(factor), most), 1 / most), screen=(_number(x), _number(y))
+    )
+
+
 def _key(code: object, key: object, pressed: object) -> events.InputEvent | None:
     name = key_name(_text(code), _text(key))
     return None if name is None else events.KeyEvent(key=name, pressed=_flag(pressed))
@@ -156,6 +165,7 @@ _READ: Final[dict[str, Callable[..., Message | None]]] = {
         kind=events.Pointer.MOVE, world=_NOWHERE, screen=FAR, button=0
     ),
     "wheel": lambda dx, dy: events.WheelEvent(dx=_number(dx), dy=_number(dy)),
+    "pinch": _pinch,
     "key": _key,
     "text": lambda text: events.TextEvent(text=_text(text)),
     "paste": lambda text: Pasted(text=_text(text)),

@@ -384,3 +384,16 @@ def test_two_wheels_drawn_alike_are_equal():
     other = second.shape.replace(radius=second.shape.radius + 1e-3)
     level = level.replace(bodies=(first, second.replace(shape=other)))
     assert not shared_value(level, (first.id, second.id), "shape.radius")[1]
+
+
+def test_two_fingers_zoom_where_they_are_unless_switched_off(session):
+    from editor.base.events import PinchEvent
+
+    at = (300.0, 300.0)
+    under, zoom = session.camera.to_world(at), session.camera.zoom
+    actions.handle(session, PinchEvent(factor=1.5, screen=at))
+    assert session.camera.zoom == pytest.approx(1.5 * zoom)
+    assert session.camera.to_world(at) == pytest.approx(under, abs=1e-4)
+    session.settings.pinch = False
+    actions.handle(session, PinchEvent(factor=1.5, screen=at))
+    assert session.camera.zoom == pytest.approx(1.5 * zoom)

@@ -210,6 +210,25 @@ def test_the_wheel_zooms(page):
     eventually(lambda: page.picture() != before)
 
 
+def test_two_fingers_zoom_the_view_and_not_the_page(page):
+    before, ratio = page.picture(), page.run("return [devicePixelRatio, visualViewport.scale]")
+    width, height = page.run("return [innerWidth, innerHeight]")
+    ctrl = 2
+    page.browser.execute_cdp_cmd(
+        "Input.dispatchMouseEvent",
+        {
+            "type": "mouseWheel",
+            "x": width // 2,
+            "y": height // 2,
+            "deltaX": 0,
+            "deltaY": -60,
+            "modifiers": ctrl,
+        },
+    )
+    eventually(lambda: page.picture() != before)
+    assert page.run("return [devicePixelRatio, visualViewport.scale]") == ratio
+
+
 def test_it_goes_on_where_the_page_was_closed(page, level):
     circle_at(page)
     page.browser.get("about:blank")

@@ -9,6 +9,7 @@ from editor.base.events import (
     FocusEvent,
     KeyEvent,
     Modifiers,
+    PinchEvent,
     Pointer,
     PointerEvent,
     QuitEvent,
@@ -94,3 +95,15 @@ def test_the_rest():
 )
 def test_chords_for_people(chord, words):
     assert label(chord) == words
+
+
+def test_two_fingers_that_move_apart_zoom_where_they_are(monkeypatch):
+    monkeypatch.setattr(pygame.display, "get_window_size", lambda: (800, 600))
+    values = {"touch_id": 1, "rotated": 0.0, "x": 0.25, "y": 0.5}
+    apart = translate(event(pygame.MULTIGESTURE, num_fingers=2, pinched=0.1, **values))
+    assert isinstance(apart, PinchEvent)
+    assert apart.screen == (200, 300) and 1.2 < apart.factor < 1.4
+    closer = translate(event(pygame.MULTIGESTURE, num_fingers=2, pinched=-0.1, **values))
+    assert closer.factor == pytest.approx(1 / apart.factor)
+    assert translate(event(pygame.MULTIGESTURE, num_fingers=3, pinched=0.1, **values)) is None
+    assert translate(event(pygame.MULTIGESTURE, num_fingers=2, pinched=0.0, **values)) is None
