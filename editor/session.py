@@ -401,6 +401,10 @@ class Session:
         self.toasts.append(Toast(text=text, kind=kind, until=self.time + seconds, action=action))
         self.log.add(text)
 
+    def hush(self) -> None:
+        """Take the messages of success away: what begins now has the screen."""
+        self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]
+
     def complain(self, text: str) -> None:
         """Say why something was not done."""
         self.toast(text, "warning")

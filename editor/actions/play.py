@@ -16,6 +16,7 @@ def play(session: Session) -> None:
         moment.play_on(session, session.tab.moment)
         return
     session.leave_play()
+    session.hush()
     session.autosaves.keep(session.document)
     session.playback.play(session.document.level)
 

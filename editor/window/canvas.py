@@ -121,8 +121,9 @@ class Canvas:
     def _look(self, session: "Session", origin: Point, size: Point) -> None:
         """Choose the camera for the present viewport.
 
-        An arena that is shown whole follows the window, the layouts and Play. In Edit, panels and
-        tabs that only come and go leave every point of the level where it is on the screen.
+        An arena that is shown whole follows the window, the layouts, Play, and what is drawn over
+        it on demand. In Edit, panels and tabs that only come and go leave every point of the level
+        where it is on the screen.
         """
         io, tab = imgui.get_io(), session.tab
         cause = (
@@ -131,6 +132,8 @@ class Canvas:
             not session.editing and shows_panels(session),
             self._before_split is not None,
             session.tab.moment is not None,
+            session.viewer.paths is not None,
+            session.view.debug_draw,
             None if session.editing else size,
         )
         if cause != self._cause:

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import agents
 from editor.agents.viewer import COMPARE_LABELS, SlotName, mismatch
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.keys import label as chord_label
@@ -191,7 +192,7 @@ class AgentsPanel(Panel):
         for index, (kind, label) in enumerate(COMPARE_LABELS.items()):
             if index:
                 imgui.same_line()
-            if imgui.radio_button(f"{label}###compare.{kind}", viewer.compare == kind):
+            if imgui.radio_button(tr(f"{label}###compare.{kind}"), viewer.compare == kind):
                 session.queue(f"agent.compare_{kind}")
             widgets.probe(session, f"agents.compare.{kind}")
         widgets.small("F6 plays A against B; Space plays you against B.")
@@ -220,7 +221,7 @@ class AgentsPanel(Panel):
         for index, (about, label) in enumerate(_ABOUT.items()):
             if index:
                 imgui.same_line()
-            if imgui.radio_button(f"{label}###about.{about}", reasons.about == about):
+            if imgui.radio_button(tr(f"{label}###about.{about}"), reasons.about == about):
                 reasons.about = about
             widgets.probe(session, f"agents.about.{about}")
         imgui.unindent(px(22))

@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor.actions import curriculum
 from editor.agents.curriculum import CurriculumWatch, lineage, why_gone
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha, u32
 from editor.toolkit.textures import TextureStore
@@ -146,7 +147,7 @@ class CurriculumPanel(Panel):
             top = at.y + side + px(3)
             for words, colour in lines:
                 draw.push_clip_rect((at.x, top), (at.x + side, top + px(20)), True)
-                draw.add_text((at.x, top), u32(alpha(colour, 1.0)), words)
+                draw.add_text((at.x, top), u32(alpha(colour, 1.0)), tr(words))
                 draw.pop_clip_rect()
                 top += imgui.get_text_line_height()
         widgets.tooltip(f"Level #{listed.serial}", _facts(listed, page.head))

@@ -171,8 +171,8 @@ class EvaluatePanel(Panel):
         if changed:
             form.seed = max(seed, 0)
         widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
-        widgets.beside(140, gap=8)
-        imgui.set_next_item_width(px(140))
+        widgets.beside(170, gap=8)
+        imgui.set_next_item_width(px(170))
         options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
@@ -489,9 +489,10 @@ class EvaluatePanel(Panel):
         for number, ending in enumerate(paths.endings):
             icon, _, name = OUTCOME_LOOK[ending.outcome]
             x, y = ending.place
-            words = f"{icon}  {len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
+            words = f"{len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
             if ending.parting is not None:
                 words += f", apart from step {ending.parting}"
+            words = f"{icon}  {tr(words)}"
             shown = viewer.path_ending == number
             with widgets.coloured(text=COLOURS.of(name)):
                 pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]

@@ -299,7 +299,7 @@ def test_steps_without_room_for_all_contacts_are_counted(perform):
     perform(Restore(run=1, snapshot=snapshots[1]))
     (again,) = perform(Advance(run=1, actions=((0,) * 6,)))
     assert again.dropped == snapshots[2].dropped >= 1
-    assert [snapshot.dropped for snapshot in play(perform)] == [0] * 41
+    assert {snapshot.dropped for snapshot in play(perform)} == {0}
 
 
 NAMES = """

@@ -608,3 +608,11 @@ def test_a_trace_keeps_what_the_agent_thought():
     assert arrays["value"][-1] == 0.5 and np.isnan(arrays["value"][0])
     assert arrays["entropy"][-1] == 1.5
     assert str(arrays["player"]) == "Tester"
+
+
+def test_play_has_the_screen_for_itself(with_agent):
+    """That an agent was loaded is no longer worth a place over the level when it plays."""
+    assert any(text.startswith("Loaded Tester") for text in texts(with_agent))
+    with_agent.complain("Something is wrong.")
+    actions.run(with_agent, "run.play_agent")
+    assert texts(with_agent) == ["Something is wrong."]

@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from editor.base.settings import Settings
 from editor.session import Session
+from editor.worker.requests import AttemptPaths
 from tests.editor.core.helpers import a_session
 
 
@@ -182,6 +184,29 @@ def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
     assert arena(gui) == pytest.approx(before, abs=0.5)
     gui.bring("problems")
     assert arena(gui) == pytest.approx(before, abs=0.5)
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 640)])
+def test_what_is_drawn_over_the_level_on_demand_is_in_sight(make_gui, size):
+    """Debug drawings and the ways of attempts open the row below, which would hide the floor."""
+    gui = make_gui(size=size)
+    gui.frames(40)
+    gui.key("f3")
+    gui.frames(30)
+    assert gui.session.view.debug_draw and seen_whole(gui)
+    gui.key("f3")
+    gui.session.view.layout = "edit"
+    gui.frames(30)
+    gui.bring("evaluate")
+    gui.session.viewer.paths = AttemptPaths(
+        level_hash="",
+        step=np.arange(2),
+        position=np.zeros((1, 2, 2), np.float32),
+        outcomes=("won",),
+        parting=None,
+    )
+    gui.frames(30)
+    assert seen_whole(gui)
 
 
 def test_the_place_under_the_canvas_folds_by_its_arrow_and_by_its_tab(gui):

@@ -26,6 +26,7 @@ from editor.window.panels.timeline import marks_of
 from editor.worker.jobs import Worker
 from editor.worker.recording import Futures, Mind
 from editor.worker.requests import (
+    AgentRef,
     AgentView,
     AttemptPaths,
     EvaluatedLevel,
@@ -565,3 +566,40 @@ def test_contacts_that_were_left_out_are_told_while_it_plays(gui, monkeypatch):
     simulator.state = dataclasses.replace(simulator.state, dropped=3)
     gui.frames(10)
     assert any(words.startswith("contacts left out in 3 of ") for words in shown)
+
+
+def test_a_slider_goes_over_the_checkpoints_of_a_run(gui, tmp_path):
+    """One level over all checkpoints: each plays it from the start, with the same draws."""
+    run = tmp_path / "mine"
+    for step in (100, 200, 1000):
+        folder = run / "checkpoints" / str(step)
+        folder.mkdir(parents=True)
+        (folder / "agent.json").write_text("{}")
+        ref = AgentRef(path=str(folder), stamp=str(step))
+        gui.stage.agents[str(folder)] = a_summary(f"mine {step}", ref=ref, folder=str(folder))
+    (run / "metrics.jsonl").write_text("")
+    newest = str(run / "checkpoints" / "1000")
+    ref = AgentRef(path=str(run), stamp="run")
+    gui.stage.agents[str(run)] = a_summary("mine 1000", ref=ref, folder=newest)
+    agents.load_agent(gui.session, str(run))
+    settle(gui)
+    gui.session.viewer.seed = 7
+    front(gui, "agents")
+    gui.click("agents.play")
+    gui.frames(20)
+    assert gui.session.playback.player == "mine 1000" and gui.session.playback.step_count > 3
+    gui.session.view.panels_in_play = True
+    front(gui, "agents")
+    low, high = gui.probe("agents.checkpoint.a").low, gui.probe("agents.checkpoint.a").high
+    episode = gui.session.playback.episode
+    for share, step in ((0.05, 100), (0.5, 200), (0.95, 1000)):
+        x, y = low[0] + share * (high[0] - low[0]), (low[1] + high[1]) / 2
+        gui.click_at(x, y)
+        settle(gui)
+        gui.frames(4)
+        assert gui.session.playback.player == f"mine {step}"
+        assert gui.session.mode is Mode.PLAYING
+        assert gui.session.playback.casting.seed == 7
+        assert gui.session.playback.episode > episode
+        episode = gui.session.playback.episode
+    assert not gui.session.viewer.follow_run

@@ -54,3 +54,25 @@ def test_the_table_is_the_commands_and_its_attempts_open(
     assert lines[:2] == printed
     assert record(tmp_path, "opened")["mode"] == "replay"
     assert record(tmp_path, "opened_end")["outcome"] == "won"
+
+
+def test_a_paused_episode_is_changed_played_on_kept_and_dropped(
+    software_gl, run_editor, script, tmp_path
+):
+    done = run_editor("--offscreen", "--replay", str(script("change_paused.jsonl")), timeout=590)
+    assert done.returncode == 0, done.stderr
+    names = "before paused changing moved undone redone played_on kept back dropped after"
+    told = {name: record(tmp_path, name) for name in names.split()}
+    level = told["before"]["level_hash"]
+    assert (told["paused"]["mode"], told["paused"]["level_hash"]) == ("paused", level)
+    assert (told["changing"]["mode"], told["changing"]["step"]) == ("edit", told["paused"]["step"])
+    assert told["moved"]["level_hash"] not in (level, told["changing"]["level_hash"])
+    assert told["undone"]["level_hash"] == told["changing"]["level_hash"]
+    assert told["redone"]["level_hash"] == told["moved"]["level_hash"]
+    assert told["played_on"]["step"] > told["paused"]["step"]
+    # The level itself changes only where the moment is kept, by one edit.
+    assert told["kept"]["undo"] == f"Start from step {told['played_on']['step']}"
+    assert told["kept"]["level_hash"] != level
+    assert told["back"]["level_hash"] == level and not told["back"]["dirty"]
+    assert (told["dropped"]["mode"], told["dropped"]["level_hash"]) == ("paused", level)
+    assert (told["after"]["mode"], told["after"]["level_hash"]) == ("edit", level)
