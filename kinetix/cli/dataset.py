@@ -149,49 +149,23 @@ def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
 
 
 def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
-    from kinetix.datasets.episode import solution_episode
-    from kinetix.datasets.folder import MANIFEST, read_dataset
-    from kinetix.datasets.offline import is_offline, read_offline
     from kinetix.datasets.replays import checked
-    from kinetix.datasets.traces import episode_of_trace
-    from kinetix.level.sets import gather_levels
+    from kinetix.datasets.sources import episodes_of
 
     for source in sources:
-        path = Path(source)
-        if (path / MANIFEST).is_file():
-            yield from read_dataset(path)
-            continue
-        if is_offline(path):
-            yield from map(checked, read_offline(path))
-            continue
-        saved = sorted(path.rglob("*.npz")) if path.is_dir() else [path]
-        traces = [one for one in saved if one.suffix == ".npz"]
-        for one in traces:
-            episode = checked(episode_of_trace(one))
-            if episode.replays:
-                yield episode
-            else:
+        for found in episodes_of(source):
+            if found.place == "dataset":
+                yield found.episode
+                continue
+            episode = checked(found.episode)
+            if found.place == "trace" and not episode.replays:
                 print(
-                    f"{one}: left out: a body was pulled at, or it was played in a step that "
-                    "rounds differently; its controls alone do not tell it",
+                    f"{found.name}: left out: a body was pulled at, or it was played in a step "
+                    "that rounds differently; its controls alone do not tell it",
                     file=sys.stderr,
                 )
-        if traces and path.suffix == ".npz":
-            continue
-        for level in _levels(source, gather_levels, required=not traces):
-            episode = solution_episode(level)
-            if episode is not None:
-                yield checked(episode)
-
-
-def _levels(source: str, gather: Any, *, required: bool) -> list[Any]:
-    """The levels of a source; a folder of episodes need not have any."""
-    try:
-        return [found.level for found in gather([source])]
-    except KinetixError:
-        if required:
-            raise
-        return []
+                continue
+            yield episode
 
 
 def _verify(command: VerifyDataset) -> int:

@@ -33,6 +33,8 @@ class Teach:
     """Levels that are searched at once: a divisor of 256."""
     copies: int = 2
     """Perturbed starts per level that are tried with its plan; those that it wins too are kept."""
+    mirror: bool = True
+    """True if mirror images are tried too, with the same plan."""
     cores: int | None = None
     """Processor cores to use (KINETIX_CORES, else all)."""
 
@@ -51,6 +53,7 @@ def run(command: Teach) -> int:
         rounds=command.rounds,
         batch=command.batch,
         copies=command.copies,
+        mirror=command.mirror,
     )
     done = teach(config, command.count, command.out, report=_report)
     print(f"{command.out}: {_told(done)}")

@@ -9,16 +9,29 @@ from typing import Final, Literal, TypeAlias, get_args
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from kinetix.engine.spec import Capacity
 from kinetix.environment.outcome import Outcome
 from kinetix.level.codec import level_hash
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
+from kinetix.level.sizes import capacity_of
 
 Source: TypeAlias = Literal["person", "agent", "solver"]
 """Player: hands, a policy, the search of `kinetix solve`."""
 SOURCES: Final[tuple[Source, ...]] = get_args(Source)
 CONTROLS: Final = MOTOR_BINDINGS + THRUSTER_BINDINGS
 """Entries of a unified action: −1 … 1 per motor binding, then 0 … 1 per thruster binding."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Origin:
+    """Size and physics that an episode was played in."""
+
+    capacity: Capacity
+    physics: str
+    """Preset or solver."""
+    frame_skip: int
+    """Engine steps (1/60 s) in one environment step."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,6 +64,13 @@ class RecordedEpisode:
     def length(self) -> int:
         """Environment steps."""
         return len(self.control)
+
+    @property
+    def origin(self) -> Origin:
+        """Size and physics that it was played in."""
+        return Origin(
+            capacity=capacity_of(self.level), physics=self.physics, frame_skip=self.frame_skip
+        )
 
     @property
     def action(self) -> Int[np.ndarray, "k 6"]:
@@ -92,7 +112,13 @@ def solution_episode(level: Level) -> RecordedEpisode | None:
 
 
 def winning_plan(
-    level: Level, actions: Iterable[Iterable[int]], *, physics: str, frame_skip: int
+    level: Level,
+    actions: Iterable[Iterable[int]],
+    *,
+    physics: str,
+    frame_skip: int,
+    seed: int = 0,
+    attempt: int = 0,
 ) -> RecordedEpisode:
     """Return a plan of multi-discrete actions that wins a level as an episode.
 
@@ -101,6 +127,8 @@ def winning_plan(
         actions: Six numbers per environment step; the last one wins.
         physics: Preset or solver under which it does.
         frame_skip: Engine steps per environment step.
+        seed: Of the search.
+        attempt: Number of the search or of its result.
     """
     rows = np.array([tuple(row) for row in actions], np.int8).reshape(-1, CONTROLS)
     motors, thrusters = np.split(rows, [MOTOR_BINDINGS], axis=1)
@@ -115,5 +143,6 @@ def winning_plan(
         physics=physics,
         frame_skip=frame_skip,
         source="solver",
-        player="",
+        seed=seed,
+        attempt=attempt,
     )

@@ -1,5 +1,6 @@
 """A data set: a folder of shards and a manifest with their hashes, to which episodes are added."""
 
+import contextlib
 import dataclasses
 import hashlib
 from collections.abc import Iterable, Iterator
@@ -8,7 +9,7 @@ from typing import Final
 
 import msgspec
 
-from kinetix.datasets.episode import RecordedEpisode
+from kinetix.datasets.episode import Origin, RecordedEpisode
 from kinetix.datasets.shard import FORMAT, VERSION, pack, read_ids, read_shard
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
@@ -29,6 +30,8 @@ class ShardEntry(msgspec.Struct, frozen=True, kw_only=True):
     sha256: str
     episodes: int
     steps: int
+    origins: tuple[Origin, ...] | None = None
+    """Of the episodes that are won; None in what earlier versions wrote."""
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
@@ -104,10 +107,24 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
         yield from read_shard(path)
 
 
+def win_origins(folder: Path) -> Iterator[Origin]:
+    """Return the origins of the won episodes of a data set, from the manifest where it has them.
+
+    Args:
+        folder: The data set.
+
+    Raises:
+        KinetixError: There is no data set, or a shard is missing or damaged; one sentence.
+    """
+    for shard in read_manifest(folder).shards:
+        if shard.origins is not None:
+            yield from shard.origins
+        else:
+            yield from _origins(read_shard(folder / shard.file))
+
+
 def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
     """Add episodes to a data set, which is made where there is none; stopping loses one shard.
-
-    Each shard is complete on disk before the manifest names it.
 
     Args:
         folder: The data set; a new or an empty folder, or one.
@@ -117,47 +134,98 @@ def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
         KinetixError: The folder holds something else, another process writes to it, or the disk
             refuses.
     """
-    manifest = _opened(folder)
-    with locked_folder(folder, "another recording"):
-        known = {name for shard in manifest.shards for name in read_ids(folder / shard.file)}
+    with _opened(folder) as manifest:
+        return DatasetWriter(folder, manifest).add(episodes)
+
+
+@contextlib.contextmanager
+def writing(folder: Path) -> Iterator["DatasetWriter"]:
+    """Open a data set for adding episodes many times; it is there from now on, if empty.
+
+    Args:
+        folder: The data set; a new or an empty folder, or one.
+
+    Raises:
+        KinetixError: The folder holds something else, or another process writes to it.
+    """
+    with _opened(folder) as manifest:
+        _write_manifest(folder, manifest)
+        yield DatasetWriter(folder, manifest)
+
+
+class DatasetWriter:
+    """Adds episodes to a data set: each shard is complete before the manifest names it."""
+
+    def __init__(self, folder: Path, manifest: Manifest) -> None:
+        """Take note of the episodes that are there.
+
+        Args:
+            folder: The data set, locked.
+            manifest: Its manifest.
+        """
+        self._folder, self._manifest = folder, manifest
+        shards = (folder / shard.file for shard in manifest.shards)
+        self._known = {name for path in shards for name in read_ids(path)}
+
+    def add(self, episodes: Iterable[RecordedEpisode]) -> Added:
+        """Write episodes; afterwards all of them are on disk.
+
+        Args:
+            episodes: Taken one by one; those that are there already are left out.
+        """
         waiting: list[RecordedEpisode] = []
         steps = added = twice = empty = 0
         for episode in episodes:
-            if episode.identity in known or not episode.length:
+            if episode.identity in self._known or not episode.length:
                 twice, empty = twice + bool(episode.length), empty + (not episode.length)
                 continue
-            known.add(episode.identity)
+            self._known.add(episode.identity)
             waiting.append(episode)
             steps, added = steps + episode.length, added + 1
             if steps >= SHARD_STEPS:
-                manifest = _write(folder, manifest, waiting)
+                self._write(waiting)
                 waiting, steps = [], 0
         if waiting:
-            manifest = _write(folder, manifest, waiting)
-    return Added(added=added, known=twice, empty=empty)
+            self._write(waiting)
+        return Added(added=added, known=twice, empty=empty)
+
+    def _write(self, episodes: list[RecordedEpisode]) -> None:
+        data = pack(episodes)
+        shards = self._manifest.shards
+        name = f"episodes-{len(shards):05d}.npz"
+        write_atomically(self._folder / name, data)
+        entry = ShardEntry(
+            file=name,
+            sha256=hashlib.sha256(data).hexdigest(),
+            episodes=len(episodes),
+            steps=sum(episode.length for episode in episodes),
+            origins=_origins(episodes),
+        )
+        self._manifest = Manifest(written_by=__version__, shards=(*shards, entry))
+        _write_manifest(self._folder, self._manifest)
 
 
-def _opened(folder: Path) -> Manifest:
+def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
+    return tuple(dict.fromkeys(each.origin for each in episodes if each.outcome == "won"))
+
+
+@contextlib.contextmanager
+def _opened(folder: Path) -> Iterator[Manifest]:
+    """Make the folder where there is none, and hold its lock."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        entries = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
     except OSError as error:
         raise KinetixError(f"{folder}: cannot be written: {error.strerror or error}") from error
-    if (folder / MANIFEST).is_file() or not entries:
-        return read_manifest(folder) if entries else Manifest()
-    raise KinetixError(f"{folder}: is not empty and holds no data set of episodes; choose another")
+    with locked_folder(folder, "another recording"):
+        if (folder / MANIFEST).is_file():
+            yield read_manifest(folder)
+            return
+        if any(not entry.name.startswith(".") for entry in folder.iterdir()):
+            raise KinetixError(
+                f"{folder}: is not empty and holds no data set of episodes; choose another"
+            )
+        yield Manifest()
 
 
-def _write(folder: Path, manifest: Manifest, episodes: list[RecordedEpisode]) -> Manifest:
-    data = pack(episodes)
-    name = f"episodes-{len(manifest.shards):05d}.npz"
-    write_atomically(folder / name, data)
-    entry = ShardEntry(
-        file=name,
-        sha256=hashlib.sha256(data).hexdigest(),
-        episodes=len(episodes),
-        steps=sum(episode.length for episode in episodes),
-    )
-    manifest = Manifest(written_by=__version__, shards=(*manifest.shards, entry))
+def _write_manifest(folder: Path, manifest: Manifest) -> None:
     write_atomically(folder / MANIFEST, msgspec.json.format(msgspec.json.encode(manifest)))
-    return manifest

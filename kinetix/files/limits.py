@@ -23,7 +23,6 @@ Kind = Literal[
     "trace",
     "episodes",
     "curriculum",
-    "demonstrations",
     "script",
     "kept",
 ]
@@ -58,9 +57,6 @@ LIMITS: Final[dict[Kind, FileLimit]] = {
     ),
     "curriculum": FileLimit(
         what="history of a curriculum's buffer", largest=64 * MIB, why="below 1 MB a page"
-    ),
-    "demonstrations": FileLimit(
-        what="shard of a teacher's data (`.npz`)", largest=256 * MIB, why="about 1 MB"
     ),
     "script": FileLimit(what="replay script (`.jsonl`)", largest=64 * MIB, why="about 10 kB"),
     "kept": FileLimit(

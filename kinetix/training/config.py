@@ -334,7 +334,7 @@ class BcConfig(PpoConfig):
     """Behavioural cloning: learn what was done in wins."""
 
     data: tuple[str, ...] = ()
-    """Folders of `kinetix teach`, `.npz` files, levels with a recorded solution."""
+    """Data sets of `kinetix teach` or `kinetix dataset`, `.npz` files, levels with a solution."""
     learning_rate: float = 5e-4
     """Step size of Adam, where it is constant or falls linearly."""
     minibatch_size: int = 1024
@@ -360,8 +360,8 @@ class BcConfig(PpoConfig):
         super().check()
         if not self.data:
             raise KinetixError(
-                "data: expected demonstrations: a folder of `kinetix teach`, episodes that the "
-                "editor exported, or levels with a recorded solution"
+                "data: expected demonstrations: data of `kinetix teach` or `kinetix dataset`, "
+                "episodes that the editor saved, or levels with a recorded solution"
             )
         if self.action_type != "multi_discrete":
             raise KinetixError(

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 
 import jax
 import jax.numpy as jnp
@@ -9,13 +10,18 @@ import numpy as np
 import pytest
 
 from kinetix.agents.networks.distributions import MultiCategorical
+from kinetix.cli.dataset import GatherEpisodes, run
+from kinetix.datasets.episode import winning_plan
+from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset
+from kinetix.datasets.replays import checked
+from kinetix.environment.params import static_env_params_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
+from kinetix.level.sizes import SIZES
 from kinetix.training.config import BcConfig
 from kinetix.training.imitation import sources, teach
 from kinetix.training.imitation.clone import imitation_loss
 from kinetix.training.imitation.lessons import played_again, state_at
-from kinetix.training.imitation.records import read_shard, write_shard
 from kinetix.training.run import train
 from kinetix.training.settings import make_config
 from kinetix.training.setup import make_setup
@@ -60,55 +66,47 @@ def test_a_teacher_goes_on_where_it_stopped_and_refuses_other_settings(data):
     (out / "wins_foreign").mkdir(exist_ok=True)
     other = out / "wins_foreign"
     (other / "x.txt").write_text("")
-    with pytest.raises(KinetixError, match="holds no data"):
+    with pytest.raises(KinetixError, match="holds no data set"):
         teach.teach(config, 1, other)
     (other / "x.txt").unlink()
     other.rmdir()
 
 
 @pytest.mark.slow
-def test_shards_come_back_as_they_were(data, tmp_path):
-    out, _, told = data
-    part = next(sources.gather([str(out)]))
-    assert told.episodes >= len(part.episodes) > 0
-    path = tmp_path / "copy.npz"
-    write_shard(path, part.origin, part.episodes)
-    origin, episodes = read_shard(path)
-    assert origin == part.origin
-    for ours, theirs in zip(episodes, part.episodes, strict=True):
-        np.testing.assert_array_equal(ours.actions, theirs.actions)
-        assert (ours.number, ours.rounds) == (theirs.number, theirs.rounds)
-        for a, b in zip(jax.tree.leaves(ours.state), jax.tree.leaves(theirs.state), strict=True):
-            np.testing.assert_array_equal(a, b)
+def test_what_a_teacher_writes_is_a_data_set_of_wins_that_replay(data):
+    out, config, told = data
+    episodes = list(read_dataset(out))
+    assert len(episodes) == told.episodes
+    assert sum(episode.length for episode in episodes) == told.steps
+    assert {episode.outcome for episode in episodes} == {"won"}
+    assert {episode.physics for episode in episodes} == {config.physics}
+    assert len({episode.level.name for episode in episodes}) == told.won
+    assert all(checked(episode).replays for episode in episodes[:4])
+    again = GatherEpisodes(out=out.parent / "gathered", sources=(str(out), "s/goalkeeper"))
+    assert run(again) == 0
+    assert len(list(read_dataset(again.out))) == told.episodes + 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (lambda arrays: arrays.pop("first"), "'first' is missing"),
-        (lambda arrays: arrays.update(action=arrays["action"] + 3), "no action"),
-        (lambda arrays: arrays.update(first=arrays["first"][:-1]), "do not belong together"),
-        (lambda arrays: arrays.update(about=np.array('{"format": "x"}')), "another format"),
-    ],
-)
-def test_a_damaged_shard_is_told_in_one_sentence(data, tmp_path, change, says):
-    out, _, _ = data
-    with np.load(next(out.glob("*.npz"))) as stored:
-        arrays = dict(stored)
-    change(arrays)
-    path = tmp_path / "bad.npz"
-    np.savez(path, **arrays)
-    with pytest.raises(KinetixError, match=says) as told:
-        read_shard(path)
-    assert str(path) in str(told.value)
+def test_origins_are_read_from_the_manifest_and_from_shards_without(data, tmp_path):
+    out, config, _ = data
+    origin = sources.origin_of([str(out)])
+    assert (origin.capacity, origin.physics) == (SIZES["s"], config.physics)
+    older = tmp_path / "older"
+    shutil.copytree(out, older)
+    manifest = json.loads((older / MANIFEST).read_text())
+    for shard in manifest["shards"]:
+        del shard["origins"]
+    (older / MANIFEST).write_text(json.dumps(manifest))
+    assert sources.origin_of([str(older)]) == origin
 
 
 @pytest.mark.slow
 def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
     out, _, _ = data
     origin = sources.origin_of([str(out)])
-    episodes = sources.demonstrations([str(out)], origin.static_env_params)
+    static = static_env_params_of(origin.capacity, physics=origin.physics)
+    episodes = sources.demonstrations([str(out)], static)
     config = make_config("bc", values={"data": (str(out),), "observation_type": "symbolic_flat"})
     env = make_setup(config, gradient_steps=1).env
     played = played_again(env, episodes, gamma=0.99)
@@ -126,9 +124,23 @@ def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
     assert (np.asarray(state.timestep) == 0).all()
 
 
+def test_wins_and_nothing_else_are_learnt_from(tmp_path):
+    level = load_level("s/goalkeeper")
+    won = winning_plan(level, [[1, 0, 0, 0, 0, 0]] * 3, physics="fast", frame_skip=2)
+    lost = dataclasses.replace(won, outcome="lost", physics="balanced", control=won.control[:2])
+    add_episodes(tmp_path / "set", [lost])
+    with pytest.raises(KinetixError, match="no win to learn from"):
+        sources.origin_of([str(tmp_path)])
+    add_episodes(tmp_path / "set", [won])
+    origin = sources.origin_of([str(tmp_path)])
+    assert origin.physics == "fast"
+    (found,) = sources.demonstrations([str(tmp_path)], static_env_params_of(origin.capacity))
+    assert np.array_equal(found.actions, won.action)
+
+
 def test_recorded_solutions_are_demonstrations():
     origin = sources.origin_of(_SOLVED)
-    episodes = sources.demonstrations(_SOLVED, origin.static_env_params)
+    episodes = sources.demonstrations(_SOLVED, static_env_params_of(origin.capacity))
     assert len(episodes) == len(_SOLVED)
 
 

@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import math
 from collections.abc import Callable, Hashable
 from typing import Literal
 
@@ -16,7 +15,8 @@ from kinetix.level.geometry import (
     rotate,
     signed_area,
 )
-from kinetix.level.model import Body, Circle, Joint, Level, Limits, Point, Polygon, Shape, Thruster
+from kinetix.level.mirror import BOTH, End, mirrored_body, mirrored_joint, mirrored_thruster
+from kinetix.level.model import Body, Circle, Joint, Level, Point, Polygon, Shape, Thruster
 
 
 def _chosen(level: Level, ids: Selection) -> list[Body]:
@@ -285,61 +285,20 @@ class Mirror:
         boxes = [bounds(body) for body in bodies]
         middle = (min(box[k] for box in boxes) + max(box[k + 2] for box in boxes)) / 2
 
-        def flip(point: Point) -> Point:
-            return (-point[0], point[1]) if k == 0 else (point[0], -point[1])
-
-        def body(old: Body) -> Body:
-            position = list(old.position)
-            position[k] = 2 * middle - position[k]
-            velocity = list(old.velocity)
-            velocity[k] = -velocity[k]
-            return old.replace(
-                shape=_mirrored(old.shape, flip),
-                position=tuple(position),
-                angle=-old.angle,
-                velocity=tuple(velocity),
-                angular_velocity=-old.angular_velocity,
-            )
-
         def joint(old: Joint) -> Joint:
-            ends = {e: getattr(old, e) in self.ids for e in ("a", "b")}
-            if not any(ends.values()):
-                return old
-            anchors = {
-                f"anchor_{end}": flip(getattr(old, f"anchor_{end}"))
-                for end, inside in ends.items()
-                if inside
-            }
-            return (
-                _reversed(old.replace(**anchors)) if all(ends.values()) else old.replace(**anchors)
-            )
+            mirrored: list[End] = [end for end in BOTH if getattr(old, end) in self.ids]
+            return mirrored_joint(old, self.axis, mirrored)
 
         def thruster(old: Thruster) -> Thruster:
-            if old.body not in self.ids:
-                return old
-            angle = math.pi - old.angle if k == 0 else -old.angle
-            return old.replace(position=flip(old.position), angle=angle)
+            return mirrored_thruster(old, self.axis) if old.body in self.ids else old
 
-        mirrored = with_bodies(level, self.ids, body).replace(
+        mirrored = with_bodies(
+            level, self.ids, lambda old: mirrored_body(old, self.axis, middle)
+        ).replace(
             joints=tuple(joint(old) for old in level.joints),
             thrusters=tuple(thruster(old) for old in level.thrusters),
         )
         return reanchored(mirrored, self.ids)
-
-
-def _mirrored(shape: Shape, flip: Callable[[Point], Point]) -> Shape:
-    if isinstance(shape, Circle):
-        return shape
-    return Polygon(vertices=reverse_winding(tuple(flip(vertex) for vertex in shape.vertices)))
-
-
-def _reversed(joint: Joint) -> Joint:
-    """A joint whose two bodies were mirrored: angles, limits and motor run the other way."""
-    limits = joint.limits and Limits(
-        on=joint.limits.on, min=-joint.limits.max, max=-joint.limits.min
-    )
-    motor = joint.motor and joint.motor.replace(speed=-joint.motor.speed)
-    return joint.replace(reference_angle=-joint.reference_angle, limits=limits, motor=motor)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -74,7 +74,7 @@ def random_levels(seed: int, size: str | Capacity, count: int) -> Iterator[Level
         drawn = jax.tree.map(np.asarray, drawn)
         for row in range(min(batch, count - start)):
             one = jax.tree.map(lambda leaf, row=row: leaf[row], drawn)
-            yield _document(one, f"Random {label} {seed}-{start + row}")
+            yield random_document(one, f"Random {label} {seed}-{start + row}")
 
 
 @functools.cache
@@ -95,7 +95,13 @@ def _drawer(capacity: Capacity, locomotion: bool) -> Callable[[Array], EnvState]
     return draw
 
 
-def _document(state: EnvState, name: str) -> Level:
+def random_document(state: EnvState, name: str) -> Level:
+    """Return a random level, drawn as a state, as a document.
+
+    Args:
+        state: Of one level; its motion becomes the initial one.
+        name: Name of the new level.
+    """
     limit = np.int32(EnvParams().max_timesteps)
     scene = Scene(
         world=state.world,

@@ -18,7 +18,7 @@ from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.pytree import pytree
-from kinetix.training.imitation.records import Demonstration
+from kinetix.training.imitation.sources import Demonstration
 
 BATCH: Final = 128
 """Episodes that are played again at once."""

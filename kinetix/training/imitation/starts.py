@@ -16,7 +16,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sets import SetLevel
 from kinetix.training.imitation.lessons import played_again, state_at
-from kinetix.training.imitation.records import Demonstration
+from kinetix.training.imitation.sources import Demonstration
 
 SECONDS: Final = 60.0
 """Time for which a win is searched for where none is recorded, or the recorded one wins no more."""

@@ -1,4 +1,4 @@
-"""A data set of wins on random levels: searched in batches, written in shards, resumable."""
+"""A data set of wins on random levels: searched in batches, resumable."""
 
 import dataclasses
 import json
@@ -12,18 +12,21 @@ import jax.numpy as jnp
 import msgspec
 import numpy as np
 
+from kinetix.datasets.episode import RecordedEpisode, winning_plan
+from kinetix.datasets.folder import read_manifest, writing
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.generators.documents import random_document
 from kinetix.environment.generators.filters import noop_solved
-from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
-from kinetix.environment.reset import make_reset_fn_sample_kinetix_level
+from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.reset import level_state, make_reset_fn_sample_kinetix_level
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_object
-from kinetix.files.lock import locked_folder
 from kinetix.level.atomic import write_atomically
+from kinetix.level.mirror import mirrored_level
+from kinetix.level.model import Level
 from kinetix.level.sizes import parse_capacity
-from kinetix.training.imitation.records import Demonstration, Origin, write_shard
 from kinetix.training.imitation.teacher import (
     ELITE,
     LENGTH,
@@ -53,6 +56,8 @@ class TeachConfig:
     """Levels that are searched at once."""
     copies: int = 2
     """Perturbed starts per level that are tried besides; those that its plan wins too are kept."""
+    mirror: bool = True
+    """True if the mirror images of all these are tried too."""
 
     def check(self) -> None:
         """Refuse what cannot work.
@@ -114,8 +119,7 @@ def teach(
         KinetixError: The folder holds something else, or data of other settings.
     """
     config.check()
-    out.mkdir(parents=True, exist_ok=True)
-    with locked_folder(out, "another teacher"):
+    with writing(out) as data:
         so_far = _resumed(config, out)
         if so_far.won >= count:
             return so_far
@@ -123,15 +127,14 @@ def teach(
         while so_far.won < count:
             began = time.monotonic()
             found, told = search.shard(so_far.shards)
-            if found:
-                path = out / f"wins_{so_far.shards:06d}.npz"
-                write_shard(path, search.origin, found)
+            # Of a stop between the two writes only this comes twice, and is known then.
+            data.add(found)
             so_far = Yield(
                 levels=so_far.levels + SHARD,
                 trivial=so_far.trivial + told["trivial"],
                 won=so_far.won + told["won"],
                 episodes=so_far.episodes + len(found),
-                steps=so_far.steps + sum(len(each.actions) for each in found),
+                steps=so_far.steps + sum(each.length for each in found),
                 shards=so_far.shards + 1,
                 seconds=so_far.seconds + time.monotonic() - began,
             )
@@ -148,8 +151,9 @@ def _note(config: TeachConfig, so_far: Yield, out: Path) -> None:
 def _resumed(config: TeachConfig, out: Path) -> Yield:
     path = out / PROGRESS
     if not path.is_file():
-        if any(not entry.name.startswith(".") for entry in out.iterdir()):
-            raise KinetixError(f"{out}: is not empty and holds no data of a teacher")
+        if read_manifest(out).shards:
+            raise KinetixError(f"{out}: holds episodes that are not a teacher's; choose another")
+        _note(config, Yield(), out)
         return Yield()
     content = read_object(path, "run")
     for name, value in dataclasses.asdict(config).items():
@@ -171,7 +175,6 @@ class _Search:
     def __init__(self, config: TeachConfig) -> None:
         self._config = config
         capacity = parse_capacity(config.size)
-        self.origin = Origin(capacity=capacity, physics=config.physics, frame_skip=LEVEL_FRAME_SKIP)
         static = static_env_params_of(capacity, physics=config.physics)
         env = make_kinetix_env(
             ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
@@ -181,7 +184,7 @@ class _Search:
         reset = make_reset_fn_sample_kinetix_level(EnvParams(), static)
         self._draw = jax.jit(jax.vmap(reset))
 
-    def shard(self, index: int) -> tuple[list[Demonstration], dict[str, int]]:
+    def shard(self, index: int) -> tuple[list[RecordedEpisode], dict[str, int]]:
         """Search the levels of a shard.
 
         Returns:
@@ -192,23 +195,20 @@ class _Search:
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
-        plans, rounds = self._searched(levels, todo, key)
+        plans = self._searched(levels, todo, key)
         random = np.random.default_rng((self._config.seed, index))
-        found = self._proven(levels, plans, rounds, random, index * SHARD)
-        won = len({episode.number for episode in found})
+        found = self._proven(self._attempts(levels, plans, random, index * SHARD))
+        won = len({episode.level.name for episode in found})
         return found, {"trivial": int(trivial.sum()), "won": won}
 
-    def _searched(
-        self, levels: EnvState, todo: np.ndarray, key: Any
-    ) -> tuple[dict[int, np.ndarray], dict[int, int]]:
-        """Winning plans and rounds by level: a place that is done takes the next level."""
+    def _searched(self, levels: EnvState, todo: np.ndarray, key: Any) -> dict[int, np.ndarray]:
+        """Winning plans by level: a place that is done takes the next level."""
         places = np.resize(todo, self._config.batch)
         waiting = list(todo[self._config.batch :])
         active = np.arange(len(places)) < len(todo)
         age = np.zeros(len(places), int)
         elite = np.zeros((len(places), ELITE, LENGTH, 6), np.int8)
         plans: dict[int, np.ndarray] = {}
-        rounds: dict[int, int] = {}
         turn = 0
         while active.any():
             states = jax.tree.map(lambda x: x[places], levels)
@@ -219,40 +219,57 @@ class _Search:
             for k in np.flatnonzero(active & (won | (age >= self._config.rounds))):
                 if won[k]:
                     plans[int(places[k])] = elite[k, 0]
-                    rounds[int(places[k])] = int(age[k])
                 elite[k], age[k] = 0, 0
                 active[k] = bool(waiting)
                 if waiting:
                     places[k] = waiting.pop(0)
-        return plans, rounds
+        return plans
 
-    def _proven(
+    def _attempts(
         self,
         levels: EnvState,
         plans: dict[int, np.ndarray],
-        rounds: dict[int, int],
         random: np.random.Generator,
         first: int,
-    ) -> list[Demonstration]:
-        """Episodes of the plans that win when they are played again, perturbed starts last."""
+    ) -> list[tuple[Level, np.ndarray, int]]:
+        """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
         if not plans:
             return []
-        # Always as many rows: one compilation.
-        chosen = np.resize(np.array(list(plans), int), SHARD)
-        counted = np.arange(SHARD) < len(plans)
-        rows = np.stack([plans[int(k)] for k in chosen])
-        found: list[Demonstration] = []
-        again = jax.tree.map(lambda x: x[chosen], levels)
+        chosen = jax.tree.map(lambda x: x[np.array(list(plans), int)], levels)
+        attempts: list[tuple[Level, np.ndarray, int]] = []
         for copy in range(self._config.copies + 1):
-            states = again if copy == 0 else kicked(again, random)
-            won, steps = (np.asarray(x) for x in wins_again(self._env, states, jnp.asarray(rows)))
+            states = chosen if copy == 0 else kicked(chosen, random)
+            for row, (number, plan) in enumerate(plans.items()):
+                state = jax.tree.map(lambda x, row=row: x[row], states)
+                name = f"Random {self._config.size} {self._config.seed}-{first + number}"
+                level = random_document(state, name)
+                attempts.append((level, plan, copy))
+                if self._config.mirror:
+                    attempts.append((mirrored_level(level), plan, copy))
+        return attempts
+
+    def _proven(self, attempts: list[tuple[Level, np.ndarray, int]]) -> list[RecordedEpisode]:
+        """Episodes of the plans that win the levels as they are written."""
+        static = self._env.static_env_params
+        found: list[RecordedEpisode] = []
+        for start in range(0, len(attempts), SHARD):
+            batch = attempts[start : start + SHARD]
+            rows = [level_state(level, static) for level, _, _ in batch]
+            # Always as many rows: one compilation.
+            filled = [rows[k % len(rows)] for k in range(SHARD)]
+            states = jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *filled)
+            plans = np.stack([batch[k % len(batch)][1] for k in range(SHARD)])
+            won, steps = (np.asarray(x) for x in wins_again(self._env, states, jnp.asarray(plans)))
             found += [
-                Demonstration(
-                    state=jax.tree.map(lambda x, k=k: np.asarray(x[k]), states),
-                    actions=rows[k, : steps[k]],
-                    number=first + int(chosen[k]),
-                    rounds=rounds[int(chosen[k])],
+                winning_plan(
+                    level,
+                    plan[: steps[k]],
+                    physics=static.physics,
+                    frame_skip=static.frame_skip,
+                    seed=self._config.seed,
+                    attempt=copy,
                 )
-                for k in np.flatnonzero(won & counted)
+                for k, (level, plan, copy) in enumerate(batch)
+                if won[k]
             ]
         return found
