@@ -8,13 +8,13 @@ tags. A level that has changed since is graded by its builder's estimate until i
 Without names, all levels are measured that have not been as they are.
 """
 
+import itertools
 import json
 import sys
 from collections.abc import Iterator
 from typing import Final
 
-import jax
-
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.plans import random_plans
 from kinetix.environment.search import play_plans, search_task, solving_env
 from kinetix.environment.stretches import BATCH, stretches
@@ -40,10 +40,8 @@ def chosen(names: list[str]) -> Iterator[tuple[str, Level]]:
                 yield name, level
 
 
-def effort_of(level: Level) -> Effort:
+def effort_of(level: Level, env: KinetixEnv) -> Effort:
     """Play random plans, and search where none of them wins."""
-    # Compiled for this level alone: at size l, playing with all that others need costs more.
-    env = solving_env([level], physics=PHYSICS)
     task = search_task(level, env, physics=PHYSICS)
     plans = random_plans(task.random, BATCH, task.limit, task.channels)
     lucky = int(play_plans(task, plans, all_to_the_end=True).won.sum())
@@ -62,13 +60,16 @@ def effort_of(level: Level) -> Effort:
 
 def main(names: list[str]) -> None:
     """Measure the named levels, or all, and keep what comes out."""
-    for name, level in chosen(names):
-        effort = effort_of(level)
-        # After each level, so that nothing is lost when it is stopped.
-        write_efforts(read_efforts() | {name: effort})
-        sys.stdout.write(f"{name}: {json.dumps(effort.tree())}\n")
-        sys.stdout.flush()
-        jax.clear_caches()
+    for _, group in itertools.groupby(chosen(names), key=lambda each: each[0][0]):
+        levels = dict(group)
+        # One compilation for all of a size.
+        env = solving_env(list(levels.values()), physics=PHYSICS)
+        for name, level in levels.items():
+            effort = effort_of(level, env)
+            # After each level, so that nothing is lost when it is stopped.
+            write_efforts(read_efforts() | {name: effort})
+            sys.stdout.write(f"{name}: {json.dumps(effort.tree())}\n")
+            sys.stdout.flush()
     sys.stdout.write(f"{MEASURED}\n")
 
 

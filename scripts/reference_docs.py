@@ -14,11 +14,12 @@ from kinetix.compat.names import MODULES, Place
 from kinetix.environment.observations.features import Layout
 from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.files.limits import CHECKPOINT_FILES, DEPTH, LIMITS, MEMBERS, MIB
-from kinetix.level.codec import load_level
+from kinetix.level.codec import level_hash, load_level
 from kinetix.level.json_schema import level_schema, level_set_schema
 from kinetix.level.model import MAX_ENTITIES, MAX_STEPS, Level
 from kinetix.level.sets import MAX_LEVELS, level_files
 from kinetix.paths import levels_dir
+from scripts.library.grades import Played, read_played
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
 BEGIN, END = "<!-- generated: {} -->", "<!-- end of generated -->"
@@ -134,15 +135,26 @@ def catalogue() -> str:
 
 
 def _rows(size: str) -> Iterator[str]:
-    yield "| | level | what to do | difficulty | proof |"
-    yield "| --- | --- | --- | --- | --- |"
+    played = read_played()
+    yield "| | level | what to do | difficulty | planner · general · random | proof |"
+    yield "| --- | --- | --- | --- | --- | --- |"
     for path in level_files(levels_dir() / size):
         level, name = load_level(path), f"{size}/{path.stem}"
         picture = f'![{level.name}](pictures/levels/{name}.png){{ width="90" }}'
         yield (
             f"| {picture} | **{level.name}**<br>`{name}` | {level.description} | "
-            f"{_difficulty(level)} | {_proof(level)} |"
+            f"{_difficulty(level)} | {_rates(level, played.get(name))} | {_proof(level)} |"
         )
+
+
+def _rates(level: Level, played: Played | None) -> str:
+    """How often players win a level; a dash for who cannot play it or was not measured."""
+    current = played is not None and played.level == level_hash(level)
+    rates = played.rates if played is not None and current else {}
+    return " · ".join(
+        f"{rates[player]:.2f}" if player in rates else "–"
+        for player in ("planner", "general", "random")
+    )
 
 
 def _difficulty(level: Level) -> str:

@@ -1,4 +1,4 @@
-"""Difficulty of levels: from measurements to tags."""
+"""Difficulty of levels: from measurements to tags; and how often players win them."""
 
 import dataclasses
 import json
@@ -10,6 +10,8 @@ from kinetix.level.model import Level
 
 MEASURED: Final = Path(__file__).with_name("difficulty.json")
 """Measurements of `scripts.difficulty`."""
+PLAYED: Final = Path(__file__).with_name("played.json")
+"""Measurements of `scripts.played`."""
 STEPS: Final = (4, 16, 64, 512)
 """Plans that levels of the difficulties 1 to 4 need at most; more is 5."""
 TAG: Final = "difficulty-"
@@ -62,3 +64,28 @@ def graded(level: Level, effort: Effort | None) -> Level:
         return level
     tag = f"{TAG}{effort.difficulty}"
     return level.replace(tags=tuple(tag if t.startswith(TAG) else t for t in level.tags))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Played:
+    """Shares of attempts that players win."""
+
+    level: str
+    """Hash of the level that was measured."""
+    rates: dict[str, float]
+    """Share of attempts that were won, by player."""
+
+
+def read_played() -> dict[str, Played]:
+    """By level, such as `s/hang_on`."""
+    if not PLAYED.exists():
+        return {}
+    return {name: Played(**tree) for name, tree in json.loads(PLAYED.read_text()).items()}
+
+
+def write_played(played: dict[str, Played]) -> None:
+    """One line a level, in order."""
+    rows = [
+        f'"{name}": {json.dumps(dataclasses.asdict(each))}' for name, each in sorted(played.items())
+    ]
+    PLAYED.write_text("{\n" + ",\n".join(rows) + "\n}\n")

@@ -124,7 +124,20 @@ def test_rounds_fit_into_the_time():
     pace.note(0.02, rounds=1, first=False)
     assert (pace.rounds, pace.first) == (5, 10)
     for _ in range(30):
-        pace.note(0.4, rounds=2, first=False)
-    assert (pace.rounds, pace.first) == (1, 1)
+        pace.note(0.04, rounds=2, first=False)
+    assert (pace.rounds, pace.first) == (5, 10)
     pace.note(8.0, rounds=10, first=True)
     assert pace.rounds == 1
+
+
+def test_a_slow_machine_plans_less_often_and_plays_on_time():
+    """A round of 250 ms where 100 ms fit is paid back before the next one."""
+    pace = Budget(milliseconds=100, first_milliseconds=800, horizon=64)
+    spent, planned = 0.0, 0
+    for _ in range(100):
+        rounds = pace.rounds
+        seconds = 0.25 * rounds + 0.002
+        pace.note(seconds, rounds=rounds, first=False)
+        spent, planned = spent + seconds, planned + bool(rounds)
+    assert 30 <= planned <= 40
+    assert spent <= 100 * 0.1 + 0.25

@@ -25,11 +25,12 @@ class Budget:
         self._first_budget = first_milliseconds / 1e3
         self._stretch = LENGTH / horizon
         self._round: float | None = None
+        self._owed = 0.0
 
     @property
     def rounds(self) -> int:
-        """Rounds that fit when it plans again: at least one."""
-        return self._fitting(self._budget)
+        """Rounds that fit when it plans again; none while it owes time, as one took longer."""
+        return 0 if self._owed > 0 else self._fitting(self._budget)
 
     @property
     def first(self) -> int:
@@ -45,10 +46,13 @@ class Budget:
         """Take note of how long planning took; plans that win end early, so this is no promise.
 
         Args:
-            seconds: How long.
-            rounds: How many rounds it was allowed.
-            first: Whether it was before the first move.
+            seconds: Duration.
+            rounds: Rounds that it was allowed; without any, the time pays back what is owed.
+            first: True before the first move, whose time is not owed.
         """
-        each = seconds / max(rounds, 1) / (self._stretch if first else 1.0)
-        before = each if self._round is None else self._round
-        self._round = (1 - _WEIGHT) * before + _WEIGHT * each
+        if not first:
+            self._owed = max(0.0, self._owed + seconds - self._budget)
+        if rounds:
+            each = seconds / rounds / (self._stretch if first else 1.0)
+            before = each if self._round is None else self._round
+            self._round = (1 - _WEIGHT) * before + _WEIGHT * each
