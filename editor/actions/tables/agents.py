@@ -20,7 +20,7 @@ AGENTS: Final = (
         label="Let the Agent Play",
         menu="Agent",
         keys=("f6",),
-        tooltip="The agent in slot A plays the level as it was trained; without one, choose it.",
+        tooltip="Agent A plays the level as it was trained; where none fits, the planner plays.",
         run=agents.play_agent,
     ),
     Action(
