@@ -39,22 +39,11 @@ def episodes_of(source: str) -> Iterator[FoundEpisode]:
     Raises:
         KinetixError: The source is missing or damaged.
     """
-    path = Path(source)
-    if (path / MANIFEST).is_file():
-        yield from _found(read_dataset(path), "dataset", source)
-        return
-    below = sorted(each.parent for each in path.rglob(MANIFEST)) if path.is_dir() else []
-    for folder in below:
-        yield from _found(read_dataset(folder), "dataset", str(folder))
-    if is_offline(path):
-        yield from _found(read_offline(path), "offline", source)
-        return
-    saved = sorted(path.rglob(f"*{SUFFIX}")) if path.is_dir() else [path]
-    traces = [each for each in saved if each.suffix == SUFFIX and each.parent not in below]
-    for each in traces:
-        yield FoundEpisode(episode=episode_of_trace(each), place="trace", name=str(each))
-    if path.suffix != SUFFIX:
-        yield from _solutions(source, required=not traces and not below)
+    folders = _datasets(source)
+    for folder in folders:
+        for episode in read_dataset(folder):
+            yield FoundEpisode(episode=episode, place="dataset", name=str(folder))
+    yield from _others(source, folders)
 
 
 def origins_of(source: str) -> Iterator[Origin]:
@@ -66,17 +55,37 @@ def origins_of(source: str) -> Iterator[Origin]:
     Raises:
         KinetixError: The source is missing or damaged.
     """
-    path = Path(source)
-    if (path / MANIFEST).is_file():
-        yield from win_origins(path)
-        return
-    for found in episodes_of(source):
+    folders = _datasets(source)
+    for folder in folders:
+        yield from win_origins(folder)
+    for found in _others(source, folders):
         if found.episode.outcome == "won":
             yield found.episode.origin
 
 
-def _found(episodes: Iterator[RecordedEpisode], place: Place, name: str) -> Iterator[FoundEpisode]:
-    return (FoundEpisode(episode=each, place=place, name=name) for each in episodes)
+def _datasets(source: str) -> list[Path]:
+    """The folders of data sets at and below a path; nothing is looked for below a data set."""
+    path = Path(source)
+    if (path / MANIFEST).is_file():
+        return [path]
+    return sorted(each.parent for each in path.rglob(MANIFEST)) if path.is_dir() else []
+
+
+def _others(source: str, folders: list[Path]) -> Iterator[FoundEpisode]:
+    """What is not in a data set."""
+    path = Path(source)
+    if path in folders:
+        return
+    if is_offline(path):
+        for episode in read_offline(path):
+            yield FoundEpisode(episode=episode, place="offline", name=source)
+        return
+    saved = sorted(path.rglob(f"*{SUFFIX}")) if path.is_dir() else [path]
+    traces = [each for each in saved if each.suffix == SUFFIX and each.parent not in folders]
+    for each in traces:
+        yield FoundEpisode(episode=episode_of_trace(each), place="trace", name=str(each))
+    if path.suffix != SUFFIX:
+        yield from _solutions(source, required=not traces and not folders)
 
 
 def _solutions(source: str, *, required: bool) -> Iterator[FoundEpisode]:

@@ -127,7 +127,7 @@ def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
 def test_wins_and_nothing_else_are_learnt_from(tmp_path):
     level = load_level("s/goalkeeper")
     won = winning_plan(level, [[1, 0, 0, 0, 0, 0]] * 3, physics="fast", frame_skip=2)
-    lost = dataclasses.replace(won, outcome="lost", physics="balanced", control=won.control[:2])
+    lost = dataclasses.replace(won, outcome="lost", physics="balanced")
     add_episodes(tmp_path / "set", [lost])
     with pytest.raises(KinetixError, match="no win to learn from"):
         sources.origin_of([str(tmp_path)])
