@@ -2,7 +2,7 @@
 # Python 3.11 to 3.14; PYTHON=python3.13 picks the interpreter.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup-run setup-test run editor test attack check format lint type bench bench-peers accuracy chart screenshots wheel levels docs
+.PHONY: help setup-run setup-test run editor test attack check format lint type bench bench-peers accuracy chart screenshots screens wheel levels docs
 
 export PYTHON
 # Arguments for the editor (`make run ARGS=levels/s/first_flight.json`) and for pytest.
@@ -82,6 +82,9 @@ bench: setup-run ## measure speed and rendering into bench/, one JSON object a l
 screenshots: setup-run ## take the pictures of docs/pictures anew, without a display
 	@$(VENV)/python scripts/screenshots.py
 	@$(VENV)/python -m scripts.contact_sheet
+
+screens: setup-run ## picture the app in every size, scale and theme, into out/screens
+	@$(VENV)/python -m scripts.screens $(ARGS)
 
 wheel: setup-run ## check the wheel in empty environments outside of the checkout, for each Python at hand
 	@$(VENV)/python scripts/check_wheel.py $(ARGS)

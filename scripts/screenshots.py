@@ -1,9 +1,14 @@
-"""Take the pictures of docs/pictures anew: the app itself, offscreen, driven by scripts."""
+"""Take the pictures of docs/pictures anew: the app itself, offscreen, driven by scripts.
+
+python scripts/screenshots.py [NAME …]      all, or those named: editor gallery play …
+"""
 
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -15,6 +20,11 @@ Event = dict[str, object]
 def shot(name: str) -> Event:
     """A picture of the window as it is now."""
     return {"do": "screenshot", "file": str(PICTURES / f"{name}.png")}
+
+
+def click(widget: str) -> list[Event]:
+    """A click on a widget."""
+    return [{"do": "down", "widget": widget}, {"do": "up"}, {"do": "wait", "frames": 4}]
 
 
 ROVER: Event = {"do": "open", "file": "levels/l/rover_ridge.json"}
@@ -151,11 +161,73 @@ EVALUATE: list[Event] = [
     {"do": "up"},
     {"do": "wait_until", "what": "idle", "seconds": 1500},
     {"do": "wait", "frames": 4},
-    {"do": "down", "widget": "evaluate.s/goalkeeper.1"},
-    {"do": "up"},
+    *click("evaluate.s/goalkeeper.1"),
     {"do": "wait", "frames": 8},
     shot("evaluate"),
+    *click("evaluate.ways"),
+    {"do": "wait_until", "what": "idle", "seconds": 600},
+    {"do": "move", "world": [0.2, 4.8]},
+    {"do": "wait", "frames": 40},
+    shot("ways"),
 ]
+HEAT: list[Event] = [
+    *GOALKEEPER,
+    {"do": "agent", "dir": "general", "slot": "b"},
+    {"do": "action", "id": "view.layout_evaluate"},
+    {"do": "action", "id": "level.evaluate"},
+    {"do": "wait", "frames": 8},
+    *click("evaluate.source"),
+    *click("evaluate.source.s"),
+    *click("evaluate.noop"),
+    *click("evaluate.random"),
+    *click("evaluate.run"),
+    {"do": "wait_until", "what": "idle", "seconds": 3000},
+    {"do": "move", "world": [0.2, 4.8]},
+    {"do": "wait", "frames": 60},
+    shot("heat"),
+]
+WHY: list[Event] = [
+    {"do": "open", "file": "levels/s/hang_on.json"},
+    {"do": "agent", "dir": "general", "slot": "a"},
+    {"do": "wait_until", "what": "idle", "seconds": 600},
+    {"do": "key", "key": "f6"},
+    {"do": "wait_until", "what": "playing", "seconds": 900},
+    {"do": "wait", "frames": 40},
+    {"do": "key", "key": "space"},
+    {"do": "action", "id": "view.agents"},
+    {"do": "wait", "frames": 10},
+    *click("agents.overlay.attention"),
+    *click("agents.overlay.saliency"),
+    *click("agents.overlay.places"),
+    {"do": "wait", "frames": 20},
+    {"do": "wait_until", "what": "idle", "seconds": 900},
+    {"do": "move", "world": [0.2, 4.8]},
+    {"do": "wait", "frames": 30},
+    shot("why"),
+]
+CURRICULUM_RUN = (
+    "train accel --preset small --size s --num-train-envs 32 --outer-rollout-steps 1 "
+    "--level-buffer-capacity 128 --total-timesteps 60000 --out"
+)
+"""A short curriculum, so that there are levels to see."""
+
+
+def curriculum(run_folder: Path) -> list[Event]:
+    """The picture of the levels that a curriculum keeps."""
+    return [
+        {"do": "open", "file": "levels/s/hang_on.json"},
+        {"do": "agent", "dir": str(run_folder), "slot": "a"},
+        {"do": "action", "id": "view.layout_evaluate"},
+        {"do": "action", "id": "view.curriculum"},
+        {"do": "wait", "frames": 150},
+        {"do": "wait_until", "what": "idle", "seconds": 400},
+        {"do": "wait", "frames": 200},
+        {"do": "move", "widget": "curriculum.level.2"},
+        {"do": "wait", "frames": 40},
+        shot("curriculum"),
+    ]
+
+
 TRAINING = "train ppo --preset small --levels s/goalkeeper --total-timesteps 150000 --out"
 """A short training, so that there is one to watch."""
 
@@ -187,20 +259,66 @@ def run(events: list[Event], *options: str) -> None:
         subprocess.run(command, cwd=ROOT, check=True)
 
 
-def main() -> None:
-    """Take all pictures and name them."""
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    run(EDITOR, "--size", "1440x900")
-    run(GALLERY, "--size", "1440x900")
-    run(PLAY, "--size", "1440x900")
-    run(BESIDE, "--size", "1440x900")
-    for events in (WATCH, COMPARE, EVALUATE):
-        run(events, "--size", "1440x900")
+def trained(words: str, events: Callable[[Path], list[Event]]) -> None:
+    """Train a little, and picture the run."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "goalkeeper"
-        command = [sys.executable, "-m", "kinetix", *TRAINING.split(), str(out)]
-        subprocess.run(command, cwd=ROOT, check=True)
-        run(training(out), "--size", "1440x900")
+        subprocess.run([sys.executable, "-m", "kinetix", *words.split(), str(out)], check=True)
+        run(events(out), "--size", "1440x900")
+
+
+def page() -> None:
+    """Picture an episode's page in a browser, where there is one.
+
+    Raises:
+        CalledProcessError: The browser or the command failed.
+    """
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        sys.stderr.write("page: left out: no Chromium is installed\n")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "goal.html"
+        words = ["render", "s/goalkeeper", str(path), "--agent", "goalkeeper", "--rival", "random"]
+        subprocess.run([sys.executable, "-m", "kinetix", *words], cwd=ROOT, check=True)
+        options = ("--headless", "--no-sandbox", "--disable-gpu", "--window-size=1100,760")
+        picture = f"--screenshot={PICTURES / 'page.png'}"
+        profile = f"--user-data-dir={folder}/profile"
+        # Some time of the page's own clock, so that the episode is under way.
+        words = [browser, *options, profile, "--virtual-time-budget=900", picture, path.as_uri()]
+        subprocess.run(words, check=True, capture_output=True)
+
+
+SCRIPTS: dict[str, list[Event]] = {
+    "editor": EDITOR,
+    "gallery": GALLERY,
+    "play": PLAY,
+    "beside": BESIDE,
+    "watch": WATCH,
+    "compare": COMPARE,
+    "evaluate": EVALUATE,
+    "heat": HEAT,
+    "why": WHY,
+}
+OTHERS: dict[str, Callable[[], None]] = {
+    "page": page,
+    "training": lambda: trained(TRAINING, training),
+    "curriculum": lambda: trained(CURRICULUM_RUN, curriculum),
+}
+
+
+def main() -> None:
+    """Take all pictures, or those that are named, and name the files."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    known = [*SCRIPTS, *OTHERS]
+    wanted = sys.argv[1:] or known
+    if unknown := [name for name in wanted if name not in known]:
+        sys.exit(f"screenshots: no {', '.join(unknown)}; there are {', '.join(known)}")
+    for name in wanted:
+        if name in SCRIPTS:
+            run(SCRIPTS[name], "--size", "1440x900")
+        else:
+            OTHERS[name]()
     for path in sorted(PICTURES.glob("*.png")):
         sys.stdout.write(f"{path.relative_to(ROOT)}\n")
 

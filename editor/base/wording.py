@@ -1,8 +1,9 @@
 """Words for entities: what menus, lists and messages call them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
+from editor.base.memory import remembers
 from kinetix.level.model import ArenaBody, Body, Circle, Entity, Joint, Level, Record, Thruster
 
 _NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
@@ -50,11 +51,14 @@ def describe(level: Level, entity_id: int | str) -> str:
     """Return what to call an entity: its own name, or "Green circle 3", "Floor", "Weld 7"."""
     if isinstance(entity_id, str):
         return ARENA_LABELS.get(entity_id, entity_id)
-    try:
-        entity = level.entity(entity_id)
-    except KeyError:
-        return f"Missing {entity_id}"
-    return entity.name or plain_name(entity)
+    entity = entities_by_id(level).get(entity_id)
+    return f"Missing {entity_id}" if entity is None else entity.name or plain_name(entity)
+
+
+@remembers(8)
+def entities_by_id(level: Level) -> Mapping[int, Entity]:
+    """Return bodies, joints and thrusters by their ids."""
+    return {entity.id: entity for entity in level.entities()}
 
 
 def plain_name(entity: Entity) -> str:

@@ -4,12 +4,13 @@ import dataclasses
 import functools
 import math
 import typing
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from typing import Any, Final
 
 import msgspec
 
 from editor.base.arithmetic import Change
+from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import freed, reanchored
 from kinetix.errors import CommandError
@@ -138,9 +139,14 @@ def alike(a: Any, b: Any) -> bool:
 
 def selected_records(level: Level, selection: Selection) -> list[Record]:
     """The selected entities and arena bodies."""
-    by_id: dict[EntityId, Record] = {entity.id: entity for entity in level.entities()}
-    by_id |= {name: getattr(level.arena, name) for name in ARENA_NAMES}
+    by_id = _by_id(level)
     return [by_id[entity_id] for entity_id in selection if entity_id in by_id]
+
+
+@remembers(8)
+def _by_id(level: Level) -> Mapping[EntityId, Record]:
+    by_id: dict[EntityId, Record] = {entity.id: entity for entity in level.entities()}
+    return by_id | {name: getattr(level.arena, name) for name in ARENA_NAMES}
 
 
 def field_name(field: str) -> str:

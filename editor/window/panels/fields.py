@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import math
 import typing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import msgspec
@@ -18,6 +18,7 @@ from imgui_bundle import imgui
 
 from editor.base.arithmetic import Change, parse
 from editor.base.language import tr
+from editor.base.memory import remembers
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.commands.fields import (
     AdjustField,
@@ -493,16 +494,33 @@ def reset_rows(
         default: What they go back to; `SAVED`: what the level's file says of each.
     """
     document = session.document
-    rows: list[tuple[EntityId, str, Any]] = []
+    known = _reset_rows_of(document.shown, document.saved)
+    key = (ids, tuple(paths), default)
+    if key not in known:
+        known[key] = tuple(_reset_rows(document.shown, document.saved, *key))
+    return known[key]
+
+
+@remembers(2)
+def _reset_rows_of(
+    shown: Level, saved: Level | None
+) -> dict[Hashable, tuple[tuple[EntityId, str, Any], ...]]:
+    """Return the rows that were worked out for two levels; empty for new ones."""
+    del shown, saved
+    return {}
+
+
+def _reset_rows(
+    shown: Level, saved: Level | None, ids: Selection, paths: Sequence[str], default: Any
+) -> Iterator[tuple[EntityId, str, Any]]:
     for entity in ids:
-        now = selected_records(document.shown, (entity,))
-        before = selected_records(document.saved, (entity,)) if document.saved else []
+        now = selected_records(shown, (entity,))
+        before = selected_records(saved, (entity,)) if saved else []
         for path in paths:
             with contextlib.suppress(CommandError, IndexError):
                 value = read_field(before[0], path) if default is SAVED else default
                 if not alike(read_field(now[0], path), value):
-                    rows.append((entity, path, value))
-    return tuple(rows)
+                    yield entity, path, value
 
 
 def _plain(value: Any) -> str:

@@ -1,11 +1,13 @@
 """The outliner: everything in the level as a tree, with role, eye and lock."""
 
+import dataclasses
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
 from editor.base.controls import key_caps
 from editor.base.language import tr
+from editor.base.memory import remembers
 from editor.base.wording import ARENA_LABELS
 from editor.documents.commands.base import EntityId
 from editor.toolkit import widgets
@@ -51,8 +53,9 @@ class Outliner(Panel):
         scroll = self._follow != session.selection
         self._follow = session.selection
         imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(px(6), px(1)))
+        hanging = parts_of(level)
         for body in level.bodies:
-            self._body(session, level, body, scroll)
+            self._body(session, level, body, hanging[body.id], scroll)
         if level.bodies:
             imgui.dummy((0, px(6)))
         self._arena(session, level)
@@ -62,9 +65,10 @@ class Outliner(Panel):
     def _shows(self, words: str) -> bool:
         return self._filter.lower() in words.lower()
 
-    def _body(self, session: "Session", level: Level, body: Body, scroll: bool) -> None:
-        joints = [joint for joint in level.joints if body.id in (joint.a, joint.b)]
-        thrusters = [thruster for thruster in level.thrusters if thruster.body == body.id]
+    def _body(
+        self, session: "Session", level: Level, body: Body, hanging: "Hanging", scroll: bool
+    ) -> None:
+        joints, thrusters = hanging.joints, hanging.thrusters
         call = session.document.name_of
         name = call(body.id)
         parts = [(joint.id, call(joint.id)) for joint in joints]
@@ -76,10 +80,8 @@ class Outliner(Panel):
             icon = Icons.triangle
         self._row(session, body.id, icon, name, _role_colour(body.role), scroll)
         imgui.indent(px(18))
-        for joint in joints:
-            # A joint stands under its second body, so that each is listed once.
-            if joint.b == body.id or joint.b not in {other.id for other in level.bodies}:
-                self._joint(session, level, joint, scroll)
+        for joint in hanging.listed:
+            self._joint(session, level, joint, scroll)
         for thruster in thrusters:
             self._thruster(session, level, thruster, scroll)
         imgui.unindent(px(18))
@@ -185,6 +187,32 @@ class Outliner(Panel):
             if self._shows(label):
                 role = getattr(level.arena, name).role
                 self._row(session, name, Icons.arena, label, _role_colour(role), False)
+
+
+@dataclasses.dataclass(kw_only=True)
+class Hanging:
+    """What hangs on a body."""
+
+    joints: list[Joint] = dataclasses.field(default_factory=list)
+    listed: list[Joint] = dataclasses.field(default_factory=list)
+    """Those that stand under it: under their second body, so that each is listed once."""
+    thrusters: list[Thruster] = dataclasses.field(default_factory=list)
+
+
+@remembers(2)
+def parts_of(level: Level) -> dict[int, Hanging]:
+    """Return what hangs on each body."""
+    found = {body.id: Hanging() for body in level.bodies}
+    for joint in level.joints:
+        ends = [e for e in dict.fromkeys((joint.a, joint.b)) if isinstance(e, int) and e in found]
+        for end in ends:
+            found[end].joints.append(joint)
+        if ends:
+            found[ends[-1]].listed.append(joint)
+    for thruster in level.thrusters:
+        if thruster.body in found:
+            found[thruster.body].thrusters.append(thruster)
+    return found
 
 
 def _bring_into_view() -> None:

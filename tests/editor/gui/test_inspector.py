@@ -1,13 +1,15 @@
 """The inspector besides fields to edit: names, angles, an arena of the level's own."""
 
 import math
+import statistics
+import time
 
 import pytest
 
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
-from kinetix.level.model import Arena, ArenaBody, Geometry
+from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
 from tests.editor.core.helpers import a_level
 
 
@@ -346,3 +348,29 @@ def test_a_size_and_the_level_go_back(make_gui):
     edit_text(gui, "level.max_timesteps", "99")
     gui.click("reset.level.max_timesteps")
     assert (gui.level.gravity, gui.level.max_timesteps) == (a_level().gravity, 256)
+
+
+def test_many_selected_things_cost_in_proportion(make_gui):
+    """Four times as many things cost about four times as much, not sixteen times."""
+
+    def frame(count):
+        bodies = [
+            Body(
+                id=k + 1,
+                shape=Circle(radius=0.05),
+                position=(0.1 + 0.15 * (k % 30), 0.6 + 0.15 * (k // 30)),
+            )
+            for k in range(count)
+        ]
+        gui = make_gui(level=Level(name="Many", bodies=tuple(bodies), next_id=count + 1))
+        gui.session.selection = tuple(body.id for body in bodies)
+        gui.frames(6)
+        took = []
+        for _ in range(9):
+            start = time.process_time()
+            gui.frames(1)
+            took.append(time.process_time() - start)
+        return statistics.median(took)
+
+    few, many = frame(120), frame(480)
+    assert many < 8 * few, (few, many)
