@@ -272,10 +272,9 @@ MODULES: Final[Mapping[str, Names]] = {
         "fix_out_of_bounds",
         "add_goal",
         "randomise_floor_colour",
-        "sample_uniform_and_exclude",
-        "sample_uniform",
         "make_get_dims_fn",
-    ),
+    )
+    | _at(f"{_COMPAT}.draws", "sample_uniform_and_exclude", "sample_uniform"),
     "kinetix.environment.ued.mutators": _at(f"{_COMPAT}.mutators", *_MUTATIONS),
     "kinetix.environment.ued.ued": _RESETS
     | _UED_PARAMS
@@ -307,12 +306,15 @@ MODULES: Final[Mapping[str, Names]] = {
     | _none(
         _GENERATORS,
         "sample_dimensions",
+        "get_role",
+        "make_do_dummy_step",
+    )
+    | _at(
+        f"{_COMPAT}.draws",
         "random_position_on_triangle",
         "random_position_on_rectangle",
         "random_position_on_polygon",
         "random_position_on_circle",
-        "get_role",
-        "make_do_dummy_step",
     ),
     "kinetix.models": _NETWORK | _HEADS | _DISTRIBUTION,
     "kinetix.models.action_spaces": _DISTRIBUTION
@@ -326,8 +328,8 @@ MODULES: Final[Mapping[str, Names]] = {
     | _at("kinetix.agents.networks.mlp", "MultiHeadDense")
     | _at("kinetix.agents.networks.heads", "DenseAndActivation")
     | _at("kinetix.agents.networks.pixels", "ResNetBasicBlock")
-    | _none(
-        _NETWORKS,
+    | _at(
+        f"{_COMPAT}.networks",
         "ActorCriticPixelsRNN",
         "ActorCriticSymbolicRNN",
         "ActorCriticPermutationInvariantSymbolicRNN",
@@ -338,18 +340,16 @@ MODULES: Final[Mapping[str, Names]] = {
         "dot_product_attention",
         "RelMultiHeadDotProductAttention",
         "SelfAttention",
-        "make_attention_mask",
-        "make_causal_mask",
-        "combine_masks",
-    ),
+    )
+    | _at("flax.linen", "make_attention_mask", "make_causal_mask", "combine_masks"),
     "kinetix.models.transformer_model": _none(
         _NETWORKS,
         "Gating",
         "transformer_layer",
         "ThrusterAndJointBlock",
         "Transformer",
-        "ActorCriticTransformer",
-    ),
+    )
+    | _at(f"{_COMPAT}.networks", "ActorCriticTransformer"),
     "kinetix.models.utils": _NETWORK,
     "kinetix.render": _at("kinetix.render.pixels", "make_render_pixels", "make_render_pixels_rl")
     | _ENTITIES
