@@ -24,6 +24,8 @@ class Sample:
     """Number of levels."""
     seed: int
     """Any integer."""
+    overwrite: bool = False
+    """Replace files of these names that hold other levels; those stay beside them as NAME.bak."""
     cores: int | None = None
     """Processor cores to use (KINETIX_CORES, else all)."""
 
@@ -35,10 +37,11 @@ def run(command: Sample) -> int:
         0; errors are raised.
 
     Raises:
-        KinetixError: The size or the count makes no sense.
+        KinetixError: The size or the count makes no sense, or a file of such a name holds another
+            level; what was written before it stays.
     """
     from kinetix.environment.generators.documents import random_levels
-    from kinetix.level.codec import save_level
+    from kinetix.level.codec import dumps
     from kinetix.level.sizes import SIZES, parse_capacity
 
     if command.count < 1:
@@ -49,6 +52,19 @@ def run(command: Sample) -> int:
     width = max(4, len(str(command.count - 1)))
     for index, level in enumerate(random_levels(command.seed, size, command.count)):
         name = f"random_{label}_{command.seed}_{index:0{width}d}.json"
-        save_level(level, command.target / name, format="kinetix-level")
+        _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
     print(f"{command.target}: {command.count} levels", file=sys.stderr)
     return 0
+
+
+def _write(path: Path, data: bytes, *, overwrite: bool) -> None:
+    """Write a level; one that a person has changed since is not lost."""
+    from kinetix.files.regular import read_bytes
+    from kinetix.level.atomic import write_with_backup
+
+    if not overwrite and path.exists() and read_bytes(path, "level") != data:
+        raise KinetixError(
+            f"{path}: the file holds another level, perhaps this one with changes; choose another "
+            "folder or --seed, or pass --overwrite, which keeps it as a .bak file"
+        )
+    write_with_backup(path, data)

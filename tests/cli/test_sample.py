@@ -1,0 +1,42 @@
+"""`kinetix sample`: files of its names that hold something else; the generator stands in."""
+
+import pytest
+
+from kinetix.cli import main
+from kinetix.environment.generators import documents
+from kinetix.level.codec import load_level, save_level
+
+NAMES = ["random_s_7_0000.json", "random_s_7_0001.json", "random_s_7_0002.json"]
+
+
+@pytest.fixture
+def sample(monkeypatch, tmp_path):
+    level = load_level("s/first_flight")
+
+    def random_levels(seed, size, count):
+        return (level.replace(name=f"random {seed} {k}") for k in range(count))
+
+    monkeypatch.setattr(documents, "random_levels", random_levels)
+    arguments = ["sample", str(tmp_path), "--size", "s", "--count", "3", "--seed", "7"]
+    return lambda *more: main([*arguments, *more])
+
+
+def test_the_same_call_again_changes_nothing(sample, tmp_path):
+    assert sample() == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert sorted(before) == NAMES
+    assert sample() == 0
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_level_that_was_edited_is_kept(sample, tmp_path, capsys):
+    sample()
+    edited = tmp_path / NAMES[1]
+    save_level(load_level(edited).replace(name="mine"), edited)
+    assert sample() == 1
+    assert load_level(edited).name == "mine"
+    told = capsys.readouterr().err
+    assert NAMES[1] in told and "--overwrite" in told and "Traceback" not in told
+    assert sample("--overwrite") == 0
+    assert load_level(edited).name == "random 7 1"
+    assert load_level(edited.with_name(f"{NAMES[1]}.bak")).name == "mine"
