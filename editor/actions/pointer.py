@@ -17,6 +17,8 @@ from kinetix.level.geometry import to_local
 
 PAN_NOTCH: Final = 30.0
 """Distance panned per notch of the wheel [px]."""
+_MOST_NOTCHES: Final = 100.0
+"""A wheel that says more than this in one frame is broken."""
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
 
 
@@ -43,7 +45,8 @@ def use_pointer(session: Session, event: PointerEvent, table: context.Table) -> 
 def move_wheel(session: Session, event: WheelEvent) -> None:
     """Zoom at the pointer or pan, as the settings say; Ctrl always zooms, sideways always pans."""
     settings = session.settings
-    dy = -event.dy if settings.wheel_inverted else event.dy
+    dy = min(max(event.dy, -_MOST_NOTCHES), _MOST_NOTCHES)
+    dy = -dy if settings.wheel_inverted else dy
     pans = settings.wheel == "pan" and not event.modifiers.ctrl
     if dy and not pans:
         session.camera = session.camera.zoomed(ZOOM_NOTCH**dy, event.screen)

@@ -10,16 +10,18 @@ from typing import Final, Literal, TypeAlias
 from editor.base.wording import describe
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.history import Entry, History
+from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.model import ARENA_NAMES, Level
-from kinetix.level.validate import Issue, validate
+from kinetix.level.validate import Issue, validate, value_issues
 
 Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
 
 _NUMBERS = itertools.count(1)
 _TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
 """Fields that may change without making a recorded solution invalid."""
+_OUT_OF_RANGE: Final = "E106"
 
 
 def same_content(a: Level, b: Level) -> bool:
@@ -33,6 +35,18 @@ def same_simulation(a: Level, b: Level) -> bool:
         return True
     texts = {name: getattr(b, name) for name in _TEXT_FIELDS}
     return a.unnamed().replace(**texts) == b.unnamed()
+
+
+def _refuse_unwritable(after: Level, before: Level) -> None:
+    """Refuse a change to values that a file could be written with, but not opened again.
+
+    Raises:
+        CommandError: The change makes such a value; the sentence names it and its range.
+    """
+    new = {issue.message for issue in value_issues(after) if issue.code == _OUT_OF_RANGE}
+    new -= {issue.message for issue in value_issues(before)} if new else set()
+    if new:
+        raise CommandError(f"{min(new)} Nothing was changed.")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -212,6 +226,7 @@ class Document:
         self._preview = None
         if same_content(after, before):
             return Outcome(changed=False)
+        _refuse_unwritable(after, before)
         notices = []
         kept = after.solution is not None and after.solution is before.solution
         if kept and not same_simulation(after, before):

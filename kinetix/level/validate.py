@@ -86,7 +86,7 @@ class _Placed:
 
 def validate(level: Level) -> tuple[Issue, ...]:
     """All static problems of a level, errors first, in the order of their codes."""
-    issues = list(_value_issues(level))
+    issues = list(value_issues(level))
     # Geometry of numbers that are not finite, or of missing corners, means nothing.
     broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}
     for check in (_role_issues, _joint_reference_issues, _size_issues, _control_issues):
@@ -174,7 +174,8 @@ def _own_faults(entity: Record) -> tuple[tuple[str, str, str], ...]:
     return tuple(found)
 
 
-def _value_issues(level: Level) -> Iterator[Issue]:
+def value_issues(level: Level) -> Iterator[Issue]:
+    """Yield the problems of values by themselves: what no file could hold."""
     frame = level.replace(bodies=(), joints=(), thrusters=(), arena=Arena(), next_id=1)
     for code, inner, message in _own_faults(frame):
         yield _issue(code, f"Level: {message}.", path=f"${inner}")

@@ -9,12 +9,14 @@ import pytest
 
 from editor import actions
 from editor.base.events import DropEvent
+from editor.documents import files
 from editor.documents.commands.group import Move
+from editor.documents.document import Document
 from editor.gallery.export import SetPlan, export_set
 from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Worker
-from kinetix.errors import KinetixError
+from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sets import load_set
 from tests.editor.core.helpers import a_level
@@ -148,3 +150,14 @@ def test_the_command_line_opens_no_empty_tab(tmp_path):
     _open_files(Options(files=tuple(names)), session)
     assert [tab.document.path for tab in session.tabs] == [Path(names[0])]
     assert "b.json" in session.prompts[-1].message
+
+
+def test_a_shape_cannot_be_put_where_no_file_could_hold_it(tmp_path):
+    document = Document(load_level("s/first_flight"))
+    body, before = document.level.bodies[-1], document.level
+    with pytest.raises(CommandError, match=r"expected -15 ≤ x ≤ 15, got 4\d.* Nothing was changed"):
+        document.commit(Move(ids=(body.id,), shift=(40.0, 0.0)))
+    assert document.level == before
+    document.commit(Move(ids=(body.id,), shift=(10.0, 0.0)))
+    files.save_document(document, tmp_path / "x.json", "kinetix-level")
+    assert files.open_document(tmp_path / "x.json").level == document.level

@@ -117,6 +117,15 @@ def test_the_wheel_zooms_at_the_pointer(make_gui):
     assert gui.session.camera.zoom == pytest.approx(before * 1.1**3)
 
 
+@pytest.mark.parametrize("notches", [1e30, -1e30])
+def test_a_wheel_that_says_nonsense_stops_at_the_bounds(make_gui, notches):
+    gui = make_gui(level=BALL)
+    before = gui.session.camera.zoom
+    gui.wheel(600.0, 400.0, notches)
+    assert not any("Traceback" in line for line in gui.session.log.lines)
+    assert (gui.session.camera.zoom > before) == (notches > 0)
+
+
 def test_a_right_drag_pans_and_a_right_click_lists(make_gui):
     gui = make_gui(level=BALL)
     centre = gui.session.camera.centre
