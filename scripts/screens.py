@@ -14,6 +14,7 @@ from typing import Final
 
 from PIL import Image, ImageDraw
 
+from editor.__main__ import end
 from editor.base.language import spoken
 from editor.base.settings import Settings
 from editor.hosts.offscreen import OffscreenHost
@@ -184,6 +185,7 @@ def main() -> None:
         missing |= language.missing if language is not None else set()
     for words in sorted(missing):
         sys.stdout.write(f"not in {asked.language}: {words}\n")
+    end(0)
 
 
 if __name__ == "__main__":

@@ -281,7 +281,7 @@ def page() -> None:
         path = Path(folder) / "goal.html"
         words = ["render", "s/goalkeeper", str(path), "--agent", "goalkeeper", "--rival", "random"]
         subprocess.run([sys.executable, "-m", "kinetix", *words], cwd=ROOT, check=True)
-        options = ("--headless", "--no-sandbox", "--disable-gpu", "--window-size=1100,760")
+        options = ("--headless", "--no-sandbox", "--disable-gpu", "--window-size=1100,900")
         picture = f"--screenshot={PICTURES / 'page.png'}"
         profile = f"--user-data-dir={folder}/profile"
         # Some time of the page's own clock, so that the episode is under way.

@@ -37,7 +37,7 @@ from editor.window.play_image import PlayImage
 from editor.window.play_side import paint_side
 from editor.window.waiting import paint_waiting
 from editor.worker.recording import Snapshot
-from kinetix.level.geometry import ARENA_WIDTH
+from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
 from kinetix.render.palette import KINETIX, PALETTES
 from kinetix.render.style import STYLE
 
@@ -299,7 +299,7 @@ class Canvas:
             self._players(session, painter, where, split=split)
             self._play_marks(session, marker)
         if session.editing and not scene.bodies and not session.driver.active:
-            self._teach(draw)
+            self._teach(draw, session.camera)
         self._minimap.paint(session, draw, where, high)
         self._frame(session, draw)
         paint_legend(session, draw, (x + px(12), y + height - px(12)))
@@ -396,8 +396,12 @@ class Canvas:
         marker.draw.add_circle_filled(a, px(4), orange)
         marker.draw.add_circle_filled(b, px(5), orange)
 
-    def _teach(self, draw: imgui.ImDrawList) -> None:
-        (x, y), (width, height) = self.area
+    def _teach(self, draw: imgui.ImDrawList, camera: Camera) -> None:
+        """Say what to do with an empty level, as far as the paper over the floor has room."""
+        (left, top), (right, floor) = (
+            camera.to_screen((ARENA[0][0], ARENA[1][1])),
+            camera.to_screen((ARENA[1][0], FLOOR_TOP)),
+        )
         lines = (
             (FONTS.bold, TITLE, "An empty level", (0.2, 0.22, 0.27, 1.0)),
             (None, TEXT, "Draw shapes:  R rectangle   C circle   T triangle", _INK),
@@ -405,12 +409,14 @@ class Canvas:
             (None, TEXT, "Then Space plays: green has to touch blue, and never red.", _INK),
             (None, SMALL, "Ctrl+O opens a level    F1 shows every key", _INK),
         )
-        top = y + height * 0.36
+        top += (floor - top) * 0.36
         for face, size, english, colour in lines:
             words = tr(english)
             with font(face, size):
                 extent = imgui.calc_text_size(words)
-                draw.add_text((x + (width - extent.x) / 2, top), u32(colour), words)
+                if extent.x > right - left or top + extent.y > floor:
+                    continue
+                draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
                 top += extent.y + px(9)
 
     def _frame(self, session: "Session", draw: imgui.ImDrawList) -> None:

@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import guide
+from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, alpha, u32
 from editor.toolkit.keys import label as chord_label
@@ -43,7 +44,7 @@ class GuideCard:
         with widgets.coloured(window_bg=COLOURS.raised, border=COLOURS.accent):
             imgui.push_style_var(imgui.StyleVar_.window_border_size, px(1.5))
             imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(16), px(12)))
-            shown, kept = imgui.begin(f"{self._title(number)}###guide", True, flags)
+            shown, kept = imgui.begin(tr(f"{self._title(number)}###guide"), True, flags)
             if shown:
                 self._content(session, number)
             imgui.end()

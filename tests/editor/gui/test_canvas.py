@@ -3,8 +3,10 @@
 import itertools
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.drawing.marks import Room
+from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
 from tests.editor.core.helpers import a_level, a_session
 
@@ -115,3 +117,30 @@ def test_a_click_on_a_key_cap_chooses_another_key(make_gui):
         assert gui.session.prompts
         gui.click(f"list.{choice}")
         assert value() == int(choice)
+
+
+@pytest.mark.parametrize(("size", "lines"), [((1440, 900), 5), ((800, 500), 3)])
+def test_the_words_of_an_empty_level_stay_on_its_paper(make_gui, monkeypatch, size, lines):
+    """In a small window the lines that have no room are left out, none lies over the floor."""
+    drawn = []
+
+    class Pen:
+        def add_text(self, at, colour, words):
+            extent = imgui.calc_text_size(words)
+            drawn.append((at, (at[0] + extent.x, at[1] + extent.y)))
+
+    gui = make_gui(level=Level(name="Nothing"), size=size)
+    gui.session.settings.language = "de"
+    gui.frames(40)
+    teach = type(gui.host.ui.canvas)._teach
+    monkeypatch.setattr(
+        type(gui.host.ui.canvas),
+        "_teach",
+        lambda canvas, draw, camera: teach(canvas, Pen(), camera),
+    )
+    gui.frames(1)
+    left, floor = gui.screen(0.0, FLOOR_TOP)
+    right, top = gui.screen(5.0, 5.0)
+    assert len(drawn) >= lines
+    for low, high in drawn:
+        assert left <= low[0] and high[0] <= right and top <= low[1] and high[1] <= floor

@@ -48,6 +48,10 @@ def test_panels_menus_and_settings_speak_german(make_gui):
     gui.key("ctrl+o")
     gui.frames(4)
     gui.key("escape")
+    for step in (0, 4, 10):
+        gui.session.settings.guide_step = step
+        gui.frames(4)
+    gui.session.settings.guide_step = -1
     gui.key("space")
     gui.frames(20)
     gui.key("space")
