@@ -11,7 +11,7 @@ EDIT: Final = Context.EDIT
 PART_ACTIONS: Final = tuple(
     Action(
         id=f"part.{part}",
-        label=f"Drop a {label}",
+        label=f"Drop {'an' if label[0] in 'AEIOU' else 'a'} {label}",
         menu="Tools",
         context=EDIT,
         tooltip=f"{tooltip} At the pointer.",

@@ -491,13 +491,15 @@ class EvaluatePanel(Panel):
             x, y = ending.place
             words = f"{len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
             if ending.parting is not None:
-                words += f", apart from step {ending.parting}"
+                words += f", parts at {ending.parting}"
             words = f"{icon}  {tr(words)}"
             shown = viewer.path_ending == number
             with widgets.coloured(text=COLOURS.of(name)):
                 pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]
             widgets.probe(session, f"evaluate.ending.{number}")
             told = f"About {ending.length} steps. Attempts {_listed(ending.attempts)}."
+            if ending.parting is not None:
+                told += f"\nIt leaves the way of the wins at step {ending.parting}."
             widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
             if pressed and shown:
                 viewer.path_ending = None

@@ -59,17 +59,49 @@ class Entry:
     run: Callable[[], None]
 
 
+_SCATTERED: Final = 4.0
+"""Penalty of letters that only follow each other somewhere."""
+
+
 def score(words: str, typed: str) -> float | None:
-    """Return how well letters match in order; None when they do not. Less is better."""
-    at, total, lower = -1, 0.0, words.lower()
-    for letter in typed.lower().replace(" ", ""):
+    """Return how well words fit what was typed; None where they do not. Less is better.
+
+    Words that begin so come first, in any order, then what lies within words, and last what has
+    the letters one after the other.
+    """
+    lower = words.lower()
+    ratings = [_score_word(lower, word) for word in typed.lower().split()]
+    known = [rating for rating in ratings if rating is not None]
+    if len(known) == len(ratings):
+        return sum(known) + 0.01 * len(words)
+    scattered = _score_letters(lower, typed.lower().replace(" ", ""))
+    return None if scattered is None else _SCATTERED + scattered + 0.01 * len(words)
+
+
+def _score_word(lower: str, word: str) -> float | None:
+    """Rate the best place of a typed word: a whole word, the begin of one, or within one."""
+    best, at = None, lower.find(word)
+    while at >= 0:
+        end = at + len(word)
+        starts = at == 0 or not lower[at - 1].isalnum()
+        whole = end == len(lower) or not lower[end].isalnum()
+        rating = (0.3 if at else 0.0) + (0.0 if whole else 0.2) + (0.0 if starts else 1.5)
+        best = rating if best is None else min(best, rating)
+        at = lower.find(word, at + 1)
+    return best
+
+
+def _score_letters(lower: str, letters: str) -> float | None:
+    """Rate letters that follow each other with others between."""
+    at, total = -1, 0.0
+    for letter in letters:
         following = lower.find(letter, at + 1)
         if following < 0:
             return None
         starts = following == 0 or lower[following - 1] in " -_/"
         total += (following - at - 1) * (0.3 if starts else 1.0)
         at = following
-    return total + 0.01 * len(words)
+    return total
 
 
 def settings_entries(session: "Session") -> list[Entry]:

@@ -28,6 +28,13 @@ _ROWS: Final = 12
 _REFUSED: Final = 3.0
 """Penalty of disabled entries: they stand below entries that match nearly as well."""
 
+_GROUPS: Final = {
+    **dict.fromkeys(("Setting", "chosen", "on", "off"), 0.2),
+    "Level": 0.4,
+    **dict.fromkeys(("Scene", "Agent A"), 0.6),
+}
+"""The same for what is no command: `wheel` means the part before an agent of that name."""
+
 
 class CommandPalette:
     """A line to type into and the best matches under it."""
@@ -119,13 +126,18 @@ class CommandPalette:
         # Scenes are imported when they are looked for: opening the palette must not wait.
         offered = self._entries + (scene_entries(session) if self._typed else [])
         rated = [
-            (rating + (_REFUSED if entry.refusal else 0.0), number, entry)
+            (rating + _behind(entry), number, entry)
             for number, entry in enumerate(offered)
             if (rating := _score(entry.label, self._typed)) is not None
         ]
         if self._typed:
             rated.sort(key=lambda row: row[:2])
         return [entry for _, _, entry in rated]
+
+
+def _behind(entry: Entry) -> float:
+    """Return how far an entry stands behind one that fits as well."""
+    return _GROUPS.get(entry.group, 0.0) + (_REFUSED if entry.refusal else 0.0)
 
 
 def _score(label: str, typed: str) -> float | None:

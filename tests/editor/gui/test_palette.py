@@ -5,7 +5,8 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS
 from editor.actions.base import always, editing, playing, selecting
-from editor.window.panels.palette import entries
+from editor.window.panels.found import score
+from editor.window.panels.palette import _behind, entries, scene_entries
 from tests.editor.core.helpers import a_level, a_session
 
 
@@ -77,3 +78,32 @@ def test_a_single_drawing_and_a_setting_are_switched_from_the_palette(make_gui):
     gui.key("return")
     gui.frames(2)
     assert gui.session.settings.radians
+
+
+@pytest.mark.parametrize(
+    ("typed", "first"),
+    [
+        ("wheel", "Drop a Motor Wheel"),
+        ("rope", "Drop a Rope"),
+        ("bridge", "Drop a Bridge"),
+        ("arm", "Drop an Arm"),
+        ("random", "Random Level"),
+        ("save", "Save"),
+        ("undo", "Undo"),
+        ("goalkeeper", "goalkeeper"),
+        ("light theme", "Theme: Light"),
+        ("level random", "Random Level"),
+        ("mirr lr", "Mirror Left–Right"),
+        ("d6 br", "D6 bridge"),
+    ],
+)
+def test_what_is_meant_comes_first(typed, first):
+    """Commands before levels, scenes and agents; whole words before letters here and there."""
+    session = a_session()
+    offered = [*entries(session), *scene_entries(session)]
+    rated = [
+        (rating + _behind(entry), number, entry.label)
+        for number, entry in enumerate(offered)
+        if (rating := score(entry.label, typed)) is not None
+    ]
+    assert min(rated)[2] == first
