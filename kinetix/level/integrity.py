@@ -20,7 +20,7 @@ from kinetix.level.model import (
     Level,
     Polygon,
 )
-from kinetix.level.sizes import describe_capacity, hinted_capacity, needed_capacity
+from kinetix.level.sizes import describe_capacity, needed_capacity, outgrown_capacity
 
 
 def level_faults(level: Level) -> Iterator[Fault]:
@@ -124,10 +124,11 @@ def _point(point: tuple[float, float]) -> str:
 
 
 def _size_faults(level: Level) -> Iterator[Fault]:
-    hint, needed = hinted_capacity(level), needed_capacity(level)
-    if hint and not hint.covers(needed):
+    outgrown = outgrown_capacity(level)
+    if outgrown:
+        needed = describe_capacity(needed_capacity(level))
         message = (
-            f"the level needs {describe_capacity(needed)} (polygons, circles, joints, thrusters), "
-            f"which does not fit {describe_capacity(hint)}"
+            f"the level needs {needed} (polygons, circles, joints, thrusters), "
+            f"which does not fit {describe_capacity(outgrown)}"
         )
         yield Fault(code="E013", path="$.size", message=message)

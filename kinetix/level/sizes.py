@@ -49,11 +49,15 @@ def hinted_capacity(level: Level) -> Capacity | None:
     return SIZES[level.size]
 
 
+def outgrown_capacity(level: Level) -> Capacity | None:
+    """Return the capacity of the level's own `size` where the level does not fit it, else None."""
+    hint = hinted_capacity(level)
+    return None if hint is None or hint.covers(needed_capacity(level)) else hint
+
+
 def without_outgrown_size(level: Level) -> Level:
     """Return the level, its size chosen automatically where it does not fit the one it names."""
-    hint = hinted_capacity(level)
-    fits = hint is None or hint.covers(needed_capacity(level))
-    return level if fits else level.replace(size=None)
+    return level if outgrown_capacity(level) is None else level.replace(size=None)
 
 
 def capacity_of(level: Level) -> Capacity:
