@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 import sysconfig
 import venv
 from pathlib import Path
@@ -20,7 +21,7 @@ def python_with(folder: Path, *packages: str) -> Path:
         folder: Where the environment is made.
         *packages: As pip takes them.
     """
-    venv.create(folder, with_pip=True)
+    venv.create(folder)
     python = folder / "bin" / "python"
     report = subprocess.run(
         [python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"],
@@ -31,7 +32,17 @@ def python_with(folder: Path, *packages: str) -> Path:
     borrowed = Path(report.stdout.strip()) / "borrowed.pth"
     borrowed.write_text(sysconfig.get_path("purelib") + "\n")
     installed = subprocess.run(
-        [python, "-m", "pip", "install", "--quiet", *packages],
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "--python",
+            python,
+            "install",
+            "--quiet",
+            "--no-compile",
+            *packages,
+        ],
         capture_output=True,
         text=True,
         timeout=400,
