@@ -13,6 +13,8 @@ from kinetix.level.compile import compile_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Joint, Level, Limits, Motor, Polygon
 
 SPEC = SceneSpec(capacity=Capacity(polygons=10, circles=1, joints=5, thrusters=0))
+FEW = SceneSpec(capacity=Capacity(polygons=7, circles=1, joints=1, thrusters=0))
+"""For a few bodies: what is compiled with all optimisations."""
 NO_ARENA = Arena(
     **{
         name: ArenaBody(collision="ghost")
@@ -192,13 +194,13 @@ def falling_arm(reach):
 
 
 @functools.cache
-def _roll(solver: AbstractSolver, steps: int):
+def _roll(solver: AbstractSolver, steps: int, spec: SceneSpec):
     parameters = default_parameters()
 
     def one(world, state, motor):
         def body(state, _):
             control = Control(motor=motor, thruster=jnp.zeros(0))
-            state = step(world, state, control, parameters, spec=SPEC, solver=solver)
+            state = step(world, state, control, parameters, spec=spec, solver=solver)
             return state, state.replace(cache=None)
 
         return jax.lax.scan(body, state, None, length=steps)[1]
@@ -206,12 +208,12 @@ def _roll(solver: AbstractSolver, steps: int):
     return jax.jit(jax.vmap(one))
 
 
-def play(solver, levels, *, seconds, motor=1.0):
+def play(solver, levels, *, seconds, motor=1.0, spec=SPEC):
     """All levels at once: the states after each step, (level, step, …), and the compiled worlds."""
-    scenes = [compile_level(item, spec=SPEC, solver=solver) for item in levels]
+    scenes = [compile_level(item, spec=spec, solver=solver) for item in levels]
     stacked = jax.tree.map(lambda *x: jnp.stack(x), *scenes)
-    drive = jnp.full((len(levels), SPEC.capacity.joints), motor, jnp.float32)
-    states = _roll(solver, round(seconds * 60))(stacked.world, stacked.state, drive)
+    drive = jnp.full((len(levels), spec.capacity.joints), motor, jnp.float32)
+    states = _roll(solver, round(seconds * 60), spec)(stacked.world, stacked.state, drive)
     return jax.tree.map(np.asarray, states), stacked.world
 
 

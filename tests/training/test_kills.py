@@ -1,10 +1,6 @@
 """Runs that are killed again and again end as if they had been left alone."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -13,10 +9,18 @@ import pytest
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.training.logging import read_metrics
 from kinetix.training.settings import make_config
+from tests import forks
+from tests.training.silent_run import run_silently
 from tests.training.tiny import TINY, same_parameters, without_time
 
 
-@pytest.mark.slow(seconds=150)
+def _to_its_end(arguments):
+    process = forks.start(run_silently, arguments)
+    process.join()
+    assert process.exitcode == 0
+
+
+@pytest.mark.slow(seconds=100)
 def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
     """SIGKILL, twenty times; the metrics are those of a run that was left alone."""
     flags = [
@@ -27,27 +31,25 @@ def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
     ]
 
     def command(out):
-        train_ppo = [sys.executable, "-m", "kinetix", "train", "ppo", "--dummy-env"]
-        return [*train_ppo, "--out", str(out), *flags]
+        return ["train", "ppo", "--dummy-env", "--out", str(out), *flags]
 
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run(command(tmp_path / "whole"), check=True, **quiet)
+    _to_its_end(command(tmp_path / "whole"))
     random = np.random.default_rng(0)
     kills = {"starting": 0, "training": 0}
     saved = 0
     for attempt in range(20):
-        process = subprocess.Popen(command(tmp_path / "killed"), **quiet)
+        process = forks.start(run_silently, command(tmp_path / "killed"))
         began = len(read_metrics(tmp_path / "killed"))
         # Every fifth dies while it starts and reads what is there; the others train for a while.
         if attempt % 5 == 4:
             time.sleep(float(random.uniform(0, 3)))
         else:
-            while process.poll() is None and len(read_metrics(tmp_path / "killed")) <= began:
+            while process.is_alive() and len(read_metrics(tmp_path / "killed")) <= began:
                 time.sleep(0.01)
             time.sleep(float(random.uniform(0, 0.4)))
-        assert process.poll() is None, "the run was over before it could be killed"
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
+        assert process.is_alive(), "the run was over before it could be killed"
+        process.kill()
+        process.join()
         rows = len(read_metrics(tmp_path / "killed"))
         kills["training" if rows > began else "starting"] += 1
         # One checkpoint interval is two updates, and what was saved once is never lost.
@@ -55,7 +57,7 @@ def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
         assert max(saved, rows - 2) <= newest
         saved = newest
     assert min(kills.values()) > 0
-    subprocess.run(command(tmp_path / "killed"), check=True, **quiet)
+    _to_its_end(command(tmp_path / "killed"))
     whole, killed = (without_time(read_metrics(tmp_path / n)) for n in ("whole", "killed"))
     assert killed == whole
     same_parameters(tmp_path / "whole", tmp_path / "killed")

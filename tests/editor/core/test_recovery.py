@@ -1,11 +1,10 @@
 """Copies of unsaved work: soon made, offered to the next run, kept until saved or given up."""
 
+import contextlib
 import json
+import multiprocessing
 import os
 import shutil
-import subprocess
-import sys
-import textwrap
 import time
 from pathlib import Path
 
@@ -21,6 +20,8 @@ from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
+from tests import forks
+from tests.editor.core.endless_edits import edit_for_ever
 from tests.editor.core.helpers import a_level, a_session, texts
 
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
@@ -524,40 +525,6 @@ def test_a_save_that_is_given_up_keeps_the_app_open(three):
 
 # -- kills ---------------------------------------------------------------------------------------
 
-# Edits a level over and over; says what the screen shows at the moment of every copy.
-RUN = """
-    import sys, time
-    from pathlib import Path
-    from editor.documents import autosaves, files, recovery
-    from editor.documents.commands.level import ReplaceLevel
-    from editor.documents.document import Document
-
-    base, path = Path(sys.argv[1]), Path(sys.argv[2])
-    autosaves.PAUSE = 0.0
-    run = autosaves.Autosaves(base)
-    document = files.open_document(path)
-    found = recovery.find(base).recoveries
-    number = int(document.level.description or 0)
-    if found:
-        number = int(found[0].level.description)
-        document.commit(ReplaceLevel(level=found[0].level, label="Restore"))
-        document.origin = (found[0].file, *found[0].origin)
-    print("from", number, len(found), flush=True)
-    while True:
-        number += 1
-        level = document.level.replace(description=str(number))
-        document.commit(ReplaceLevel(level=level, label="Edit"))
-        run.follow([document])
-        if number % 3:
-            run.flush()
-            print("copied", number, flush=True)
-        if number % 40 == 0:
-            run.flush()
-            files.save_document(document, path, "kinetix-level")
-            print("saved", number, flush=True)
-            run.follow([document])
-"""
-
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
 @pytest.mark.parametrize("kills", [12, pytest.param(100, marks=pytest.mark.slow)])
@@ -565,20 +532,21 @@ def test_no_kill_loses_what_was_copied(tmp_path, path, kills):
     base = tmp_path / "state" / "autosave"
     known = 0
     for k in range(kills):
-        with subprocess.Popen(
-            [sys.executable, "-c", textwrap.dedent(RUN), str(base), str(path)],
-            stdout=subprocess.PIPE,
-            text=True,
-        ) as run:
-            first = run.stdout.readline().split()
-            saved = int(load_level(path).description or 0)
-            assert max(int(first[1]), saved) >= known, (k, first, saved, known)
-            assert int(first[2]) <= 1
-            time.sleep(0.003 * (1 + k * 7 % 23))
-            run.kill()
-            for line in run.stdout:
-                if line.endswith("\n"):
-                    known = max(known, int(line.split()[1]))
+        heard, told = multiprocessing.Pipe(duplex=False)
+        process = forks.start(edit_for_ever, base, path, told)
+        told.close()
+        began, recovered = heard.recv()
+        saved = int(load_level(path).description or 0)
+        assert max(began, saved) >= known, (k, began, recovered, saved, known)
+        assert recovered <= 1
+        for _ in range(1 + k % 3):
+            known = max(known, heard.recv())
+        time.sleep(0.003 * (k * 7 % 23))
+        process.kill()
+        process.join()
+        with heard, contextlib.suppress(EOFError, OSError):  # what it was telling when it died
+            while True:
+                known = max(known, heard.recv())
     assert known > kills
 
 
