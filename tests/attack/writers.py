@@ -23,7 +23,8 @@ class Writer:
     kills: int = 40
     """Kills in one round."""
     modules: tuple[str, ...] = ()
-    """Imported before children are forked; none of them may start JAX."""
+    """Imported before children are forked, so that they die writing, not importing; none of them
+    may start JAX."""
     begun: Callable[[Path], object] | None = None
     """Tells from the folder when a child has begun; None: it begins at once."""
     last: Callable[[Path], None] | None = None
@@ -237,15 +238,32 @@ def read_page(folder: Path) -> int:
 
 
 WRITERS: dict[str, Writer] = {
-    "level": Writer(write=write_level, read=read_level),
-    "level set": Writer(write=write_set, read=read_set, longest=0.06),
-    "settings": Writer(write=write_settings, read=read_settings),
-    "results": Writer(write=write_results, read=read_results),
-    "episode": Writer(write=write_trace, read=read_trace),
-    "page": Writer(write=write_page, read=read_page),
-    "gallery": Writer(write=write_gallery, read=read_gallery, longest=0.1),
-    "unsaved work": Writer(write=write_work, read=read_work, longest=0.15),
-    "metrics": Writer(write=write_metrics, read=read_metrics, longest=0.1),
+    "level": Writer(write=write_level, read=read_level, modules=("kinetix.level.codec",)),
+    "level set": Writer(
+        write=write_set, read=read_set, longest=0.06, modules=("kinetix.level.sets",)
+    ),
+    "settings": Writer(write=write_settings, read=read_settings, modules=("editor.base.settings",)),
+    "results": Writer(write=write_results, read=read_results, modules=("editor.gallery.results",)),
+    "episode": Writer(write=write_trace, read=read_trace, modules=("editor.play.trace_files",)),
+    "page": Writer(write=write_page, read=read_page, modules=("kinetix.pages.show",)),
+    "gallery": Writer(
+        write=write_gallery,
+        read=read_gallery,
+        longest=0.1,
+        modules=("editor.gallery.library",),
+    ),
+    "unsaved work": Writer(
+        write=write_work,
+        read=read_work,
+        longest=0.15,
+        modules=("editor.session", "editor.actions.recover"),
+    ),
+    "metrics": Writer(
+        write=write_metrics,
+        read=read_metrics,
+        longest=0.1,
+        modules=("kinetix.training.logging",),
+    ),
     "agent": Writer(
         write=write_agent,
         read=read_agent,
