@@ -36,6 +36,7 @@ def ask_dataset(session: Session) -> None:
             purpose="folder",
             title="Add the episode to a data set",
             folder=last if last.is_dir() else Path.cwd(),
+            suffixes=(),
             describe=about_dataset,
             wanted="a data set of episodes or an empty folder",
             fresh=True,

@@ -264,10 +264,10 @@ class FileBrowser:
         entered = self._name_field(session, hint)
         if self._error:
             widgets.small(self._error, COLOURS.warn)
+        named = self._fresh()
+        if entered and named is not None:
+            return True, named
         if entered and self._name:
-            path = self._typed()
-            if fresh and not os.path.exists(path) and os.path.isdir(path.parent):
-                return True, path
             self._type_folder()
         width = px(150)
         gap = imgui.get_style().item_spacing.x
@@ -277,15 +277,22 @@ class FileBrowser:
         imgui.same_line()
         describe = self._question.describe
         fits = describe is None or bool(describe(self._folder))
-        with widgets.disabled(not fits):
-            pressed = widgets.primary_button(
-                session, "browser.accept", "Use this folder", width=width
-            )
-        if not fits:
-            widgets.tooltip("Use this folder", f"It is not {self._question.wanted}.")
-        if pressed and fits:
-            return True, self._folder
+        words = "Use this folder" if named is None else "Make this folder"
+        with widgets.disabled(not fits and named is None):
+            pressed = widgets.primary_button(session, "browser.accept", words, width=width)
+        if named is None and not fits:
+            widgets.tooltip(words, f"It is not {self._question.wanted}.")
+        if pressed and (fits or named is not None):
+            return True, named or self._folder
         return cancelled, None
+
+    def _fresh(self) -> Path | None:
+        """Return the folder that is not there yet and was named, where that is allowed."""
+        if not (self._question.fresh and self._name):
+            return None
+        path = self._typed()
+        allowed = not os.path.exists(path) and os.path.isdir(path.parent)
+        return path if allowed else None
 
     def _typed(self) -> Path:
         """Return the path that the name means, from the folder on show on."""

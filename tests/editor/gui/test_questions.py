@@ -2,7 +2,8 @@
 
 import pytest
 
-from editor.base.prompts import Choice, Question, TextQuestion
+from editor.actions.datasets import about_dataset
+from editor.base.prompts import Choice, FileQuestion, Question, TextQuestion
 from editor.base.settings import Settings
 from editor.session import Session
 from editor.worker.jobs import Worker
@@ -149,3 +150,38 @@ def test_odd_names_break_nothing(browsing, name):
     gui.frames(3)
     assert gui.session.log.lines == ()
     assert gui.session.prompts
+
+
+@pytest.mark.parametrize("way", ["return", "button"])
+def test_a_folder_that_is_not_there_yet_may_be_named(make_gui, tmp_path, way):
+    answers = []
+    gui = make_gui()
+    (tmp_path / "letters").mkdir()
+    (tmp_path / "letters" / "letter.txt").write_text("x")
+    question = FileQuestion(
+        purpose="folder",
+        title="Where to?",
+        folder=tmp_path,
+        suffixes=(),
+        describe=about_dataset,
+        wanted="a data set or an empty folder",
+        fresh=True,
+        answer=answers.append,
+    )
+    gui.session.ask(question)
+    gui.frames(4)
+    gui.click("browser.accept")
+    assert answers == []
+    gui.click("browser.name")
+    gui.text("letters")
+    gui.click("browser.accept")
+    assert answers == []
+    gui.click("browser.name")
+    gui.key("end")
+    gui.text("2")
+    if way == "return":
+        gui.key("return")
+    else:
+        gui.click("browser.accept")
+    gui.frames(2)
+    assert answers == [tmp_path / "letters2"]

@@ -76,3 +76,18 @@ def test_a_paused_episode_is_changed_played_on_kept_and_dropped(
     assert told["back"]["level_hash"] == level and not told["back"]["dirty"]
     assert (told["dropped"]["mode"], told["dropped"]["level_hash"]) == ("paused", level)
     assert (told["after"]["mode"], told["after"]["level_hash"]) == ("edit", level)
+
+
+def test_an_episode_is_shared_as_a_page_and_kept_as_data(software_gl, run_editor, script, tmp_path):
+    from kinetix.datasets.folder import read_dataset
+    from kinetix.level.codec import load_level
+
+    done = run_editor("--offscreen", "--replay", str(script("share_episode.jsonl")), timeout=590)
+    assert done.returncode == 0, done.stderr
+    ended, after = record(tmp_path, "ended"), record(tmp_path, "after")
+    assert ended["mode"] == "ended" and after["mode"] == "edit"
+    assert 10_000 < (tmp_path / "shared.html").stat().st_size < 200_000
+    (episode,) = read_dataset(tmp_path / "episodes")
+    assert (episode.source, episode.outcome) == ("person", ended["outcome"])
+    assert episode.length == ended["step"] and episode.replays
+    assert episode.level == load_level("s/hang_on")
