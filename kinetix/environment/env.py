@@ -121,14 +121,14 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return self.env_params
 
     @property
-    def action_type(self) -> ActionType:
-        """The kind of action."""
-        return ActionType(self.actions.name)
+    def action_type(self) -> AbstractAction:
+        """The kind of action; equal to its `ActionType`."""
+        return self.actions
 
     @property
-    def observation_type(self) -> ObservationType:
-        """The kind of observation."""
-        return ObservationType(self.observations.name)
+    def observation_type(self) -> AbstractObservation:
+        """The kind of observation; equal to its `ObservationType`."""
+        return self.observations
 
     @property
     def physics_engine(self) -> PhysicsEngine:
@@ -454,6 +454,7 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
 
 def _member(kind: Any, argument: str, value: Any) -> Any:
     """The member of an enumeration that a value or a name means."""
+    value = getattr(value, "value", value)
     try:
         return kind(value.lower() if isinstance(value, str) else value)
     except ValueError:

@@ -25,14 +25,23 @@ from kinetix.lazy import lazy_names
 class _Kind(enum.Enum):
     """A choice with a name in configurations."""
 
+    def __eq__(self, other: object) -> bool:
+        """Return whether it is this member, or an environment's own kind of the same name."""
+        if self is other or isinstance(other, enum.Enum | str):
+            return self is other
+        return getattr(other, "value", None) == self.value
+
+    __hash__ = enum.Enum.__hash__
+
     @classmethod
     def from_string(cls, name: "str | _Kind") -> Self:
-        """Return the member with a name; a member stays as it is.
+        """Return the member with a name; a member stays as it is, an environment's own becomes it.
 
         Raises:
             KinetixError: There is none of this name; the sentence lists them.
         """
         try:
+            name = getattr(name, "value", name)
             return cls(name.lower() if isinstance(name, str) else name)
         except ValueError:
             names = ", ".join(member.value for member in cls)

@@ -313,3 +313,15 @@ def test_runs_and_artefacts_of_wandb_need_the_package(monkeypatch):
         load_params_from_wandb_artifact_path("team/project/model:latest")
     with pytest.raises(KinetixError, match="package wandb is missing"):
         init_wandb({"wandb_project": "mine"}, "PPO")
+
+
+def test_an_environment_tells_its_kinds_with_what_they_can_do(static, state):
+    env = make_kinetix_env(ActionType.CONTINUOUS, "symbolic_flat", None, EnvParams(), static)
+    assert env.action_type == ActionType.CONTINUOUS == env.action_type
+    assert env.action_type != ActionType.DISCRETE
+    assert env.observation_type == ObservationType.SYMBOLIC_FLAT != env.action_type
+    assert {ActionType.CONTINUOUS: 1}[ActionType("continuous")] == 1
+    np.testing.assert_array_equal(env.action_type.noop_action(), np.zeros(6))
+    assert env.action_space().contains(env.action_type.random_action(KEY))
+    same = make_kinetix_env(env.action_type, env.observation_type, None, EnvParams(), static)
+    assert same == env

@@ -26,6 +26,11 @@ class AbstractAction(abc.ABC):
     thruster_bindings: int = 2
 
     @property
+    def value(self) -> str:
+        """Its name, as that of the equal `ActionType`."""
+        return self.name
+
+    @property
     @abc.abstractmethod
     def action_space(self) -> Space:
         """The set of actions."""

@@ -26,6 +26,11 @@ class AbstractObservation(abc.ABC):
     layout: Layout
 
     @property
+    def value(self) -> str:
+        """Its name, as that of the equal `ObservationType`."""
+        return self.name
+
+    @property
     @abc.abstractmethod
     def space(self) -> Space:
         """Exactly what calling returns."""
