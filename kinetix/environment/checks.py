@@ -25,14 +25,71 @@ from kinetix.level.sizes import describe_capacity
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
-def check_params(env_params: Any) -> None:
+def check_params(env_params: Any, order: str = _ORDER) -> None:
     """Refuse what is no `EnvParams`.
+
+    Args:
+        env_params: The argument; None is allowed.
+        order: Right order of the arguments, for the sentence.
+
+    Raises:
+        KinetixError: It is something else, or its reward scale is no number.
+    """
+    if env_params is None:
+        return
+    if not hasattr(env_params, "dense_reward_scale"):
+        raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {order}")
+    if not _is_array(env_params.dense_reward_scale):
+        scale = env_params.dense_reward_scale
+        raise KinetixError(f"env_params: expected a number as dense_reward_scale, got {scale!r}")
+
+
+def check_parts(reset_fn: Any, env_params: Any, static_env_params: Any) -> None:
+    """Refuse what no environment can be made of.
+
+    Raises:
+        KinetixError: A level stands where its reset function belongs, or the two kinds of
+            parameters are swapped.
+    """
+    if reset_fn is not None and not callable(reset_fn):
+        raise KinetixError(
+            f"reset_fn: expected a function, got {_kind(reset_fn)}; levels become one by "
+            "make_reset_fn_list_of_levels([…], static_env_params)"
+        )
+    order = "make_kinetix_env(action_type, observation_type, reset_fn, env_params, "
+    order = f"the order is {order}static_env_params)"
+    check_params(env_params, order)
+    if not hasattr(static_env_params, "frame_skip"):
+        kind = _kind(static_env_params)
+        raise KinetixError(f"static_env_params: expected StaticEnvParams, got {kind}; {order}")
+
+
+def check_key(key: Any) -> None:
+    """Refuse what is no random key.
+
+    Raises:
+        KinetixError: It is something else, or a batch of keys.
+    """
+    kind = getattr(key, "dtype", None)
+    typed = kind is not None and jnp.issubdtype(kind, jax.dtypes.prng_key)
+    raw = kind is not None and kind == jnp.uint32
+    if not typed and not raw:
+        raise KinetixError(f"key: expected jax.random.key(seed), got {_kind(key)}; {_ORDER}")
+    if jnp.ndim(key) != (0 if typed else 1):
+        raise KinetixError(
+            f"key: expected one key, got an array of shape {jnp.shape(key)}: use jax.vmap(env.step)"
+        )
+
+
+def check_is_state(state: Any) -> None:
+    """Refuse what is no `EnvState`.
 
     Raises:
         KinetixError: It is something else.
     """
-    if env_params is not None and not hasattr(env_params, "dense_reward_scale"):
-        raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {_ORDER}")
+    if not isinstance(state, EnvState):
+        inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
+        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {_ORDER}")
 
 
 def check_state(state: Any, engine: PhysicsEngine) -> None:
@@ -41,9 +98,7 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
     Raises:
         KinetixError: It is not a state, a batch, of another size or of another physics.
     """
-    if not isinstance(state, EnvState):
-        inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
-        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {_ORDER}")
+    check_is_state(state)
     if jnp.ndim(state.timestep):
         raise KinetixError(
             f"state: expected one state, got a batch of shape {jnp.shape(state.timestep)}: "
@@ -71,18 +126,38 @@ def check_action(action: Any, actions: AbstractAction) -> None:
         KinetixError: It is one; the sentence says what is expected.
     """
     space: Any = actions.action_space
+    if not _is_array(action):
+        raise KinetixError(
+            f"action: expected an array of shape {space.shape} ({actions.name}), got "
+            f"{_kind(action)}; a list becomes one by jnp.array"
+        )
     if jnp.shape(action) != space.shape:
         batch = jnp.shape(action)[1:] == space.shape
         why = "use jax.vmap(env.step) for a batch" if batch else "see env.action_space()"
         raise KinetixError(
             f"action of shape {jnp.shape(action)}: expected {space.shape} ({actions.name}); {why}"
         )
-    real = jnp.issubdtype(jnp.result_type(action), jnp.floating)
+    real = jnp.issubdtype(jnp.result_type(action), jnp.inexact)
     if real and not isinstance(space, Box):
         raise KinetixError(
             f"action of type {jnp.result_type(action).name}: expected integers ({actions.name}); "
             "for reals make the environment with ActionType.CONTINUOUS"
         )
+
+
+def refuse_what_is_no_array(name: str, arguments: Any) -> None:
+    """Refuse texts and other things that JAX cannot take.
+
+    Args:
+        name: What was called.
+        arguments: A tree of its arguments.
+
+    Raises:
+        KinetixError: One of them is no array and no number.
+    """
+    for leaf in jax.tree.leaves(arguments):
+        if not _is_array(leaf):
+            raise KinetixError(f"{name}: expected arrays and numbers, got {leaf!r:.60}; {_ORDER}")
 
 
 def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
@@ -105,6 +180,10 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
         lambda x: jax.lax.convert_element_type(jnp.asarray(x), jnp.asarray(x).dtype),
         dataclasses.replace(state, physics=physics),
     )
+
+
+def _is_array(value: Any) -> bool:
+    return isinstance(value, int | float) or hasattr(value, "dtype")
 
 
 def _kind(value: Any) -> str:

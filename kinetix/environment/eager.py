@@ -12,6 +12,8 @@ from typing import Any, Final
 import jax
 from jax.extend.core import get_opaque_trace_state
 
+from kinetix.environment.checks import refuse_what_is_no_array
+
 _QUICK: Final = {"xla_backend_optimization_level": 0}
 """Options of a program for a processor: machine code as it comes, without LLVM's improvements."""
 _OUTSIDE: Final = get_opaque_trace_state("flax")
@@ -27,7 +29,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         method: Takes a hashable `self` and pytrees of arrays.
 
     Returns:
-        The compiled method.
+        The compiled method; it raises a KinetixError where an argument holds no arrays.
     """
     inside = jax.jit(method, static_argnums=0)
     alone = jax.jit(method, static_argnums=0, compiler_options=_QUICK)
@@ -36,6 +38,10 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         outside = get_opaque_trace_state("flax") == _OUTSIDE
         program = alone if outside and jax.default_backend() == "cpu" else inside
-        return program(self, *arguments, **named)
+        try:
+            return program(self, *arguments, **named)
+        except TypeError:
+            refuse_what_is_no_array(method.__name__, (arguments, named))
+            raise
 
     return call

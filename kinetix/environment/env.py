@@ -13,7 +13,15 @@ from kinetix.engine.batch import where_marked, worlds_last
 from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
-from kinetix.environment.checks import check_action, check_params, check_state, fitted
+from kinetix.environment.checks import (
+    check_action,
+    check_is_state,
+    check_key,
+    check_params,
+    check_parts,
+    check_state,
+    fitted,
+)
 from kinetix.environment.eager import quick_alone
 from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
@@ -174,6 +182,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
             # Wrappers whose `reset` has one argument beside the key pass a level through it.
             env_params, override_reset_state = None, env_params
         check_params(env_params)
+        check_key(key)
         state = self._start(key, override_reset_state)
         return self._observe(state), state
 
@@ -204,6 +213,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         """
         check_params(env_params)
         check_state(state, self.physics_engine)
+        check_key(key)
         check_action(action, self.actions)
         params = self.env_params if env_params is None else env_params
         override = None if override_reset_state is None else self._fitted(override_reset_state)
@@ -224,6 +234,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
     @quick_alone
     def get_obs(self, state: EnvState) -> Any:
         """The observation of a state."""
+        check_is_state(state)
         return self._observe(state)
 
     def _observe(self, state: EnvState) -> Any:
@@ -431,6 +442,7 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     """
     env_params = EnvParams() if env_params is None else env_params
     static_env_params = StaticEnvParams() if static_env_params is None else static_env_params
+    check_parts(reset_fn, env_params, static_env_params)
     static_env_params = with_parity(static_env_params, parity)
     physics_engine(static_env_params)
     action_kind = ACTIONS[_member(ActionType, "action_type", action_type).value]

@@ -1,5 +1,7 @@
 """Wrong arguments of `reset` and `step` get one sentence with what to do."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -80,3 +82,35 @@ def test_texts_of_records_are_short(small_env, small_state):
     batch = jax.tree.map(lambda x: jnp.asarray(x)[None], small_state)
     assert repr(batch).endswith(", batch (1,)>")
     assert repr(small_env) == "<KinetixEnv: symbolic_entity → multi_discrete, size s, drift>"
+
+
+def test_keys_and_what_is_no_array(small_env, small_state):
+    action = jnp.zeros(6, int)
+    key = jax.random.PRNGKey(0)
+    for bad in (0, None, jnp.zeros(2)):
+        with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
+            small_env.step(bad, small_state, action)
+    with pytest.raises(KinetixError, match=r"key: expected one key, got .*\(3, 2\): use jax\.vmap"):
+        small_env.step(jax.random.split(key, 3), small_state, action)
+    with pytest.raises(KinetixError, match="step: expected arrays and numbers, got 'left'"):
+        small_env.step(key, small_state, "left")
+    with pytest.raises(KinetixError, match=r"action: .* \(6,\) .*, got list; .* jnp\.array"):
+        small_env.step(key, small_state, [0] * 6)
+    with pytest.raises(KinetixError, match="action of type complex64: expected integers"):
+        small_env.step(key, small_state, jnp.zeros(6, jnp.complex64))
+    with pytest.raises(KinetixError, match="state: expected an EnvState, got NoneType"):
+        small_env.get_obs(None)
+
+
+def test_parts_of_an_environment_in_wrong_places(small_static):
+    params = EnvParams()
+    make = functools.partial(make_kinetix_env, "discrete", "symbolic_flat")
+    with pytest.raises(KinetixError, match="expected EnvParams, got StaticEnvParams; the order is"):
+        make(None, small_static, params)
+    with pytest.raises(KinetixError, match="expected StaticEnvParams, got EnvParams; the order is"):
+        make(None, params, params)
+    for level in ("s/goalkeeper", ["s/goalkeeper"]):
+        with pytest.raises(KinetixError, match=r"reset_fn: .*make_reset_fn_list_of_levels"):
+            make(level, params, small_static)
+    with pytest.raises(KinetixError, match="expected a number as dense_reward_scale, got 'a'"):
+        make(None, EnvParams(dense_reward_scale="a"), small_static)
