@@ -265,7 +265,7 @@ def play_agent(session: Session) -> None:
         return
     session.leave_play()
     session.gallery.open = False
-    session.hush()
+    session.messages.hush()
     session.autosaves.keep(session.document)
     viewer.by_hand = False
     session.playback.play(level, casting, player=summary.name)

@@ -204,7 +204,7 @@ def _running(
     def run() -> None:
         session.selection = target
         # The pointer is over the menu by now; the place that was clicked is meant.
-        session.cursor = event.world
+        session.hands.cursor = event.world
         table.run(action)
 
     return run

@@ -97,7 +97,7 @@ def run(session: Session, action_id: str) -> bool:
         return False
     if session.driver.active and action_id not in ("edit.cancel", "edit.undo"):
         session.driver.cancel()
-    session.crashes.note(action_id)
+    session.messages.crashes.note(action_id)
     with session.guard():
         action.run(session)
     return True
@@ -128,7 +128,7 @@ def handle(session: Session, event: InputEvent) -> bool:
             return _pad(session, event)
         case FocusEvent(focused=False):
             session.release_all()
-            session.modifiers = NO_MODIFIERS
+            session.hands.modifiers = NO_MODIFIERS
         case DropEvent(path=path):
             _dropped(session, Path(path))
         case QuitEvent():
@@ -156,15 +156,15 @@ def _dropped(session: Session, path: Path) -> None:
 
 
 def _key(session: Session, event: KeyEvent) -> bool:
-    session.modifiers = event.modifiers
+    session.hands.modifiers = event.modifiers
     if not event.pressed:
-        session.held.discard(event.key)
+        session.hands.held.discard(event.key)
         return True
-    if session.capture is not None:
+    if session.hands.capture is not None:
         if event.key not in MODIFIER_KEYS and not event.repeat:
-            session.capture(event.chord)
+            session.hands.capture(event.chord)
         return True
-    session.held.add(event.key)
+    session.hands.held.add(event.key)
     if session.prompts:
         return False
     if session.editing and session.driver.active:
@@ -184,13 +184,13 @@ def _key(session: Session, event: KeyEvent) -> bool:
 def _pad(session: Session, event: PadEvent) -> bool:
     """A gamepad's sticks and buttons are held like keys; three of its buttons do something."""
     if not event.pressed:
-        session.held.discard(event.control)
+        session.hands.held.discard(event.control)
         return True
     if session.prompts or session.gallery.open:
         return False
     action = PAD_ACTIONS.get(event.control)
     if action is None:
-        session.held.add(event.control)
+        session.hands.held.add(event.control)
         return event.control in PAD
     return run(session, "run.play_human" if session.editing and action == "run.pause" else action)
 
@@ -234,7 +234,7 @@ def advance(session: Session, seconds: float) -> None:
     """
     before = session.time
     session.time += seconds
-    session.toasts = [toast for toast in session.toasts if toast.until > session.time]
+    session.messages.expire()
     with session.guard():
         session.worker.poll()
         session.fetches.poll()
@@ -246,7 +246,7 @@ def advance(session: Session, seconds: float) -> None:
     session.playback.simulator.keep_contacts = watched
     session.playback.restart_automatically = session.settings.restart_automatically
     with session.guard():
-        session.playback.tick(seconds, agents.action_now(session), session.pull)
+        session.playback.tick(seconds, agents.action_now(session), session.hands.pull)
     # What is measured or compared is shown step by step, and so are the renderer's pictures.
     exact = debugging or session.viewer.rival.active or session.settings.renderer_picture
     if exact:
@@ -254,8 +254,8 @@ def advance(session: Session, seconds: float) -> None:
     else:
         session.motion.advance(session.playback, seconds)
     if session.attended:
-        heard = session.ears.hear(session.playback, session.time)
-        session.cues = heard if session.settings.sound else []
+        audible = session.settings.sound
+        session.sound.listen(session.playback, session.time, audible=audible)
     with session.guard():
         watch.update_viewer(session)
         train.update_training(session)

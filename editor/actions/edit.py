@@ -62,7 +62,7 @@ def cut(session: Session) -> None:
 def paste(session: Session) -> None:
     """Put the clipboard's content at the pointer, or beside the original."""
     found = clip.loads(session.clipboard.get())
-    at = session.cursor
+    at = session.hands.cursor
     shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
     session.execute(clip.Paste(clip=found, shift=shift))
 
@@ -72,7 +72,7 @@ def drop(part: str) -> Callable[[Session], None]:
 
     def run(session: Session) -> None:
         found = PARTS[part][2]()
-        shift = clip.shift_to(found, session.cursor or MIDDLE)
+        shift = clip.shift_to(found, session.hands.cursor or MIDDLE)
         session.execute(clip.Paste(clip=found, shift=shift, verb="Drop"))
 
     return run
@@ -211,9 +211,9 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
 
     def run(session: Session) -> None:
         step = session.settings.nudge_step
-        if session.modifiers.alt:
+        if session.hands.modifiers.alt:
             step = NUDGE_FINE
-        elif session.modifiers.shift:
+        elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
         ids = moving_ids(session)
         shift = (x * step, y * step)
@@ -235,7 +235,7 @@ def turn(degrees: float) -> Callable[[Session], None]:
     """An action that rotates the selected bodies; Shift makes 15° one degree."""
 
     def run(session: Session) -> None:
-        step = math.copysign(1.0, degrees) if session.modifiers.shift else degrees
+        step = math.copysign(1.0, degrees) if session.hands.modifiers.shift else degrees
         ids = tuple(
             body.id for body in session.document.level.bodies if body.id in session.selection
         )

@@ -49,7 +49,7 @@ def open_path(
         return False
     with session.guard():
         assert document.path is not None
-        index = session.locate(document.path)
+        index = session.tabs.locate(document.path)
         if index is not None:
             session.show_tab(index)
             return True

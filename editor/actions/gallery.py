@@ -133,7 +133,7 @@ def _guard_file(session: Session, path: Path) -> None:
     """
     if filing.bundled(path):
         raise CommandError(f"{path.name} came with the app: duplicate it and change the copy.")
-    index = session.locate(path)
+    index = session.tabs.locate(path)
     if index is not None and session.tabs[index].document.dirty:
         raise CommandError(f"{path.name} has unsaved changes: save or close it first.")
 
@@ -146,7 +146,7 @@ def rename(session: Session) -> None:
     def answer(name: str | None) -> None:
         if name is None or name == card.name:
             return
-        index = session.locate(card.file)
+        index = session.tabs.locate(card.file)
         target = filing.rename(card.file, name)
         session.old_names.move(card.file, target)
         if index is not None:

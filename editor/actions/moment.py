@@ -29,7 +29,7 @@ def change(session: Session) -> None:
         before.document.commit(TakePoses(poses=snapshot, label="Play on"), time=session.time)
         before.document.mark_saved()
         before.snapshot = snapshot
-    session.pull = None
+    session.hands.pull = None
     playback.suspend()
     session.selection = selection
 

@@ -16,7 +16,7 @@ def play(session: Session) -> None:
         moment.play_on(session, session.tab.moment)
         return
     session.leave_play()
-    session.hush()
+    session.messages.hush()
     session.autosaves.keep(session.document)
     session.playback.play(session.document.level)
 
@@ -46,7 +46,7 @@ def note_end(session: Session) -> None:
 
 def step(session: Session) -> None:
     """One environment step, with what the held keys or the agent drive."""
-    session.playback.step(agents.action_now(session), session.pull)
+    session.playback.step(agents.action_now(session), session.hands.pull)
 
 
 def step_back(session: Session) -> None:

@@ -30,8 +30,8 @@ def use_pointer(session: Session, event: PointerEvent, table: context.Table) -> 
         event: The event.
         table: The action table, for the menu of a right click.
     """
-    session.cursor, session.cursor_screen = event.world, event.screen
-    session.modifiers = event.modifiers
+    session.hands.cursor, session.hands.cursor_screen = event.world, event.screen
+    session.hands.modifiers = event.modifiers
     if _panned(session, event, table):
         return
     if event.button not in (0, LEFT):
@@ -68,20 +68,20 @@ def pinch(session: Session, event: PinchEvent) -> None:
 def _panned(session: Session, event: PointerEvent, table: context.Table) -> bool:
     """Pan by a middle or right drag; a right click opens the menu of the place."""
     if event.kind is Pointer.PRESS and event.button in PAN_BUTTONS and not session.driver.active:
-        session.pan = (event.screen, event.screen, False)
+        session.hands.pan = (event.screen, event.screen, False)
         return True
-    if session.pan is None:
+    if session.hands.pan is None:
         return False
-    start, last, moved = session.pan
+    start, last, moved = session.hands.pan
     if event.kind is Pointer.MOVE:
         moved = moved or math.dist(start, event.screen) >= DRAG_PIXELS
         if moved:
             delta = (event.screen[0] - last[0], event.screen[1] - last[1])
             session.camera = session.camera.panned(delta)
             last = event.screen
-        session.pan = (start, last, moved)
+        session.hands.pan = (start, last, moved)
     elif event.kind is Pointer.RELEASE:
-        session.pan = None
+        session.hands.pan = None
         if not moved and event.button == RIGHT and session.editing:
             context.open_menu(session, event, table)
     return True
@@ -95,13 +95,13 @@ def _pull(session: Session, event: PointerEvent) -> None:
         free = [i for i in under if isinstance(i, int) and not level.body(i).fixed]
         if free:
             anchor = to_local(level.body(free[0]), event.world)
-            session.pull = Pull(body=free[0], anchor=anchor, target=event.world)
-    elif event.kind is Pointer.MOVE and session.pull is not None:
+            session.hands.pull = Pull(body=free[0], anchor=anchor, target=event.world)
+    elif event.kind is Pointer.MOVE and session.hands.pull is not None:
         paused = session.mode is Mode.PAUSED
-        session.pull = dataclasses.replace(
-            session.pull, target=event.world, teleport=paused and event.modifiers.ctrl
+        session.hands.pull = dataclasses.replace(
+            session.hands.pull, target=event.world, teleport=paused and event.modifiers.ctrl
         )
-    elif event.kind is Pointer.RELEASE and session.pull is not None:
-        if session.pull.teleport:
-            session.playback.step(NOOP, session.pull)
-        session.pull = None
+    elif event.kind is Pointer.RELEASE and session.hands.pull is not None:
+        if session.hands.pull.teleport:
+            session.playback.step(NOOP, session.hands.pull)
+        session.hands.pull = None

@@ -75,7 +75,7 @@ def _document_of(session: Session, found: Recovery) -> Document | None:
     """The open document of the level's file; opens it where that can be done."""
     if found.path is None:
         return None
-    index = session.locate(found.path)
+    index = session.tabs.locate(found.path)
     if index is not None:
         document = session.tabs[index].document
         if document.dirty:

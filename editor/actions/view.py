@@ -72,7 +72,7 @@ def switch_names(session: Session) -> None:
 def switch_sound(session: Session) -> None:
     """Mute, or let be heard."""
     session.settings.sound = not session.settings.sound
-    session.toast(session.sound_fault or ("Sound on" if session.settings.sound else "Sound off"))
+    session.toast(session.sound.fault or ("Sound on" if session.settings.sound else "Sound off"))
 
 
 def toggle_panels(session: Session) -> None:
@@ -168,6 +168,6 @@ def switch_tab(step: int) -> Callable[[Session], None]:
     def run(session: Session) -> None:
         if len(session.tabs) < 2:
             raise CommandError("There is only one tab.")
-        session.show_tab((session.tab_index + step) % len(session.tabs))
+        session.show_tab((session.tabs.index_in_front + step) % len(session.tabs))
 
     return run

@@ -154,8 +154,8 @@ def _ask_why(session: Session) -> None:
 def _asked_body(session: Session, level: Level) -> int | None:
     """Return the body whose places are told: pulled at, chosen, or else the green one."""
     viewer = session.viewer
-    if session.pull is not None:
-        viewer.asked_body = session.pull.body
+    if session.hands.pull is not None:
+        viewer.asked_body = session.hands.pull.body
     free = [body.id for body in level.bodies if not body.fixed]
     chosen = [one for one in session.selection if one in free]
     if session.editing and chosen:

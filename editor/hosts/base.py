@@ -87,7 +87,7 @@ class Host(abc.ABC):
         if self.recorder is not None:
             self.recorder.take(batch, dt)
         if batch:
-            self.session.touched = time.monotonic()
+            self.session.hands.touched = time.monotonic()
         self._feeder.feed(batch)
         with self.session.guard():
             for event in batch:

@@ -231,11 +231,10 @@ class PygameHost(Host):
     def _sound(self) -> None:
         """Play what the app wants to be heard."""
         session = self.session
-        cues, session.cues = session.cues, []
-        self._speaker.play(cues, session.settings.volume)
-        if self._speaker.fault and not session.sound_fault:
-            session.sound_fault = self._speaker.fault
-            session.log.add(session.sound_fault)
+        self._speaker.play(session.sound.take(), session.settings.volume)
+        if self._speaker.fault and not session.sound.fault:
+            session.sound.fault = self._speaker.fault
+            session.log.add(session.sound.fault)
 
     def close(self) -> None:
         """See `Host.close`; the window goes too."""

@@ -217,7 +217,7 @@ class Canvas:
                 self._down.remove(button)
                 self._pointer(session, events.Pointer.RELEASE, mouse, button)
         if not inside:
-            session.cursor = None
+            session.hands.cursor = None
         self._mouse = mouse
         if self.hovered and session.editing:
             imgui.set_mouse_cursor(_CURSORS[session.driver.feedback.cursor].value)
@@ -231,7 +231,7 @@ class Canvas:
         if found is None:
             return False
         session.hovered, self._mouse = found.entity, mouse
-        session.cursor = session.camera.to_world(mouse)
+        session.hands.cursor = session.camera.to_world(mouse)
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
         if imgui.is_mouse_clicked(0):
             entity = found.entity
@@ -319,7 +319,7 @@ class Canvas:
         pointed = () if session.hovered is None else (session.hovered,)
         self.caps = marker.key_caps(
             session.control_keys,
-            () if editing else session.held,
+            () if editing else session.hands.held,
             hidden=session.document.hidden if editing else (),
             pointed=(*pointed, *session.selection, *session.highlighted) if editing else (),
         )
@@ -385,7 +385,7 @@ class Canvas:
                 draw.add_text(at, u32(COLOURS.text), name)
 
     def _play_marks(self, session: "Session", marker: Marker) -> None:
-        pull = session.pull
+        pull = session.hands.pull
         if pull is None:
             return
         camera = session.camera

@@ -209,7 +209,7 @@ def _keys(session: "Session", column: _Column) -> None:
         x = column.x
         with font(FONTS.bold, SMALL - 1):
             for _, key in driving:
-                words, lit = _GLYPHS.get(key, key.upper()), key in session.held
+                words, lit = _GLYPHS.get(key, key.upper()), key in session.hands.held
                 extent = imgui.calc_text_size(words)
                 wide = max(extent.x + px(9), side)
                 plate = (x, column.y), (x + wide, column.y + side)

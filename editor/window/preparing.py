@@ -155,7 +155,7 @@ class Preparation:
     def _comforts(self, level: Level, size: str, physics: str, *, settled: bool) -> Iterator[_Task]:
         """Return the tasks for an idle worker."""
         session = self._session
-        if self._unkept and time.monotonic() - session.touched >= UNTOUCHED_SECONDS:
+        if self._unkept and time.monotonic() - session.hands.touched >= UNTOUCHED_SECONDS:
             yield _Task(key="keep", request=KeepPrograms(), title="Keeping what was compiled")
         casting = session.viewer.casting("a")
         if casting is not None and level.bodies and settled:

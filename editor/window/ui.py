@@ -337,7 +337,7 @@ class Ui:
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
         closed, self._popup = self._popup and not popup, popup
-        taken = (io.want_text_input or popup) and session.capture is None
+        taken = (io.want_text_input or popup) and session.hands.capture is None
         navigating = self._navigation(popup)
         there = imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         if self._menu.opened and there and imgui.is_key_pressed(imgui.Key.escape, False):
@@ -353,7 +353,7 @@ class Ui:
                 event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
                 if name == "escape" and (closed or self._closes_overlay()):
                     continue
-                moves = name in navigating and not modifiers.ctrl and session.capture is None
+                moves = name in navigating and not modifiers.ctrl and session.hands.capture is None
                 if not taken and not moves:
                     actions.handle(session, event)
         if not taken and session.driver.active:
@@ -364,7 +364,7 @@ class Ui:
     def _closes_overlay(self) -> bool:
         """Let Esc close the help, the keys' window or the preferences; whether one was open."""
         shown = self.session.view
-        if self.session.capture is not None:
+        if self.session.hands.capture is not None:
             return False
         if not (shown.help or shown.keys or shown.preferences):
             return False

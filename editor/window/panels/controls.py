@@ -32,7 +32,7 @@ class ControlsPanel(Panel):
             imgui.align_text_to_frame_padding()
             ordered = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
             for _, key in ordered:
-                lit = key in session.held and not session.editing
+                lit = key in session.hands.held and not session.editing
                 widgets.key_cap(_GLYPHS.get(key, key.upper()), lit=lit)
                 imgui.same_line(0, px(4))
             imgui.same_line(px(72))

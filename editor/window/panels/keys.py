@@ -56,7 +56,7 @@ class KeysWindow:
 
     def _stop(self, session: "Session") -> None:
         if self._target is not None:
-            session.capture = None
+            session.hands.capture = None
         self._target = self._clash = None
 
     def _head(self, session: "Session") -> None:
@@ -165,7 +165,7 @@ class KeysWindow:
             pressed = widgets.button(session, f"keys.{name}", shown, width=px(220))
         if pressed:
             self._target, self._clash = target, None
-            session.capture = lambda chord: self._pressed(session, chord)
+            session.hands.capture = lambda chord: self._pressed(session, chord)
 
     def _reset(self, session: "Session", action: Action) -> None:
         """The keys of an action as at first, unless something else has them now."""
@@ -182,7 +182,7 @@ class KeysWindow:
     def _pressed(self, session: "Session", chord: str) -> None:
         """Take the key that was pressed; it means nothing else this time."""
         target, self._target = self._target, None
-        session.capture = None
+        session.hands.capture = None
         if target is None or chord == "escape":
             return
         if isinstance(target, Drive):

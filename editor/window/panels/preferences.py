@@ -132,8 +132,8 @@ class PreferencesWindow:
             if self._page in PAGES:
                 for row in PAGES[self._page]:
                     _row(session, row)
-                if self._page == "Sound" and session.sound_fault:
-                    widgets.small(session.sound_fault, COLOURS.warn)
+                if self._page == "Sound" and session.sound.fault:
+                    widgets.small(session.sound.fault, COLOURS.warn)
             elif self._page == "Files":
                 _files(session)
             else:

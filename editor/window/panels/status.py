@@ -95,8 +95,8 @@ class StatusBar:
             ahead = lane_of(job.request) == PREPARATIONS
             words = job.title if ahead else job.message or job.title
             parts.append((f"{Icons.gear} {words}{share}", c.accent))
-        if session.cursor is not None:
-            x, y = session.cursor
+        if session.hands.cursor is not None:
+            x, y = session.hands.cursor
             parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
         if session.selection:
             parts.append((f"{len(session.selection)} selected", c.text))

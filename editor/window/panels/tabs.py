@@ -53,12 +53,12 @@ class DocumentTabs:
         self._warnings(session)
 
     def _tabs(self, session: "Session") -> None:
-        brought = self._front != session.tab_index
-        front = session.tab_index
+        brought = self._front != session.tabs.index_in_front
+        front = session.tabs.index_in_front
         for index, tab in enumerate(list(session.tabs)):
             document = tab.document
             flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
-            if brought and index == session.tab_index:
+            if brought and index == session.tabs.index_in_front:
                 flags |= imgui.TabItemFlags_.set_selected.value
             name = f"{document.title}###tab-{id(tab)}"
             opened, kept = imgui.begin_tab_item(name, True, flags)
@@ -71,8 +71,8 @@ class DocumentTabs:
                 imgui.end_tab_item()
             if not kept:
                 session.queue(lambda tab=tab: file.close_tab(session, tab))
-        self._front = session.tab_index
-        if front != session.tab_index:
+        self._front = session.tabs.index_in_front
+        if front != session.tabs.index_in_front:
             session.queue(lambda: session.show_tab(front))
 
     def _warnings(self, session: "Session") -> None:

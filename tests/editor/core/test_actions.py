@@ -178,12 +178,12 @@ def test_a_dragged_body_is_pulled_and_the_episode_marked(session, hand):
     hand.key("space")
     hand.wait(0.0)
     hand.press((4.0, 3.0))
-    assert session.pull.body == 3
+    assert session.hands.pull.body == 3
     hand.hold((4.2, 3.0))
     hand.wait(0.1)
     assert session.playback.perturbed
     hand.release((4.2, 3.0))
-    assert session.pull is None
+    assert session.hands.pull is None
 
 
 def test_ctrl_drag_while_paused_puts_a_body_elsewhere(session, hand):

@@ -57,7 +57,7 @@ def test_the_second_physics_is_chosen_and_given_up():
     session.answer(prompt, "jax2d")
     assert physics.comparing(session) and session.viewer.arrangement == "side"
     actions.run(session, "run.play_human")
-    session.held = {"left"}
+    session.hands.held = {"left"}
     for _ in range(40):
         actions.update(session, 1 / 60)
     actions.run(session, "run.pause")

@@ -59,17 +59,17 @@ def test_only_for_people_and_not_when_muted(session, hand):
     for _ in range(20):
         hand.wait()
     assert session.playback.outcome == "won"
-    assert session.cues == []  # nobody sits there
+    assert session.sound.cues == []  # nobody sits there
     session.attended = True
     heard = []
     run(session, "run.reset")
     for _ in range(20):
         hand.wait()
-        heard += session.cues
+        heard += session.sound.cues
     assert [cue.name for cue in heard].count("won") == 1
     assert run(session, "app.sound")
     assert not session.settings.sound
     run(session, "run.reset")
     for _ in range(20):
         hand.wait()
-        assert session.cues == []
+        assert session.sound.cues == []

@@ -49,7 +49,7 @@ def test_driving_keys_change_and_survive_a_restart(session, tmp_path):
     assert "left" not in session.control_keys and len(session.control_keys) == len(DEFAULT_KEYS)
     session.settings.save(tmp_path / "settings.json")
     session.settings = Settings.load(tmp_path / "settings.json")
-    session.held = {"j"}
+    session.hands.held = {"j"}
     assert session.action[0] == 1
     rebinding.bind_drive(session, Drive(channel=0, value=1), "left")
     assert session.settings.controls == {}
@@ -63,7 +63,10 @@ def test_a_driving_key_takes_the_step_key(session):
 
 def test_capturing_takes_one_chord_and_modifiers_alone_do_not_count(session, hand):
     taken = []
-    session.capture = lambda chord: (taken.append(chord), setattr(session, "capture", None))
+    session.hands.capture = lambda chord: (
+        taken.append(chord),
+        setattr(session.hands, "capture", None),
+    )
     hand.key("left ctrl")
     hand.key("a", ctrl=True)
     assert taken == ["ctrl+a"] and session.selection == ()

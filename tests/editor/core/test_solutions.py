@@ -29,7 +29,7 @@ def won(session):
     run(session, "run.play_human")
     actions.update(session, 0.0)
     for held in ({"left"}, set()):
-        session.held = held
+        session.hands.held = held
         for _ in range(10):
             actions.update(session, 1 / 60)
     assert session.playback.outcome == "won"

@@ -22,7 +22,7 @@ def played(session):
     session.document.commit(start_level())
     session.playback.simulator.ends_at = 10
     run(session, "run.play_human")
-    session.held = {"left"}
+    session.hands.held = {"left"}
     for _ in range(60):
         actions.update(session, 1 / 60)
     assert session.mode is Mode.ENDED

@@ -103,7 +103,7 @@ def test_losing_the_focus_ends_a_gesture_and_releases_keys(make_gui):
     gui.lose_focus()
     gui.frames(2)
     assert gui.level == before
-    assert not gui.session.held
+    assert not gui.session.hands.held
 
 
 def test_the_wheel_zooms_at_the_pointer(make_gui):
@@ -314,7 +314,7 @@ def test_history_jumps(make_gui):
 def test_tabs_switch_documents(make_gui):
     gui = make_gui(level=BALL)
     gui.key("ctrl+n")
-    assert gui.session.tab_index == 1
+    assert gui.session.tabs.index_in_front == 1
     gui.click("tabs.0")
     gui.frames(2)
     assert gui.level.bodies == BALL.bodies

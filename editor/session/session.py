@@ -4,21 +4,18 @@ Hosts feed events, panels read and queue, `editor.actions.update` applies the qu
 Nothing here knows a toolkit or JAX.
 """
 
-import dataclasses
-import logging
+import contextlib
 import math
-import traceback
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any, Final, Literal, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 from editor.agents.local_training import LocalTraining
 from editor.agents.random_play import Trial
 from editor.agents.viewer import Viewer
 from editor.base import controls
 from editor.base.camera import Camera
-from editor.base.crashes import Crashes
-from editor.base.events import NO_MODIFIERS, Modifiers, Point, PointerEvent
+from editor.base.events import NO_MODIFIERS, Modifiers, PointerEvent
 from editor.base.journal import Journal
 from editor.base.overlay import Mark
 from editor.base.prompts import Prompt
@@ -34,111 +31,21 @@ from editor.editing.tools.base import NOTHING, Driver, Tool
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
-from editor.play.cues import Cue, Ears
-from editor.play.moment import Moment
 from editor.play.motion import Motion
 from editor.play.playback import Mode, Playback, Simulator
+from editor.session.clipboard import Clipboard, MemoryClipboard
+from editor.session.hands import Hands
+from editor.session.messages import Kind, Messages, Toast
+from editor.session.sound import Sound
+from editor.session.tabs import Tab, Tabs
+from editor.session.view import View
 from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
-from editor.worker.requests import Pull
-from kinetix.errors import CommandError, KinetixError
+from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
-LOG: Final = logging.getLogger(__name__)
-TOAST_SECONDS: Final = 5.0
-UNDO_TOAST_SECONDS: Final = 8.0
-
-Kind: TypeAlias = Literal["info", "success", "warning", "error"]
 Queued: TypeAlias = str | Command | Callable[[], None]
 """An action's id, an edit, or a call."""
-
-
-class Clipboard(Protocol):
-    """The system's clipboard, text only."""
-
-    def get(self) -> str:
-        """The text it holds, or nothing."""
-        ...
-
-    def set(self, text: str) -> None:
-        """Put a text there."""
-        ...
-
-
-class MemoryClipboard:
-    """A clipboard of the process alone, where there is no system's."""
-
-    def __init__(self) -> None:
-        self._text = ""
-
-    def get(self) -> str:
-        """The text it holds."""
-        return self._text
-
-    def set(self, text: str) -> None:
-        """Put a text there."""
-        self._text = text
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Toast:
-    """A short message that goes by itself."""
-
-    text: str
-    kind: Kind
-    until: float
-    """Time at which it disappears, on the session's clock [s]."""
-    action: str | None = None
-    """An action offered as a button (`edit.undo`)."""
-
-
-@dataclasses.dataclass(kw_only=True)
-class View:
-    """View settings besides the level; the window's panels and actions change them freely."""
-
-    interface: bool = True
-    """Panels and bars; Tab hides them."""
-    panels_in_play: bool = False
-    """True if the panels stay while a level is played; Tab brings them back."""
-    fullscreen: bool = False
-    debug_draw: bool = False
-    plots: bool = False
-    front: str = ""
-    """Id of a panel to bring to the front; the window clears it."""
-    field: str = ""
-    """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
-    palette: bool = False
-    """The command palette."""
-    help: bool = False
-    keys: bool = False
-    """The window in which keys are changed."""
-    preferences: bool = False
-    """The window of all settings."""
-    settled: bool = False
-    """True if the panels stand where they stay: while they are put up, each is in front once."""
-    edit_arena: bool = False
-    """True if floor, walls and ceiling can be selected on the canvas."""
-    layout: str = ""
-    """A layout that the window shall take (`edit`, `play`, `evaluate`, or a kept one's name)."""
-    layout_name: str = ""
-    """The name under which the window shall keep its present layout."""
-
-
-@dataclasses.dataclass(kw_only=True)
-class Tab:
-    """An open document with its camera."""
-
-    document: Document
-    camera: Camera = dataclasses.field(default_factory=Camera)
-    fitted: bool = False
-    """True if the window has fitted the camera to the viewport once."""
-    moment: Moment | None = None
-    """A paused episode of the level that is being changed."""
-
-    @property
-    def untouched(self) -> bool:
-        """True if nothing is lost when another level takes the tab."""
-        return self.moment is None and self.document.untouched
 
 
 class Session:
@@ -176,12 +83,9 @@ class Session:
         """Findings about the level without a plan."""
         self.quick = False
         """True if Play may begin in a step that was compiled quickly; see `play_quickly`."""
-        self.touched = 0.0
-        """Time of the person's last input, on the clock of `time.monotonic` [s]."""
         self.expected: Job | None = None
         """A job that the person waits for; its result is shown at once when it comes."""
-        self.tabs: list[Tab] = [Tab(document=Document(level or Level(name="Untitled")))]
-        self.tab_index = 0
+        self.tabs = Tabs(Document(level or Level(name="Untitled")))
         self.tool: Tool = TOOLS["select"]
         self.tool_kept = False
         """True if the tool stays after it has made something (its key was pressed twice)."""
@@ -199,26 +103,11 @@ class Session:
         """Writes the settings."""
         self.old_names = old_names or OldNames()
         """Names from earlier versions that no level file holds yet."""
-        self.prompts: list[Prompt] = []
-        """Questions to the user, the uppermost last; answer with `answer`."""
-        self.toasts: list[Toast] = []
-        self.log = Journal()
-        self.crashes = Crashes()
-        """Unexpected errors, and the actions before them."""
-        self.capture: Callable[[str], None] | None = None
-        """Takes the next chord that is pressed instead of its action (changing keys)."""
+        self.messages = Messages(lambda: self.time)
+        self.hands = Hands()
         self.attended = False
         """True if a person sits before a window: sounds and effects are for people alone."""
-        self.ears = Ears()
-        self.cues: list[Cue] = []
-        """Sounds to be played; the host takes them."""
-        self.sound_fault = ""
-        """Reason why nothing can be heard, as the host found."""
-        self.held: set[str] = set()
-        """Keys that are down."""
-        self.cursor: tuple[float, float] | None = None
-        """Pointer position over the canvas [m], or None."""
-        self.cursor_screen: tuple[float, float] = (0.0, 0.0)
+        self.sound = Sound()
         self.hovered: EntityId | None = None
         """Entity under the pointer."""
         self.highlighted: Selection = ()
@@ -231,10 +120,6 @@ class Session:
         """The session's clock [s]."""
         self.quitting = False
         """Set when the app may end."""
-        self.pull: Pull | None = None
-        """Pull of the mouse in Play."""
-        self.pan: tuple[Point, Point, bool] | None = None
-        """While a button pans: where it began, where it was last [px], whether it has moved."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
         self.recording: int | None = None
@@ -243,8 +128,6 @@ class Session:
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}
         """Rectangles of widgets by id, for tests and replays; the window fills it."""
-        self.modifiers = NO_MODIFIERS
-        """Modifier keys that are down."""
         self.last_click: PointerEvent | None = None
         """The last click that selected, to notice a second one at the same place."""
         self._queue: list[Queued] = []
@@ -254,7 +137,22 @@ class Session:
     @property
     def tab(self) -> Tab:
         """The tab in front."""
-        return self.tabs[self.tab_index]
+        return self.tabs.front
+
+    @property
+    def prompts(self) -> list[Prompt]:
+        """Questions to the user, the uppermost last; answer with `answer`."""
+        return self.messages.prompts
+
+    @property
+    def toasts(self) -> list[Toast]:
+        """Short messages on the screen."""
+        return self.messages.toasts
+
+    @property
+    def log(self) -> Journal:
+        """Everything that was said."""
+        return self.messages.log
 
     @property
     def document(self) -> Document:
@@ -344,7 +242,7 @@ class Session:
     @property
     def action(self) -> tuple[int, ...]:
         """Action of the held keys."""
-        return controls.action_of(self.held, {**self.control_keys, **controls.PAD})
+        return controls.action_of(self.hands.held, {**self.control_keys, **controls.PAD})
 
     @property
     def control_keys(self) -> dict[str, controls.Drive]:
@@ -367,7 +265,7 @@ class Session:
 
     def execute(self, command: Command) -> Outcome:
         """Commit a command now; selects what it made; an error becomes a toast."""
-        self.crashes.note(command.label)
+        self.messages.crashes.note(command.label)
         with self.guard():
             if not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
@@ -390,20 +288,18 @@ class Session:
         except Exception as error:
             self.toast(str(error), "error")
 
-    def guard(self) -> "Guard":
-        """A context in which an exception becomes a toast and a log entry instead of the end."""
-        return Guard(self)
+    @contextlib.contextmanager
+    def guard(self) -> Iterator[None]:
+        """Turn an exception into a toast, and an unexpected one into a log entry besides."""
+        try:
+            yield
+        except Exception as error:
+            self.messages.report(error, before=self.save_aside)
+            self.document.discard_preview()
 
     def toast(self, text: str, kind: Kind = "info", *, action: str | None = None) -> None:
         """Show a message for a few seconds; the same message is not stacked."""
-        seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
-        self.toasts = [toast for toast in self.toasts if toast.text != text]
-        self.toasts.append(Toast(text=text, kind=kind, until=self.time + seconds, action=action))
-        self.log.add(text)
-
-    def hush(self) -> None:
-        """Take the messages of success away: what begins now has the screen."""
-        self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]
+        self.messages.toast(text, kind, action=action)
 
     def complain(self, text: str) -> None:
         """Say why something was not done."""
@@ -438,28 +334,18 @@ class Session:
         """Show a document in a new tab; an untouched empty one is replaced."""
         self.leave_play()
         self.gallery.open = False
-        tab = Tab(document=document, camera=dataclasses.replace(self.camera, centre=(2.5, 2.5)))
-        if self.tab.untouched and not self.document.level.bodies:
-            self.tabs[self.tab_index] = tab
-        else:
-            self.tabs.append(tab)
-            self.tab_index = len(self.tabs) - 1
+        self.tabs.open(document)
 
     def show_tab(self, index: int) -> None:
         """Bring a tab to the front."""
-        if index != self.tab_index and 0 <= index < len(self.tabs):
+        if index != self.tabs.index_in_front and 0 <= index < len(self.tabs):
             self.leave_play()
-            self.tab_index = index
+            self.tabs.index_in_front = index
 
     def close_tab(self, tab: Tab) -> None:
         """Take a tab away without asking; the last one leaves an empty level."""
         self.leave_play()
-        index = self.tabs.index(tab)
-        del self.tabs[index]
-        if not self.tabs:
-            self.tabs.append(Tab(document=Document(Level(name="Untitled")), camera=tab.camera))
-        if self.tab_index > index or self.tab_index >= len(self.tabs):
-            self.tab_index = max(self.tab_index - 1, 0)
+        self.tabs.close(tab)
 
     def play_quickly(self) -> None:
         """Let episodes begin in a step that was compiled quickly, until a better one is ready.
@@ -475,7 +361,7 @@ class Session:
     def leave_play(self) -> None:
         """Drop gestures and stop playing."""
         self.driver.cancel()
-        self.pull = self.expected = None
+        self.hands.pull = self.expected = None
         if self.playback.active or self.playback.suspended:
             self.playback.stop()
         self.viewer.rival.stop()
@@ -488,8 +374,7 @@ class Session:
 
     def release_all(self) -> None:
         """The window lost the keyboard: nothing is held any more, nothing is under way."""
-        self.held.clear()
-        self.pull = None
+        self.hands.release()
         self.driver.cancel()
 
     def state_record(self) -> dict[str, Any]:
@@ -507,37 +392,3 @@ class Session:
             "fps": round(self.fps, 1),
             "problems": [issue.code for issue in document.problems],
         }
-
-    def locate(self, path: Path) -> int | None:
-        """Index of the tab that shows a file, or None."""
-        for index, tab in enumerate(self.tabs):
-            if tab.document.path is not None and tab.document.path.resolve() == path.resolve():
-                return index
-        return None
-
-
-class Guard:
-    """Turns exceptions into toasts: expected ones into their sentence, others into a log entry."""
-
-    def __init__(self, session: Session) -> None:
-        self._session = session
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: type[BaseException] | None, error: Any, trace: Any) -> bool:
-        """Report an exception and go on; what is not an `Exception` passes through."""
-        if error is None or not isinstance(error, Exception):
-            return False
-        if isinstance(error, KinetixError):
-            warning = isinstance(error, CommandError)
-            self._session.toast(str(error), "warning" if warning else "error")
-        else:
-            sentence, new = self._session.crashes.tell(error)
-            if new:
-                self._session.save_aside()
-            self._session.toast(sentence, "error")
-            if self._session.log.add("".join(traceback.format_exception(error))):
-                LOG.error("unexpected error", exc_info=error)
-        self._session.document.discard_preview()
-        return True

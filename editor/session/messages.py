@@ -1,0 +1,82 @@
+"""Words to the user: short messages, questions, and what became of errors."""
+
+import dataclasses
+import logging
+import traceback
+from collections.abc import Callable
+from typing import Final, Literal, TypeAlias
+
+from editor.base.crashes import Crashes
+from editor.base.journal import Journal
+from editor.base.prompts import Prompt
+from kinetix.errors import CommandError, KinetixError
+
+LOG: Final = logging.getLogger(__name__)
+TOAST_SECONDS: Final = 5.0
+UNDO_TOAST_SECONDS: Final = 8.0
+
+Kind: TypeAlias = Literal["info", "success", "warning", "error"]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Toast:
+    """A short message that goes by itself."""
+
+    text: str
+    kind: Kind
+    until: float
+    """Time at which it disappears, on the session's clock [s]."""
+    action: str | None = None
+    """An action offered as a button (`edit.undo`)."""
+
+
+class Messages:
+    """Toasts, questions and the log."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        """Begin with none.
+
+        Args:
+            clock: Tells the time by which toasts disappear [s].
+        """
+        self._clock = clock
+        self.prompts: list[Prompt] = []
+        """Questions to the user, the uppermost last."""
+        self.toasts: list[Toast] = []
+        self.log = Journal()
+        self.crashes = Crashes()
+        """Unexpected errors, and the actions before them."""
+
+    def toast(self, text: str, kind: Kind = "info", *, action: str | None = None) -> None:
+        """Show a message for a few seconds; the same message is not stacked."""
+        seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
+        self.toasts = [toast for toast in self.toasts if toast.text != text]
+        until = self._clock() + seconds
+        self.toasts.append(Toast(text=text, kind=kind, until=until, action=action))
+        self.log.add(text)
+
+    def hush(self) -> None:
+        """Take the messages of success away: what begins now has the screen."""
+        self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]
+
+    def expire(self) -> None:
+        """Take away the messages whose time is over."""
+        now = self._clock()
+        self.toasts = [toast for toast in self.toasts if toast.until > now]
+
+    def report(self, error: Exception, *, before: Callable[[], None]) -> None:
+        """Show an error: an expected one as its sentence, another with an entry in the log.
+
+        Args:
+            error: What was raised.
+            before: Called first where an unexpected error comes for the first time.
+        """
+        if isinstance(error, KinetixError):
+            self.toast(str(error), "warning" if isinstance(error, CommandError) else "error")
+            return
+        sentence, new = self.crashes.tell(error)
+        if new:
+            before()
+        self.toast(sentence, "error")
+        if self.log.add("".join(traceback.format_exception(error))):
+            LOG.error("unexpected error", exc_info=error)
