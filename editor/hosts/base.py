@@ -16,6 +16,8 @@ from editor.toolkit.appearance import COLOURS
 from editor.toolkit.textures import TextureStore
 from editor.window.ui import Ui
 
+LEAST_SIZE = (320, 240)
+"""Smallest size for which the panels are laid out [px]."""
 _NOT_FOR_WIDGETS = (
     events.DropEvent | events.QuitEvent | events.FocusEvent | events.PadEvent | events.PinchEvent
 )
@@ -82,7 +84,8 @@ class Host(abc.ABC):
             dt: Time since the last frame [s].
         """
         io = imgui.get_io()
-        io.display_size = imgui.ImVec2(*self.size)
+        # A window can be made as small as a line; what it shows is cut off then.
+        io.display_size = imgui.ImVec2(*map(max, self.size, LEAST_SIZE))
         io.delta_time = max(dt, 1e-5)
         if self.recorder is not None:
             self.recorder.take(batch, dt)

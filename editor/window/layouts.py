@@ -81,7 +81,7 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
         plan: The arrangement.
     """
     node = imgui.internal
-    size = imgui.get_main_viewport().work_size
+    size = _with_room(imgui.get_main_viewport().work_size)
     plan = plan.fitting(size.x / px(1))
     node.dock_builder_remove_node_child_nodes(space)
     node.dock_builder_set_node_size(space, size)
@@ -112,6 +112,11 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
         place = bottom if column is None else places.get(column, spare)
         node.dock_builder_dock_window(panel.window_name, place)
     node.dock_builder_finish(space)
+
+
+def _with_room(size: imgui.ImVec2) -> imgui.ImVec2:
+    """Return a size that a place can have: in a tiny window there may be nothing left for it."""
+    return imgui.ImVec2(max(size.x, 1.0), max(size.y, 1.0))
 
 
 def is_narrow() -> bool:
@@ -189,7 +194,8 @@ class LowerRow:
         return imgui.get_main_viewport().work_size.y * _MOST_GIVEN
 
     def _set(self, node: imgui.internal.DockNode, height: float) -> None:
-        imgui.internal.dock_builder_set_node_size(node.id_, imgui.ImVec2(node.size.x, height))
+        size = _with_room(imgui.ImVec2(node.size.x, height))
+        imgui.internal.dock_builder_set_node_size(node.id_, size)
 
 
 def _canvas_node(node: imgui.internal.DockNode) -> imgui.internal.DockNode | None:

@@ -293,3 +293,27 @@ def test_the_counts_in_the_status_line_open_the_problems(gui):
     gui.click("status.problems")
     gui.frames(8)
     assert gui.shows("problems.E101")
+
+
+@pytest.mark.parametrize("panel", ["evaluate", "problems", "inspector"])
+def test_a_window_without_room_for_its_panels_goes_on(make_gui, panel):
+    """A tiny window with a large interface leaves some places no size at all."""
+    gui = make_gui(size=(1440, 900))
+    gui.frames(20)
+    gui.host.size = (320, 240)
+    gui.session.settings.ui_scale = 3.0
+    gui.frames(10)
+    gui.bring(panel)
+    for size in ((1440, 240), (320, 900), (320, 240), (1440, 900)):
+        gui.host.size = size
+        gui.frames(4)
+        gui.bring("log")
+        gui.bring(panel)
+    for size in ((1440, 60), (1440, 900), (320, 100)):
+        gui.host.size = size
+        gui.frames(4)
+        apply(gui, "view.layout_evaluate")
+    gui.session.settings.ui_scale = 1.0
+    gui.host.size = (1440, 900)
+    gui.frames(20)
+    assert gui.shows("canvas")
