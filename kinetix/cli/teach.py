@@ -27,7 +27,7 @@ class Teach:
     """Equal seeds give equal levels."""
     physics: str = "balanced"
     """Physics preset or solver."""
-    rounds: int = 6
+    rounds: int = 2
     """Rounds of search after which a level is given up."""
     batch: int = 32
     """Levels that are searched at once: a divisor of 256."""

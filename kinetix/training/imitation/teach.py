@@ -50,7 +50,7 @@ class TeachConfig:
     """Equal seeds give equal levels."""
     physics: str = "balanced"
     """Physics preset or solver."""
-    rounds: int = 6
+    rounds: int = 2
     """Rounds after which a level is given up."""
     batch: int = 32
     """Levels that are searched at once."""
