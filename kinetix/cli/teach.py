@@ -32,7 +32,7 @@ class Teach:
     batch: int = 32
     """Levels that are searched at once: a divisor of 256."""
     copies: int = 2
-    """Perturbed starts per level that are tried with its plan; those that it wins too are kept."""
+    """Perturbed starts per level that are tried too, each with a round of its own."""
     mirror: bool = True
     """True if mirror images are tried too, with the same plan."""
     cores: int | None = None

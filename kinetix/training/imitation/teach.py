@@ -38,6 +38,8 @@ from kinetix.training.imitation.teacher import (
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
 """Levels that are drawn, searched and written together."""
+_COPIES: Final = 2**20
+"""Number of the draws for perturbed starts; those of the turns of a search are less."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -55,7 +57,8 @@ class TeachConfig:
     batch: int = 32
     """Levels that are searched at once."""
     copies: int = 2
-    """Perturbed starts per level that are tried besides; those that its plan wins too are kept."""
+    """Perturbed starts per level that are tried besides, each with a round that begins with the
+    level's plan."""
     mirror: bool = True
     """True if the mirror images of all these are tried too."""
 
@@ -197,7 +200,10 @@ class _Search:
         todo = np.flatnonzero(~trivial)
         plans = self._searched(levels, todo, key)
         random = np.random.default_rng((self._config.seed, index))
-        found = self._proven(self._attempts(levels, plans, random, index * SHARD))
+        attempts = self._attempts(
+            levels, plans, random, jax.random.fold_in(key, _COPIES), index * SHARD
+        )
+        found = self._proven(attempts)
         won = len({episode.level.name for episode in found})
         return found, {"trivial": int(trivial.sum()), "won": won}
 
@@ -230,6 +236,7 @@ class _Search:
         levels: EnvState,
         plans: dict[int, np.ndarray],
         random: np.random.Generator,
+        key: Any,
         first: int,
     ) -> list[tuple[Level, np.ndarray, int]]:
         """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
@@ -238,8 +245,11 @@ class _Search:
         chosen = jax.tree.map(lambda x: x[np.array(list(plans), int)], levels)
         attempts: list[tuple[Level, np.ndarray, int]] = []
         for copy in range(self._config.copies + 1):
-            states = chosen if copy == 0 else kicked(chosen, random)
-            for row, (number, plan) in enumerate(plans.items()):
+            states, winners = chosen, list(plans.values())
+            if copy:
+                states = kicked(chosen, random)
+                winners = self._adapted(states, winners, jax.random.fold_in(key, copy))
+            for row, (number, plan) in enumerate(zip(plans, winners, strict=True)):
                 state = jax.tree.map(lambda x, row=row: x[row], states)
                 name = f"Random {self._config.size} {self._config.seed}-{first + number}"
                 level = random_document(state, name)
@@ -247,6 +257,18 @@ class _Search:
                 if self._config.mirror:
                     attempts.append((mirrored_level(level), plan, copy))
         return attempts
+
+    def _adapted(self, states: EnvState, plans: list[np.ndarray], key: Any) -> list[np.ndarray]:
+        """The best plan for every start, of a round that begins with a plan for a like one."""
+        found: list[np.ndarray] = []
+        size = self._config.batch
+        for start in range(0, len(plans), size):
+            rows = np.arange(start, start + size) % len(plans)
+            part = jax.tree.map(lambda x, rows=rows: x[rows], states)
+            elite = np.repeat(np.stack([plans[k] for k in rows])[:, None], ELITE, axis=1)
+            result = search_round(self._env, part, elite, jax.random.fold_in(key, start))
+            found += list(np.asarray(result.elite)[:, 0])
+        return found[: len(plans)]
 
     def _proven(self, attempts: list[tuple[Level, np.ndarray, int]]) -> list[RecordedEpisode]:
         """Episodes of the plans that win the levels as they are written."""
