@@ -115,16 +115,40 @@ def play_episode(
         seed: Seed of its draws.
         limit: Stop after so many steps, as a timeout.
     """
-    key = jax.random.key(seed)
-    start = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
-    most = jnp.iinfo(jnp.int32).max if limit is None else limit
-    end = _play(env, decide, params, start, key, jnp.asarray(most, jnp.int32))
+    end = play_until(env, state, decide, params=params, carry=carry, seed=seed, limit=limit)
     return Episode(
         steps=int(end.step),
         outcome=end.outcome or "timeout",
         total_reward=float(end.total_reward),
         dropped_contacts=int(end.dropped),
     )
+
+
+def play_until(
+    env: KinetixEnv,
+    state: EnvState,
+    decide: Decide,
+    *,
+    params: Any = None,
+    carry: Any = (),
+    seed: int = 0,
+    limit: int | None = None,
+) -> EpisodeState:
+    """Return an episode as it stands when it ends or after `limit` steps; see `play_episode`.
+
+    Args:
+        env: The environment.
+        state: Where the episode starts.
+        decide: Chooses actions for a batch of one.
+        params: Its parameters.
+        carry: Its memory at the start.
+        seed: Seed of its draws.
+        limit: Stop after so many steps.
+    """
+    key = jax.random.key(seed)
+    start = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
+    most = jnp.iinfo(jnp.int32).max if limit is None else limit
+    return _play(env, decide, params, start, key, jnp.asarray(most, jnp.int32))
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1))

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Array
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.episode import Episode, play_episode
+from kinetix.environment.episode import Episode, play_episode, play_until
 from kinetix.environment.outcome import Outcome
 from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
@@ -68,14 +69,36 @@ def play_actions(
     Raises:
         KinetixError: The physics preset does not exist.
     """
+    env, start = _stage(level, physics, frame_skip)
+    return play_episode(env, start, next_row, limit=len(actions), **recorded_rows(actions))
+
+
+def state_after(
+    level: Level, actions: Sequence[Sequence[int]], *, physics: str = "balanced"
+) -> EnvState | None:
+    """Return the state in which `play_actions` leaves a level; None where the episode is over.
+
+    Args:
+        level: The level.
+        actions: Multi-discrete, one per environment step.
+        physics: Preset or solver.
+
+    Raises:
+        KinetixError: The physics preset does not exist.
+    """
+    env, start = _stage(level, physics, LEVEL_FRAME_SKIP)
+    end = play_until(env, start, next_row, limit=len(actions), **recorded_rows(actions))
+    return end.state if end.outcome is None else None
+
+
+def _stage(level: Level, physics: str, frame_skip: int) -> tuple[KinetixEnv, EnvState]:
+    """The environment that all levels of the size share, and the level's first state."""
     static = static_env_params_of(capacity_of(level), frame_skip=frame_skip, physics=physics)
     env = make_kinetix_env(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
     )
     assert isinstance(env, KinetixEnv)
-    recorded = recorded_rows(actions)
-    start = level_state(level, static)
-    return play_episode(env, start, next_row, limit=len(actions), **recorded)
+    return env, level_state(level, static)
 
 
 def recorded_rows(actions: Sequence[Sequence[int]]) -> dict[str, Any]:

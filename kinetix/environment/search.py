@@ -21,7 +21,8 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.plans import HOLD, Plans, random_plans, runs_of
-from kinetix.environment.replay import play_actions
+from kinetix.environment.rearrange import expand_state
+from kinetix.environment.replay import play_actions, state_after
 from kinetix.environment.reset import level_state, static_env_params_for_levels
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
@@ -125,6 +126,10 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
         # A batch of one may round differently; only what holds there too is a proof.
         return play_actions(level, actions.tolist(), physics=physics).outcome == "won"
 
+    def after(actions: Int[np.ndarray, "k 6"]) -> EnvState | None:
+        state = state_after(level, actions.tolist(), physics=physics)
+        return None if state is None else expand_state(state, env.static_env_params)
+
     return Task(
         env=env,
         start=level_state(level, env.static_env_params),
@@ -132,6 +137,7 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
         channels=channels_in_use(level),
         random=np.random.default_rng(seed),
         wins=wins,
+        after=after,
     )
 
 

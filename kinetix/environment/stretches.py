@@ -5,6 +5,10 @@ that are lost drop out, those with green and blue closest together go on, severa
 pass to the time limit costs as much as one batch of whole plans, and can string together what no
 whole plan hits upon by chance, such as the steps of a walk. A little noise in the ranking keeps
 attempts alive that must first go away from the goal.
+
+A batch rounds differently from an episode that is played alone, and a walk of many steps makes a
+fall of such a difference. Where plans win in the batch only, the best one is followed alone for a
+while, and the search goes on from where that really leads, until what remains is short enough.
 """
 
 import dataclasses
@@ -32,6 +36,10 @@ NOISE: Final = 0.05
 """Scale of the noise in the ranking [m]."""
 HELD: Final = 0.25
 """Share of the attempts that hold what they last did for a while."""
+FOLLOWED: Final = 32
+"""Most environment steps that a plan is followed alone before the search goes on from there."""
+PROVEN: Final = 8
+"""Most winners of a stretch that are played alone: those of one batch are much alike."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -47,6 +55,8 @@ class Task:
     random: np.random.Generator
     wins: Callable[[Int[np.ndarray, "k 6"]], bool]
     """True where actions that won in a batch also win alone."""
+    after: Callable[[Int[np.ndarray, "k 6"]], EnvState | None]
+    """State after actions that are played alone; None where the episode is over by then."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -61,36 +71,60 @@ class Round:
     """The shortest that also win alone."""
     distance: float
     """Least distance between green and blue in a plan that was not lost [m]."""
+    unproven: Int[np.ndarray, "k 6"] | None = None
+    """The first plan that won in the batch, where none wins alone."""
 
 
 def stretches(task: Task) -> Iterator[Round]:
-    """One round a pass from the start to the time limit, each with other draws, without end."""
+    """One round a pass, each with other draws, without end.
+
+    A pass goes from the start to the time limit, or from where a plan really leads that won in the
+    batch only.
+    """
     while True:
-        yield _pass(task)
+        guide, followed = np.zeros((0, 6), np.int32), 0
+        start: EnvState | None = task.start
+        while start is not None:
+            found = _pass(task, start, guide, followed)
+            yield found
+            rest = 0 if found.unproven is None else len(found.unproven) - followed
+            if found.unproven is None or rest < 2:
+                break
+            guide, followed = found.unproven, followed + min(FOLLOWED, rest // 2)
+            start = task.after(guide[:followed])
 
 
-def _pass(task: Task) -> Round:
-    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (BATCH, *jnp.shape(x))), task.start)
+def _pass(task: Task, start: EnvState, guide: Int[np.ndarray, "k 6"], followed: int) -> Round:
+    """One pass; the first attempt goes on with the guide's actions as far as they last."""
+    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (BATCH, *jnp.shape(x))), start)
     parents = np.arange(BATCH)
-    plans = np.zeros((BATCH, 0, 6), np.int32)
+    plans = np.repeat(guide[None, :followed], BATCH, axis=0)
     won, closest = 0, np.inf
+    actions = unproven = None
     while plans.shape[1] < task.limit:
         before = plans.shape[1]
-        plans = np.concatenate([plans, _continued(task, plans)], axis=1)
-        states, *rest = _stretch(task.env, states, parents, plans[:, before:])
+        fresh = _continued(task, plans)
+        guided = guide[before : before + STRETCH]
+        fresh[0, : len(guided)] = guided
+        plans = np.concatenate([plans, fresh], axis=1)
+        states, *rest = _stretch(task.env, states, parents, fresh)
         winning, over, steps, distance = (np.asarray(x) for x in rest)
         winners = np.flatnonzero(winning)[np.argsort(steps[winning])]
         won += len(winners)
-        candidates = (plans[index, : before + steps[index]] for index in winners)
+        candidates = [plans[index, : before + steps[index]] for index in winners[:PROVEN]]
         actions = next(filter(task.wins, candidates), None)
         going = np.flatnonzero(~over)
         closest = min(closest, distance[going].min(initial=np.inf))
-        if actions is not None or not len(going):
-            return Round(plans=BATCH, won=won, actions=actions, distance=float(closest))
+        if candidates and actions is None:
+            unproven = candidates[0]
+        if candidates or not len(going):
+            break
         rank = distance[going] + NOISE * task.random.gumbel(size=len(going))
         parents = np.resize(going[np.argsort(rank, kind="stable")][:KEPT], BATCH)
+        if len(guide) > plans.shape[1] and not over[0]:
+            parents[0] = 0
         plans = plans[parents]
-    return Round(plans=BATCH, won=won, actions=None, distance=float(closest))
+    return Round(plans=BATCH, won=won, actions=actions, distance=float(closest), unproven=unproven)
 
 
 def _continued(task: Task, plans: Plans) -> Plans:
