@@ -85,7 +85,6 @@ class Rules:
 APART: Final = 0.015
 """Coordinates nearer than this to what must keep its distance catch nothing [m]."""
 NO_SNAPPING: Final = Rules(smart=False, grid=None, catch=0.0, release=0.0)
-NO_TARGETS: Final = Targets(x=(), y=(), segments=(), boxes=())
 
 
 def features(body: Body) -> tuple[Point, ...]:

@@ -5,15 +5,8 @@ from jaxtyping import Array, Bool, Float
 
 from kinetix.engine.lookup import onto, take, take_pair
 from kinetix.engine.maths import Vec, cross, nonzero, rotate, vec
-from kinetix.engine.types import Control, Parameters, State, World
+from kinetix.engine.types import Control, Parameters, World
 from kinetix.pytree import pytree
-
-
-def joint_angle(world: World, state: State) -> Float[Array, "j n"]:
-    """φ = θ_b − θ_a − reference angle [rad]."""
-    joints = world.joints
-    angle_a, angle_b = take_pair(state.rotation, joints.body_a, joints.body_b)
-    return angle_b - angle_a - joints.reference_angle
 
 
 def motor_fade(

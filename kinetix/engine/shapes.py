@@ -61,8 +61,3 @@ def rows(
 ) -> Shaped[Array, "k *rest n"]:
     """values[index] for rows that are the same in every world and known when compiling."""
     return values.at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)
-
-
-def rows_vec(values: Vec, index: Int[np.ndarray, " k"]) -> Vec:
-    """`rows` for both components."""
-    return Vec(x=rows(values.x, index), y=rows(values.y, index))

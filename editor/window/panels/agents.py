@@ -236,9 +236,3 @@ class AgentsPanel(Panel):
         if run.path:
             with widgets.font(FONTS.mono, 0.0):
                 widgets.small(run.path)
-
-
-def agent_label(session: "Session", slot: SlotName) -> str:
-    """Return an agent's name on the screen."""
-    summary = session.viewer.slots[slot].summary
-    return summary.name if summary is not None else ""

@@ -30,8 +30,6 @@ SOLVED_WEIGHT: Final = 0.001
 """Weight of a solved level among the others with weight 1."""
 EVALUATION_SEED: Final = 100
 """Key of the fixed random evaluation sets."""
-EVALUATION_LEVELS: Final = 512
-"""Size of a fixed random evaluation set."""
 
 
 def noop_solved(

@@ -12,8 +12,6 @@ from kinetix.environment.params import EnvParams, StaticEnvParams
 ROLE_NAMES: Final = ("neutral", "green", "blue", "red")
 KINDS: Final = ("polygon", "circle", "joint", "thruster")
 """Order of the kinds in the padded form's one-hot."""
-FLAT_POLYGONS_LEFT_OUT: Final = (1, 2, 3)
-"""Walls and ceiling: always the same, so the flat forms leave them out."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
