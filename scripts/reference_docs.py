@@ -136,7 +136,7 @@ def catalogue() -> str:
 
 def _rows(size: str) -> Iterator[str]:
     played = read_played()
-    yield "| | level | what to do | difficulty | planner · general · random | proof |"
+    yield f"| | level | what to do | difficulty | {' · '.join(_players())} | proof |"
     yield "| --- | --- | --- | --- | --- | --- |"
     for path in level_files(levels_dir() / size):
         level, name = load_level(path), f"{size}/{path.stem}"
@@ -151,10 +151,13 @@ def _rates(level: Level, played: Played | None) -> str:
     """How often players win a level; a dash for who cannot play it or was not measured."""
     current = played is not None and played.level == level_hash(level)
     rates = played.rates if played is not None and current else {}
-    return " · ".join(
-        f"{rates[player]:.2f}" if player in rates else "–"
-        for player in ("planner", "general", "random")
-    )
+    return " · ".join(f"{rates[player]:.2f}" if player in rates else "–" for player in _players())
+
+
+def _players() -> list[str]:
+    """Players that were measured, the best first."""
+    measured = {player for each in read_played().values() for player in each.rates}
+    return [player for player in ("planner", "general", "random") if player in measured]
 
 
 def _difficulty(level: Level) -> str:
