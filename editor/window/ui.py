@@ -422,6 +422,7 @@ class Ui:
     def _lay_out(self, space: int) -> None:
         """Put the panels where an arrangement that comes with the app has them."""
         self._laid_out, view = True, self.session.view
+        self.canvas.refit()
         self._put_up = imgui.get_frame_count()
         plan = layouts.ARRANGEMENTS.get(view.layout, layouts.ARRANGEMENTS["edit"])
         view.layout = ""

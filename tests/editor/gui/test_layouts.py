@@ -187,6 +187,16 @@ def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
 
 
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 640)])
+def test_a_level_shown_whole_is_so_in_every_layout_of_the_app(make_gui, size):
+    gui = make_gui(size=size)
+    gui.frames(40)
+    for name in ("evaluate", "play", "edit", "evaluate", "edit"):
+        apply(gui, f"view.layout_{name}")
+        gui.frames(20)
+        assert seen_whole(gui), name
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 640)])
 def test_what_is_drawn_over_the_level_on_demand_is_in_sight(make_gui, size):
     """Debug drawings and the ways of attempts open the row below, which would hide the floor."""
     gui = make_gui(size=size)
