@@ -29,6 +29,13 @@ class LogState:
     """Environment steps of all episodes."""
 
 
+def _given(override: EnvState | LogState | None) -> tuple[Any, ...]:
+    """The override as a last argument; none, as other people's environments know no such thing."""
+    while isinstance(override, LogState):
+        override = override.env_state
+    return () if override is None else (override,)
+
+
 class LogWrapper:
     """Counts returns, lengths and solved episodes, and reports them in `info`."""
 
@@ -45,10 +52,10 @@ class LogWrapper:
         self,
         key: Array,
         env_params: EnvParams | None = None,
-        override_reset_state: EnvState | None = None,
+        override_reset_state: EnvState | LogState | None = None,
     ) -> tuple[Any, LogState]:
-        """Start an episode, and counting."""
-        override = () if override_reset_state is None else (override_reset_state,)
+        """Start an episode, and counting; a state of this wrapper may be the override too."""
+        override = _given(override_reset_state)
         return self._counting(*self._env.reset(key, env_params, *override))
 
     def reset_to_level(
@@ -75,7 +82,7 @@ class LogWrapper:
         state: LogState,
         action: Any,
         env_params: EnvParams | None = None,
-        override_reset_state: EnvState | None = None,
+        override_reset_state: EnvState | LogState | None = None,
     ) -> tuple[Any, LogState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
         """Step, and report.
 
@@ -84,8 +91,7 @@ class LogWrapper:
             `returned_episode_lengths`, `returned_episode_solved`, `timestep` and
             `returned_episode` (whether an episode ended in this step).
         """
-        # An environment or wrapper of somebody else's knows no override.
-        override = () if override_reset_state is None else (override_reset_state,)
+        override = _given(override_reset_state)
         observation, env_state, reward, done, info = self._env.step(
             key, state.env_state, action, env_params, *override
         )

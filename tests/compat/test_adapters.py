@@ -325,3 +325,14 @@ def test_an_environment_tells_its_kinds_with_what_they_can_do(static, state):
     assert env.action_space().contains(env.action_type.random_action(KEY))
     same = make_kinetix_env(env.action_type, env.observation_type, None, EnvParams(), static)
     assert same == env
+
+
+def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
+    from kinetix.environment import LogWrapper
+
+    env = LogWrapper(make_kinetix_env("discrete", "blind", None, EnvParams(), static))
+    _, logged = env.reset(KEY, EnvParams(), state)
+    _, again = env.reset(KEY, EnvParams(), logged)
+    np.testing.assert_array_equal(again.env_state.bodies.position, state.bodies.position)
+    stepped = jax.eval_shape(env.step, KEY, logged, jnp.zeros((), int), EnvParams(), logged)
+    assert jax.tree.structure(stepped[1]) == jax.tree.structure(logged)
