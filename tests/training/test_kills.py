@@ -42,7 +42,7 @@ def test_killed_at_random_moments_a_run_ends_the_same(tmp_path):
         began = len(read_metrics(tmp_path / "killed"))
         # Every fifth dies while it starts and reads what is there; the others train for a while.
         if attempt % 5 == 4:
-            time.sleep(float(random.uniform(0, 3)))
+            time.sleep(float(random.uniform(0, 1.5)))
         else:
             while process.is_alive() and len(read_metrics(tmp_path / "killed")) <= began:
                 time.sleep(0.01)
