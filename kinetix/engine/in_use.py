@@ -4,6 +4,7 @@ A scene of size l has room for 20 contact points and 6 joints; most of its world
 one and two of the other. Worlds are on the last axis.
 """
 
+import functools
 import itertools
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -74,6 +75,19 @@ class InUse:
         blocks = list(zip(self.counts, first[:-1].tolist(), strict=True))
         return _visited(blocks, self.links, visit, start)
 
+    def each_of_link(
+        self, visit: Callable[[Int[Array, ""], list[Int[Array, ""]], T], T], start: T
+    ) -> T:
+        """Visit the links in use, each with the numbers of all its rows."""
+        first = np.cumsum([0, *(links for links, _ in self.groups)]).tolist()
+        for group, count, first_link, first_row in zip(
+            self.groups, self.counts, first[:-1], self._first_rows(), strict=True
+        ):
+            one = functools.partial(_of_link, visit, group, first_link, first_row)
+            if group[0]:
+                start = jax.lax.fori_loop(0, count, one, start)
+        return start
+
     def _first_rows(self) -> list[int]:
         return np.cumsum([0, *(links * rows for links, rows in self.groups)])[:-1].tolist()
 
@@ -94,6 +108,18 @@ class InUse:
             return total + row(matrix, k)[0] * row(vector, k)
 
         return self.each(add, jnp.zeros_like(vector))
+
+
+def _of_link(
+    visit: Callable[[Int[Array, ""], list[Int[Array, ""]], T], T],
+    group: tuple[int, int],
+    first_link: int,
+    first_row: int,
+    k: Int[Array, ""],
+    carry: T,
+) -> T:
+    links, rows = group
+    return visit(k + first_link, [k + first_row + number * links for number in range(rows)], carry)
 
 
 def _visited(

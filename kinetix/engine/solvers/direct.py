@@ -214,10 +214,10 @@ class Direct(AbstractSolver):
         )
         offset = speeds(system.rows, velocity)
         offset -= system.responses.speeds_in(pushed_motion, bias_impulse)
-        own = impacts.until_the_impact(
-            system, (phase.bias_impulse, phase.relax_impulse), cone.closed, before, phase.gap, h
+        last = phase.bias_impulse, phase.relax_impulse
+        own, offset = impacts.until_the_impact(
+            system, last, offset, cone.closed, before, phase.gap, h
         )
-        offset = impacts.with_impulse(system, offset, own)
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = impacts.bounces(system, before, phase.gap, push, closed[:count], h)

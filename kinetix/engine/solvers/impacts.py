@@ -96,12 +96,13 @@ def knocks(
 def until_the_impact(
     system: ContactSystem,
     last: tuple[Impulses, Impulses],
+    offset: Impulses,
     closed: Bool[Array, "c n"],
     before: Float[Array, "c n"],
     gap: Float[Array, "g n"],
     h: Float[Array, " n"],
-) -> Impulses:
-    """Return what contacts gave to a body until another one hit it within the substep.
+) -> tuple[Impulses, Impulses]:
+    """Give what contacts gave to a body until another one hit it within the substep.
 
     A contact that an impact opens has carried the body up to then. Without that share a block that
     rocks lost half as much energy again at each impact as it should, and a ball at each corner of a
@@ -110,39 +111,43 @@ def until_the_impact(
     Args:
         system: Contacts and limits.
         last: Impulses of the last substep, of both its solves.
+        offset: Speeds of all rows.
         closed: Which contacts are closed at the end of this substep.
         before: Speeds of the contacts at its start.
         gap: Gaps at its start.
         h: The substep [s].
+
+    Returns:
+        The impulses, and the rows' speeds with them.
     """
     count = before.shape[0]
+    open_before = gap[:count] > constants.CLOSED_DISTANCE
+    hits = closed & open_before & (before < 0)
+
+    def given() -> tuple[Impulses, Impulses]:
+        time = jnp.clip(gap[:count] / nonzero(-before * h), 0, 1)
+        left = _left_to_bodies(system, jnp.where(hits, jnp.maximum(1 - time, 1e-6), 0))
+        share = jnp.where((left > 0) & ~hits, 1 - left, 0)
+        share = jnp.concatenate([share, share, jnp.zeros_like(gap[count:])], axis=0)
+        bias, relax = last
+        # Twice what both solves agree on: half of a force's impulse each, nothing of an impact's.
+        agreed = jnp.where(bias * relax > 0, jnp.minimum(jnp.abs(bias), jnp.abs(relax)), 0)
+        impulse = 2 * share * jnp.sign(bias) * agreed
+        return impulse, offset + system.responses.speeds(impulse)
+
+    return jax.lax.cond(jnp.any(hits), given, lambda: (jnp.zeros_like(offset), offset))
+
+
+def _left_to_bodies(system: ContactSystem, left: Float[Array, "c n"]) -> Float[Array, "c n"]:
+    """Return the largest value of all contacts that share a free body with each contact."""
     links = system.rows.links
-    hits = closed & (gap[:count] > constants.CLOSED_DISTANCE) & (before < 0)
-    time = jnp.clip(gap[:count] / nonzero(-before * h), 0, 1)
-    limits = jnp.zeros_like(gap[count:])
-    # What a body has left of the substep at the first impact; 0: none.
-    left = jnp.concatenate([jnp.where(hits, jnp.maximum(1 - time, 1e-6), 0), limits], axis=0)
+    left = jnp.concatenate([left, jnp.zeros_like(links.body_a[len(left) :], left.dtype)], axis=0)
     numbers = np.arange(system.free.shape[0])[:, None]
 
     def add(k: Int[Array, ""], most: Float[Array, "b n"]) -> Float[Array, "b n"]:
         here = (numbers == row(links.body_a, k)) | (numbers == row(links.body_b, k))
         return jnp.where(here & system.free, jnp.maximum(most, row(left, k)), most)
 
-    nobody = jnp.zeros(system.free.shape, gap.dtype)
+    nobody = jnp.zeros(system.free.shape, left.dtype)
     left_a, left_b = links.look_up(links.in_use.each_link(add, nobody))
-    left = jnp.maximum(left_a, left_b)[:count]
-    share = jnp.where((left > 0) & ~hits, 1 - left, 0)
-    share = jnp.concatenate([share, share, limits], axis=0)
-    bias, relax = last
-    # Twice what both solves agree on: half of a force's impulse each, but nothing of an impact's.
-    agreed = jnp.where(bias * relax > 0, jnp.minimum(jnp.abs(bias), jnp.abs(relax)), 0)
-    return 2 * share * jnp.sign(bias) * agreed
-
-
-def with_impulse(system: ContactSystem, offset: Impulses, impulse: Impulses) -> Impulses:
-    """Return the speeds of the rows with impulses added; nothing is computed where they are 0."""
-    return jax.lax.cond(
-        jnp.any(impulse != 0),
-        lambda: offset + system.responses.speeds(impulse),
-        lambda: offset,
-    )
+    return jnp.maximum(left_a, left_b)[: system.friction.shape[0]]

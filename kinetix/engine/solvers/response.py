@@ -8,11 +8,10 @@ that there are.
 import functools
 
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float, Int
 
 from kinetix.engine.in_use import InUse
-from kinetix.engine.lookup import row, take
+from kinetix.engine.lookup import put, row, take
 from kinetix.engine.solvers.rows import Rows
 from kinetix.engine.spec import ARENA_BODIES
 from kinetix.pytree import pytree
@@ -71,8 +70,7 @@ class Responses:
         """The same, where the motion that the impulses make is known."""
 
         def put_speed(k: Int[Array, ""], found: Float[Array, "m n"]) -> Float[Array, "m n"]:
-            here = (np.arange(found.shape[0]) == k)[:, None]
-            return jnp.where(here, self.speed(k, motion)[None], found)
+            return put(found, self.speed(k, motion)[None], k, 0)
 
         found = self.in_use.each(put_speed, jnp.zeros_like(impulse))
         return found + self.compliance * impulse

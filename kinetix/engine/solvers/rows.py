@@ -6,7 +6,6 @@ function couples any two of them.
 """
 
 import dataclasses
-import functools
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -202,20 +201,6 @@ def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
     return jax.tree.map(repeat, of_links)
 
 
-def _of_links(groups: tuple[tuple[int, int], ...], of_rows: T) -> T:
-    """The sums of what the rows of each link have."""
-
-    def add(x: Float[Array, "m n"]) -> Float[Array, "k n"]:
-        parts, start = [], 0
-        for links, each in groups:
-            starts = [start + links * number for number in range(each)]
-            parts.append(functools.reduce(jnp.add, [x[at : at + links] for at in starts]))
-            start += links * each
-        return _in_a_row(parts)
-
-    return jax.tree.map(add, of_rows)
-
-
 def _in_a_row(parts: list[Shaped[Array, "_ n"]]) -> Shaped[Array, "m n"]:
     """One after the other; nothing to do for one part alone, and for empty ones.
 
@@ -274,40 +259,49 @@ def diagonal(rows: Rows) -> Float[Array, "m n"]:
 
 def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
     """Speed of b relative to a along each row of the links in use; 0 for the others."""
-    of_a, of_b = _of_rows(rows.links.in_use.groups, rows.links.look_up(velocity))
-    along = dot(rows.direction, of_b.linear - of_a.linear)
-    return along + rows.turn_b * of_b.angular - rows.turn_a * of_a.angular
+    links = rows.links
+
+    def visit(
+        link: Int[Array, ""], of_link: list[Int[Array, ""]], found: Float[Array, "m n"]
+    ) -> Float[Array, "m n"]:
+        ends = jnp.concatenate([row(links.body_a, link), row(links.body_b, link)], axis=0)
+        moving = take(velocity, ends)
+        apart, (turn_a, turn_b) = moving.linear[1:] - moving.linear[:1], moving.angular
+        for index in of_link:
+            direction = Vec(x=row(rows.direction.x, index), y=row(rows.direction.y, index))
+            turning = row(rows.turn_b, index) * turn_b - row(rows.turn_a, index) * turn_a
+            found = put(found, dot(direction, apart) + turning, index, 0)
+        return found
+
+    return links.in_use.each_of_link(visit, jnp.zeros_like(rows.turn_a))
 
 
 def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
     """The velocities after impulses on all rows of the links in use."""
     bodies = np.arange(velocity.angular.shape[0], dtype=np.int32)[:, None]
     links = rows.links
-    along_x, along_y, turn_a, turn_b = _of_links(
-        links.in_use.groups,
-        (
-            rows.direction.x * impulse,
-            rows.direction.y * impulse,
-            rows.turn_a * impulse,
-            rows.turn_b * impulse,
-        ),
-    )
 
-    def add(k: Int[Array, ""], total: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        x, y, turn = total
-        on_a, on_b = bodies == row(links.body_a, k), bodies == row(links.body_b, k)
+    def visit(
+        link: Int[Array, ""], of_link: list[Int[Array, ""]], total: tuple[Array, Array, Array]
+    ) -> tuple[Array, Array, Array]:
+        def pushed(direction: Float[Array, "m n"]) -> Float[Array, "1 n"]:
+            return sum(row(direction, index) * row(impulse, index) for index in of_link)
+
+        on_a, on_b = bodies == row(links.body_a, link), bodies == row(links.body_b, link)
 
         def share(to_a: Array, to_b: Array) -> Array:
-            return jnp.where(on_b, row(to_b, k), 0) - jnp.where(on_a, row(to_a, k), 0)
+            return jnp.where(on_b, to_b, 0) - jnp.where(on_a, to_a, 0)
 
+        x, y, turn = total
+        along_x, along_y = pushed(rows.direction.x), pushed(rows.direction.y)
         return (
             x + share(along_x, along_x),
             y + share(along_y, along_y),
-            turn + share(turn_a, turn_b),
+            turn + share(pushed(rows.turn_a), pushed(rows.turn_b)),
         )
 
     nothing = jnp.zeros_like(velocity.angular)
-    x, y, turn = links.in_use.each_link(add, (nothing, nothing, nothing))
+    x, y, turn = links.in_use.each_of_link(visit, (nothing, nothing, nothing))
     return Velocity(
         linear=Vec(
             x=velocity.linear.x + x * masses.linear, y=velocity.linear.y + y * masses.linear
