@@ -19,7 +19,7 @@ _FLAGS: Final = {
             # A loop that moves fewer bytes than this becomes one machine routine, not a chain of
             # kernels that are called one by one. A step is many small loops: see docs/physics.md
             # for what it gives.
-            "xla_cpu_small_while_loop_byte_threshold=4000000",
+            "xla_cpu_small_while_loop_byte_threshold=8000000",
             # Finds nothing in loops over worlds, and takes its time to compile.
             "xla_cpu_disable_slp_vectorizer=true",
         ]

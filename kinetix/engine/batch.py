@@ -27,8 +27,8 @@ from kinetix.engine.store import Store
 
 Tree = Any
 
-TILE = 64
-"""Worlds that are advanced together: few enough for the cache, enough to fill a core's lanes."""
+TILE: Final = 128
+"""Most worlds that are advanced together: few enough for the cache, enough to fill the lanes."""
 
 MARKED_AT_ONCE: Final = 32
 """Marked worlds that are made anew together. With fewer, many marks in one step take many rounds;
@@ -42,6 +42,7 @@ def worlds_last(
     kernel: Callable[..., Tree],
     effort: Callable[..., Int[Array, " n"]] | None = None,
     like: Callable[..., Tree] | None = None,
+    tile: int = TILE,
 ) -> Callable[..., Tree]:
     """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
 
@@ -52,6 +53,7 @@ def worlds_last(
             takes as long as its hardest world: those of like effort are advanced together.
         like: Which of its arguments the kernel's result looks like, array for array, if any: then
             the kernel need not be traced to know what comes out.
+        tile: Worlds that are advanced together.
 
     Returns:
         A function of the same pytrees without that axis.
@@ -60,7 +62,7 @@ def worlds_last(
     def one(*arguments: Tree) -> Tree:
         wide = jax.tree.map(lambda x: jnp.asarray(x)[..., None], arguments)
         leaves, structure = jax.tree.flatten(wide)
-        program = _Program(kernel=kernel, effort=effort, like=like, structure=structure)
+        program = _Program(kernel=kernel, effort=effort, like=like, tile=tile, structure=structure)
         results = _RUN.bind(*leaves, program=program)
         shapes = program.shapes(leaves)
         return jax.tree.unflatten(jax.tree.structure(shapes), [x[..., 0] for x in results])
@@ -75,6 +77,7 @@ class _Program:
     kernel: Callable[..., Tree]
     effort: Callable[..., Int[Array, " n"]] | None
     like: Callable[..., Tree] | None
+    tile: int
     structure: Any
     """Of the arguments."""
 
@@ -178,18 +181,18 @@ mlir.register_lowering(_RUN, mlir.lower_fun(_on_processor, multiple_results=True
 
 
 def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
-    """Run the kernel on `TILE` worlds at a time, one tile after the other."""
-    worlds = _count(leaves)
-    if worlds <= TILE:
+    """Run the kernel on some worlds at a time, one tile after the other."""
+    worlds, tile = _count(leaves), program.tile
+    if worlds <= tile:
         return program.kernel(*program.arguments(leaves))
-    tiles = -(-worlds // TILE)
+    tiles = -(-worlds // tile)
     # Whole worlds are repeated, so that what fills the last tile is as sane as the rest.
     effort = program.effort
     order = jnp.arange(worlds)
     if effort is not None:
         order = jnp.argsort(effort(*program.arguments(leaves)))
-    order = jnp.pad(order, (0, tiles * TILE - worlds), mode="edge")
-    back = jnp.zeros(worlds, order.dtype).at[order].set(jnp.arange(tiles * TILE))
+    order = jnp.pad(order, (0, tiles * tile - worlds), mode="edge")
+    back = jnp.zeros(worlds, order.dtype).at[order].set(jnp.arange(tiles * tile))
     # What all worlds share needs not be moved.
     shared = [x.shape[-1] == 1 for x in leaves]
     own = [x for x, is_shared in zip(leaves, shared, strict=True) if not is_shared]
@@ -208,9 +211,9 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
     def ordered(x: Shaped[Array, "k rows"], order: Int[Array, " n"]) -> Shaped[Array, "n rows"]:
         return x.at[order].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
-    packed = jax.tree.map(lambda x: ordered(x, order).reshape(tiles, TILE, -1), _pack(own))
+    packed = jax.tree.map(lambda x: ordered(x, order).reshape(tiles, tile, -1), _pack(own))
     done = jax.lax.map(advance, packed)
-    done = jax.tree.map(lambda x: ordered(x.reshape(tiles * TILE, -1), back), done)
+    done = jax.tree.map(lambda x: ordered(x.reshape(tiles * tile, -1), back), done)
     like = jax.eval_shape(_worlds_first, program.shapes(leaves))
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), _unpack(done, like, 1))
 

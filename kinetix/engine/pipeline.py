@@ -9,6 +9,7 @@ from jaxtyping import Array, Int
 from kinetix.engine.batch import worlds_last
 from kinetix.engine.fitting import fitted, narrow, widen
 from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.solvers.room import worlds_at_once
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
 
@@ -61,4 +62,4 @@ def _stepper(spec: SceneSpec, solver: AbstractSolver) -> Callable[..., State]:
         del world, control, parameters
         return state
 
-    return worlds_last(kernel, effort, like)
+    return worlds_last(kernel, effort, like, worlds_at_once(spec))

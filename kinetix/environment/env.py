@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.batch import where_marked, worlds_last
 from kinetix.engine.pipeline import step as physics_step
+from kinetix.engine.solvers.room import worlds_at_once
 from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
 from kinetix.environment.checks import (
@@ -266,7 +267,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
     def _advance_many(self) -> Callable[..., Any]:
         """Step and observation as a function of one world that runs worlds-last when batched."""
         if not self.observations.worlds_last:
-            advance = worlds_last(jax.vmap(self._advance, in_axes=-1, out_axes=-1), self._effort)
+            advance = self._by_tiles(self._advance)
 
             def apart(state: EnvState, action: Any, params: EnvParams) -> Any:
                 played, *rest = advance(state, action, params)
@@ -278,7 +279,14 @@ class KinetixEnv(MethodsOfKinetixEnv):
             played, *rest = self._advance(state, action, params)
             return played, self.observations(dataclasses.replace(state, **played)), *rest
 
-        return worlds_last(jax.vmap(one, in_axes=-1, out_axes=-1), self._effort)
+        return self._by_tiles(one)
+
+    def _by_tiles(self, one: Callable[..., Any]) -> Callable[..., Any]:
+        return worlds_last(
+            jax.vmap(one, in_axes=-1, out_axes=-1),
+            self._effort,
+            tile=worlds_at_once(self.physics_engine.spec),
+        )
 
     def _effort(self, state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
         """Estimate the work that the next step of each world takes."""

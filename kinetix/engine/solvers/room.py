@@ -1,14 +1,34 @@
 """Room for contacts in a scene of a given size."""
 
 import dataclasses
+from typing import Final
 
+from kinetix.engine.batch import TILE
 from kinetix.engine.collision import Slots
+from kinetix.engine.fitting import fitted
 from kinetix.engine.pairs import pushing_candidates, touching_points
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 
 MOST_NEAR = 64
 """Most pairs of a kind that a world keeps in sight, if there are more bodies than touch each other
 at once."""
+
+CACHED: Final = 5 * 2**18
+"""Bytes of a tile's largest array that a processor's cache keeps at hand."""
+LEAST_TILE: Final = 16
+"""One vector of numbers."""
+
+
+def worlds_at_once(spec: SceneSpec) -> int:
+    """Return how many worlds to advance together: a power of 2.
+
+    The largest array is what each row of a contact does to all bodies (`Responses`).
+    """
+    spec = fitted(spec)
+    moving = spec.capacity.polygons - ARENA_BODIES + spec.capacity.circles
+    rows = 2 * usual_room(spec).points + spec.capacity.joints
+    fit = CACHED // (4 * 3 * max(1, rows * moving))
+    return max(LEAST_TILE, min(TILE, 2 ** (max(1, fit).bit_length() - 1)))
 
 
 def usual_room(spec: SceneSpec) -> Slots:
