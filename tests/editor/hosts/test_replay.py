@@ -98,7 +98,7 @@ def test_text_goes_to_the_field_that_has_the_keyboard(play):
         ('{"do":"drag","from":[1,1]}', "'to' is missing"),
         ('{"do":"wait_until","what":"playing","seconds":0.1}', "the app is in Edit"),
         ('{"do":"screenshot","file":"a.png"}', "draws no pixels"),
-        ('{"do":"agent","dir":"a","slot":"a"}', "directory of an agent"),
+        ('{"do":"agent","dir":"a","slot":"a"}', "nor a bundled agent"),
     ],
 )
 def test_what_cannot_be_applied_ends_the_run_with_its_line(play, line, said):
