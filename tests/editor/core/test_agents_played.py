@@ -226,7 +226,7 @@ def broken_copy(tmp_path, change):
 
 
 def test_damaged_agents_are_refused_with_one_sentence(perform, tmp_path):
-    with pytest.raises(KinetixError, match="expected the directory of an agent"):
+    with pytest.raises(KinetixError, match="there is no such directory, nor a bundled agent"):
         perform(LoadAgent(path=str(tmp_path / "nothing")))
 
     def cut(folder):
