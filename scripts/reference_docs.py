@@ -148,7 +148,7 @@ def _rows(size: str) -> Iterator[str]:
 
 
 def _rates(level: Level, played: Played | None) -> str:
-    """How often players win a level; a dash for who cannot play it or was not measured."""
+    """Rates at which players win a level; a dash where one cannot play it or was not measured."""
     current = played is not None and played.level == level_hash(level)
     rates = played.rates if played is not None and current else {}
     return " · ".join(f"{rates[player]:.2f}" if player in rates else "–" for player in _players())

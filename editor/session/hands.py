@@ -9,7 +9,7 @@ from editor.worker.requests import Pull
 
 @dataclasses.dataclass(kw_only=True)
 class Hands:
-    """What the person holds down, points at and drags."""
+    """Keys held, the pointer and the gesture under way."""
 
     held: set[str] = dataclasses.field(default_factory=set)
     """Keys that are down."""

@@ -1,4 +1,4 @@
-"""View settings besides the level."""
+"""State of the window that is no part of a level."""
 
 import dataclasses
 

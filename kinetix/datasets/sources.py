@@ -72,7 +72,7 @@ def _datasets(source: str) -> list[Path]:
 
 
 def _others(source: str, folders: list[Path]) -> Iterator[FoundEpisode]:
-    """What is not in a data set."""
+    """Episodes that are not in a data set."""
     path = Path(source)
     if path in folders:
         return

@@ -65,7 +65,7 @@ def _attack(
     goals: Mapping[str, float | None],
     until: float,
 ) -> None:
-    """Attack by turns until every goal is reached, or the time is over."""
+    """Alternate the attacks until every goal is reached or the time is over."""
     began = printed = time.monotonic()
     tried = dict.fromkeys(goals, 0)
     spent = dict.fromkeys(goals, 0.0)

@@ -191,7 +191,7 @@ class Outliner(Panel):
 
 @dataclasses.dataclass(kw_only=True)
 class Hanging:
-    """What hangs on a body."""
+    """The joints and thrusters of a body."""
 
     joints: list[Joint] = dataclasses.field(default_factory=list)
     listed: list[Joint] = dataclasses.field(default_factory=list)

@@ -1,4 +1,4 @@
-"""What a process does that is killed in the middle of it."""
+"""A process that edits without end, to be killed in the middle."""
 
 from multiprocessing.connection import Connection
 from pathlib import Path

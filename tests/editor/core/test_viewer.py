@@ -611,7 +611,7 @@ def test_a_trace_keeps_what_the_agent_thought():
 
 
 def test_play_has_the_screen_for_itself(with_agent):
-    """That an agent was loaded is no longer worth a place over the level when it plays."""
+    """The message of a loaded agent leaves the level when play begins."""
     assert any(text.startswith("Loaded Tester") for text in texts(with_agent))
     with_agent.complain("Something is wrong.")
     actions.run(with_agent, "run.play_agent")
