@@ -7,6 +7,8 @@ function couples any two of them.
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from functools import reduce
+from operator import add
 from typing import TypeVar
 
 import jax
@@ -285,7 +287,7 @@ def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: 
         link: Int[Array, ""], of_link: list[Int[Array, ""]], total: tuple[Array, Array, Array]
     ) -> tuple[Array, Array, Array]:
         def pushed(direction: Float[Array, "m n"]) -> Float[Array, "1 n"]:
-            return sum(row(direction, index) * row(impulse, index) for index in of_link)
+            return reduce(add, [row(direction, index) * row(impulse, index) for index in of_link])
 
         on_a, on_b = bodies == row(links.body_a, link), bodies == row(links.body_b, link)
 
