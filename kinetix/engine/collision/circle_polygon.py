@@ -10,7 +10,7 @@ from kinetix.engine.collision.moving import (
     MovingPolygon,
     meeting,
     round_meeting,
-    steady,
+    halfway,
 )
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
@@ -77,7 +77,7 @@ def points(
         Spot(
             normal=normal,
             arm_a=normal * a.radius,
-            arm_b=steady(maths.where(at_corner, corner, on_face), normal, b.spin, dt),
+            arm_b=halfway(maths.where(at_corner, corner, on_face), normal, b.spin, dt),
             separation=gap,
             feature=feature,
             exists=jnp.ones(gap.shape, bool),

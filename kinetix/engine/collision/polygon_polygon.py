@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
 from kinetix.engine.collision.edges import columns, edge_ends, most_opposed
-from kinetix.engine.collision.moving import MovingPolygon, meeting, round_meeting, steady
+from kinetix.engine.collision.moving import MovingPolygon, meeting, round_meeting, halfway
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
 from kinetix.engine.shapes import FAR
@@ -97,7 +97,7 @@ def points(
         """Of a and b, to a place that is relative to the centre of the face's polygon."""
         of_a = maths.where(swap, place - apart, place)
         of_b = maths.where(swap, place, place - apart)
-        return steady(of_a, normal, a.spin, dt), steady(of_b, normal, b.spin, dt)
+        return halfway(of_a, normal, a.spin, dt), halfway(of_b, normal, b.spin, dt)
 
     corner_feature = feature(
         jnp.where(which % 2 == 1, own_corner[1], own_corner[0]),

@@ -214,10 +214,11 @@ class Direct(AbstractSolver):
         )
         offset = speeds(system.rows, velocity)
         offset -= system.responses.speeds_in(pushed_motion, bias_impulse)
-        last = phase.bias_impulse, phase.relax_impulse
-        own, offset = impacts.until_the_impact(
-            system, last, offset, cone.closed, before, phase.gap, h
+        force = phase.bias_impulse + phase.relax_impulse
+        carried = impacts.until_the_impact(
+            system, force, offset, cone.closed, before, phase.gap, h
         )
+        own, offset = carried.share, carried.speeds
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
             bounce, least = impacts.bounces(system, before, phase.gap, push, closed[:count], h)
@@ -233,8 +234,9 @@ class Direct(AbstractSolver):
             rotation=rotation,
             velocity=velocity,
             gap=gap,
-            bias_impulse=bias_impulse,
-            relax_impulse=total - bias_impulse,
+            # An impact does not come again: what is kept is the force from before, half in each.
+            bias_impulse=jnp.where(carried.struck, force / 2, bias_impulse),
+            relax_impulse=jnp.where(carried.struck, force / 2, total - bias_impulse),
             joints=joints,
             joint_impulse=joint_impulse + relaxed,
             hit=phase.hit | (bias_impulse[:count] > 0),

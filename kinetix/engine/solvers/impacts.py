@@ -16,6 +16,7 @@ from kinetix.engine.maths import Vec, dot, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone
 from kinetix.engine.solvers.contact_system import ContactSystem
 from kinetix.engine.solvers.rows import Velocity, speeds
+from kinetix.pytree import pytree
 
 Impulses = Float[Array, "m n"]
 
@@ -93,15 +94,27 @@ def knocks(
     return jax.lax.while_loop(going, blow, carry)[:2]
 
 
+@pytree
+class Carried:
+    """What contacts carry, apart from impacts."""
+
+    share: Impulses
+    """Given in this substep, up to the first impact on one of a contact's bodies [N·s]."""
+    speeds: Impulses
+    """Of all rows after it [m/s]."""
+    struck: Bool[Array, "m n"]
+    """True for rows of contacts on whose bodies an impact came."""
+
+
 def until_the_impact(
     system: ContactSystem,
-    last: tuple[Impulses, Impulses],
+    force: Impulses,
     offset: Impulses,
     closed: Bool[Array, "c n"],
     before: Float[Array, "c n"],
     gap: Float[Array, "g n"],
     h: Float[Array, " n"],
-) -> tuple[Impulses, Impulses]:
+) -> Carried:
     """Give what contacts gave to a body until another one hit it within the substep.
 
     A contact that an impact opens has carried the body up to then. Without that share a block that
@@ -110,32 +123,34 @@ def until_the_impact(
 
     Args:
         system: Contacts and limits.
-        last: Impulses of the last substep, of both its solves.
+        force: Impulses of the last substep in which nothing struck.
         offset: Speeds of all rows.
         closed: Which contacts are closed at the end of this substep.
         before: Speeds of the contacts at its start.
         gap: Gaps at its start.
         h: The substep [s].
-
-    Returns:
-        The impulses, and the rows' speeds with them.
     """
     count = before.shape[0]
     open_before = gap[:count] > constants.CLOSED_DISTANCE
     hits = closed & open_before & (before < 0)
 
-    def given() -> tuple[Impulses, Impulses]:
+    def given() -> Carried:
         time = jnp.clip(gap[:count] / nonzero(-before * h), 0, 1)
         left = _left_to_bodies(system, jnp.where(hits, jnp.maximum(1 - time, 1e-6), 0))
         share = jnp.where((left > 0) & ~hits, 1 - left, 0)
-        share = jnp.concatenate([share, share, jnp.zeros_like(gap[count:])], axis=0)
-        bias, relax = last
-        # Twice what both solves agree on: half of a force's impulse each, nothing of an impact's.
-        agreed = jnp.where(bias * relax > 0, jnp.minimum(jnp.abs(bias), jnp.abs(relax)), 0)
-        impulse = 2 * share * jnp.sign(bias) * agreed
-        return impulse, offset + system.responses.speeds(impulse)
+        limits = jnp.zeros_like(gap[count:])
+        impulse = jnp.concatenate([share, share, limits], axis=0) * force
+        return Carried(
+            share=impulse,
+            speeds=offset + system.responses.speeds(impulse),
+            struck=jnp.concatenate([left > 0, left > 0, limits > 0], axis=0),
+        )
 
-    return jax.lax.cond(jnp.any(hits), given, lambda: (jnp.zeros_like(offset), offset))
+    def all_of_it() -> Carried:
+        nothing = jnp.zeros_like(offset)
+        return Carried(share=nothing, speeds=offset, struck=nothing > 0)
+
+    return jax.lax.cond(jnp.any(hits), given, all_of_it)
 
 
 def _left_to_bodies(system: ContactSystem, left: Float[Array, "c n"]) -> Float[Array, "c n"]:
