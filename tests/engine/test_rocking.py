@@ -55,3 +55,16 @@ def test_an_impact_takes_the_share_that_housner_gives(motions: list[Motion]):
     for motion in motions:
         energy, at = energies(motion), impact(motion)
         assert 1 - energy[at + 2] / energy[at - 2] == pytest.approx(wanted, rel=0.06)
+
+
+def test_a_disc_on_a_plank_that_swings_gets_no_energy_from_it():
+    b = LevelBuilder("Swinging plank", arena=False)
+    post = b.rectangle(0, 0, 0.1, 0.1, fixed=True, collision="ghost")
+    tilt, along, radius = -0.3, -1.0, 0.2
+    plank = b.rectangle(0, 0, 4, 0.1, angle=tilt, friction=3.0)
+    b.hinge(post, plank, (0, 0))
+    away = 0.05 + radius
+    x = along * math.cos(tilt) - away * math.sin(tilt)
+    b.circle(x, along * math.sin(tilt) + away * math.cos(tilt), radius, friction=3.0)
+    (motion,) = run_trials([Trial(level=b.build(), duration=0.8)], PRESETS["balanced"])
+    assert motion.energy().max() - motion.energy()[0] < 1e-4

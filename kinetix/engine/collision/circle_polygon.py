@@ -8,9 +8,10 @@ from kinetix.engine.collision.edges import columns, edge_ends, largest
 from kinetix.engine.collision.moving import (
     MovingCircle,
     MovingPolygon,
+    carried,
     meeting,
     round_meeting,
-    halfway,
+    steady,
 )
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
@@ -69,15 +70,21 @@ def points(
     later = (coming.separation > 0) & (height < -constants.GRAZE)
     at_corner = (beyond & ~grazes & (height > -a.radius)) | later
     gap = jnp.where(at_corner, round_gap, height)
-    normal = maths.where(at_corner, round_normal, -outward)
-    on_face = then - outward * dot(outward, then - start)
+    # The contact as it will be at the impact; of what touches, in the middle of the step.
+    when = jnp.where(touches, 0.5 * dt, coming.time)
+    facing = maths.where(touches, carried(outward, b.spin, when), outward)
+    normal = maths.where(at_corner, round_normal, -facing)
+    ahead = then - outward * dot(outward, then - start)
+    arm = carried(maths.where(at_corner, corner, ahead), b.spin, when)
+    rolls = offset + motion * when - facing * a.radius
+    arm = maths.where(touches & ~at_corner, rolls, arm)
     corner_count = b.offsets.shape[1]
     feature = jnp.where(at_corner, (coming.face + at_end) % corner_count, coming.face)
     return [
         Spot(
             normal=normal,
             arm_a=normal * a.radius,
-            arm_b=halfway(maths.where(at_corner, corner, on_face), normal, b.spin, dt),
+            arm_b=steady(arm, normal, b.spin, dt),
             separation=gap,
             feature=feature,
             exists=jnp.ones(gap.shape, bool),

@@ -112,19 +112,28 @@ def round_meeting(
     return normal, dot(normal, apart) - radius
 
 
-def halfway(arm: Vec, normal: Vec, spin: Float[Array, "k n"], dt: Float[Array, " n"]) -> Vec:
-    """Return the arm of a body to a contact in the middle of the step, when the body has turned.
+def carried(way: Vec, spin: Float[Array, "k n"], time: Float[Array, "k n"]) -> Vec:
+    """Return a direction or an arm of a body as it will be at a time [s] when the body has turned.
 
-    A corner moves on an arc; the direction in the middle of the step is that from where it is to
-    where it will be. With the direction of the start a block that tips loses a percent of its energy.
+    A corner that touches moves on an arc; the direction in the middle of the step is that from
+    where it is to where it will be. With the direction of the start a block that tips loses a
+    percent of its energy, and a plank that swings gives some to what rolls on it.
+    """
+    half = 0.5 * spin * time * calm(spin, 2 * time)
+    towards = Vec(x=-way.y - half * way.x, y=way.x - half * way.y)
+    return way + towards * (2 * half / (1 + half**2))
+
+
+def calm(spin: Float[Array, "k n"], time: Float[Array, "*k n"]) -> Float[Array, "k n"]:
+    """Return 1 for bodies that turn by less than a radian in a time [s], and 0 beyond two."""
+    return jnp.clip(2 - jnp.abs(spin) * time, 0, 1)
+
+
+def steady(arm: Vec, normal: Vec, spin: Float[Array, "k n"], dt: Float[Array, " n"]) -> Vec:
+    """Return the arm of a body to a contact, without its sideways part if the body whirls.
 
     The corner that will hit is not known for a body that turns by more than two radians in the
-    step; pushed at the corner of now it would answer by another spin, and go through. So the arm of
-    a body that whirls has no sideways part.
+    step; pushed at the corner of now it would answer by another spin, and go through.
     """
-    share = jnp.clip(2 - jnp.abs(spin) * dt, 0, 1)
-    quarter = 0.25 * spin * dt * share
-    towards = Vec(x=-arm.y - quarter * arm.x, y=arm.x - quarter * arm.y)
-    turned = arm + towards * (2 * quarter / (1 + quarter**2))
-    along = normal * dot(normal, turned)
-    return along + (turned - along) * share
+    along = normal * dot(normal, arm)
+    return along + (arm - along) * calm(spin, dt)

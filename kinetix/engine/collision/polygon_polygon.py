@@ -7,7 +7,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants, maths
 from kinetix.engine.collision.edges import columns, edge_ends, most_opposed
-from kinetix.engine.collision.moving import MovingPolygon, meeting, round_meeting, halfway
+from kinetix.engine.collision.moving import (
+    MovingPolygon,
+    carried,
+    meeting,
+    round_meeting,
+    steady,
+)
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
 from kinetix.engine.shapes import FAR
@@ -85,7 +91,11 @@ def points(
     flush = (jnp.abs(height) <= constants.GRAZE) & (length(theirs - mine) <= constants.LINEAR_SLOP)
     use_corner = (nearest | later) & (coming.separation > 0) & ~flush
 
-    # From here on in terms of a and b; the gaps are those of now.
+    # From here on in terms of a and b; the gaps are those of now, the directions those at the
+    # impact; of what touches, those in the middle of the step.
+    when = jnp.where(touches, 0.5 * dt, coming.time)
+    turned = carried(normal, jnp.where(swap, b.spin, a.spin), when)
+    facing = maths.where(touches, turned, normal)
     sign = jnp.where(swap, -1.0, 1.0).astype(apart.x.dtype)
     overlap = jnp.where(coming.separation > 0, 0, -jnp.inf)
     own_corner, other_corner = (edge, (edge + 1) % 4), (other, (other + 1) % 4)
@@ -97,7 +107,10 @@ def points(
         """Of a and b, to a place that is relative to the centre of the face's polygon."""
         of_a = maths.where(swap, place - apart, place)
         of_b = maths.where(swap, place, place - apart)
-        return halfway(of_a, normal, a.spin, dt), halfway(of_b, normal, b.spin, dt)
+        return (
+            steady(carried(of_a, a.spin, when), normal, a.spin, dt),
+            steady(carried(of_b, b.spin, when), normal, b.spin, dt),
+        )
 
     corner_feature = feature(
         jnp.where(which % 2 == 1, own_corner[1], own_corner[0]),
@@ -109,11 +122,11 @@ def points(
         jnp.maximum(gap_low - came, overlap),
     )
     gap_second = jnp.maximum(gap_high - came, overlap)
-    first_normal = maths.where(use_corner, corner_normal, normal)
+    first_normal = maths.where(use_corner, corner_normal, facing)
     first_arms = arms(
         maths.where(use_corner, corner_point, low - normal * (0.5 * gap_low)), first_normal
     )
-    second_arms = arms(high - normal * (0.5 * gap_high), normal)
+    second_arms = arms(high - normal * (0.5 * gap_high), facing)
     return [
         Spot(
             normal=first_normal * sign,
@@ -124,7 +137,7 @@ def points(
             exists=(survives | use_corner) & (gap_first <= margin),
         ),
         Spot(
-            normal=normal * sign,
+            normal=facing * sign,
             arm_a=second_arms[0],
             arm_b=second_arms[1],
             separation=gap_second,

@@ -215,9 +215,7 @@ class Direct(AbstractSolver):
         offset = speeds(system.rows, velocity)
         offset -= system.responses.speeds_in(pushed_motion, bias_impulse)
         force = phase.bias_impulse + phase.relax_impulse
-        carried = impacts.until_the_impact(
-            system, force, offset, cone.closed, before, phase.gap, h
-        )
+        carried = impacts.until_the_impact(system, force, offset, cone.closed, before, phase.gap, h)
         own, offset = carried.share, carried.speeds
         knock = jnp.zeros_like(bias_impulse)
         if spec.features.restitution:
