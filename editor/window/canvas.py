@@ -38,6 +38,7 @@ from editor.window.play_side import paint_side
 from editor.window.waiting import paint_waiting
 from editor.worker.recording import Snapshot
 from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
+from kinetix.level.model import Level
 from kinetix.render.palette import KINETIX, PALETTES
 from kinetix.render.style import STYLE
 
@@ -345,39 +346,48 @@ class Canvas:
         snapshot, level = playback.snapshot, playback.level
         other = rival.shown(playback.engine_step) if rival.active else None
         heat = "heat" in session.settings.agent_overlay
-        if other is not None and level is not None:
-            if split:
-                self._second_half(session, painter, other, heat=heat)
-            elif snapshot is not None:
-                paint_ghost(painter, level, snapshot, other)
+        if split and level is not None:
+            self._second_half(session, painter, level, other, heat=heat)
+        elif other is not None and snapshot is not None and level is not None:
+            paint_ghost(painter, level, snapshot, other)
         if snapshot is not None and "futures" in session.settings.agent_overlay:
             paint_futures(painter, snapshot)
         if heat and snapshot is not None:
             paint_heat(painter, where, snapshot)
 
     def _second_half(
-        self, session: "Session", painter: Painter, other: Snapshot, *, heat: bool
+        self,
+        session: "Session",
+        painter: Painter,
+        level: Level,
+        other: Snapshot | None,
+        *,
+        heat: bool,
     ) -> None:
+        """Draw the second player's half: its moment, or the level's start until it has one."""
         (x, y), (width, height) = self.area
-        level = session.playback.level
-        assert level is not None
         camera = session.camera
         low, high = (x + width / 2, y), (x + width, y + height)
         draw = painter.draw
         draw.push_clip_rect(low, high, True)
         draw.add_rect_filled(low, high, u32(COLOURS.backdrop))
         right = dataclasses.replace(painter, camera=camera.with_viewport(low, (width / 2, height)))
-        scene = posed(level, other)
+        scene = level if other is None else posed(level, other)
         where = Placement(level=scene, poses=poses_of(scene))
         right.paper(grid=None)
-        paint_level(right, where, thrust=other.thruster.tolist())
-        if heat:
+        paint_level(right, where, thrust=None if other is None else other.thruster.tolist())
+        if heat and other is not None:
             paint_heat(right, where, other)
         draw.add_line(low, (low[0], high[1]), u32(COLOURS.line), px(2))
+        rival = session.viewer.rival
+        if rival.failure:
+            paint_reason(draw, (low, (width / 2, height)), "It cannot play", rival.failure)
         draw.pop_clip_rect()
-        names = (session.playback.player or "You", session.viewer.rival.player)
+        names = (session.playback.player or "You", rival.player)
         if session.viewer.other_physics:
             names = (session.playback.physics, session.viewer.other_physics)
+        if rival.waiting and not rival.failure:
+            names = (names[0], tr(f"{names[1]}, preparing …"))
         with font(FONTS.bold, TEXT):
             for name, left in zip(names, (x, low[0]), strict=True):
                 extent = imgui.calc_text_size(name)

@@ -97,6 +97,8 @@ def _build(command: Build) -> int:
     )
     save_set(made, command.out, inline=command.inline)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
+    if not command.inline:
+        print("It names the levels by their paths; --inline puts them into the file.")
     return 0
 
 

@@ -39,7 +39,10 @@ def test_build_and_split(folder, capsys):
 
 def test_an_inline_set_stands_alone(folder, tmp_path_factory, capsys):
     out = tmp_path_factory.mktemp("elsewhere") / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder)]) == 0
+    assert "--inline puts them into the file" in capsys.readouterr().out
     assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0
+    assert "--inline" not in capsys.readouterr().out
     for path in folder.glob("*.json"):
         path.unlink()
     assert len(load_set(out).levels) == 5

@@ -18,7 +18,7 @@ from editor.gallery.results import Results
 from editor.play.playback import Mode
 from editor.play.second_player import Follower
 from editor.session import Session
-from editor.window import play_side
+from editor.window import canvas, play_side
 from editor.window.browser import nothing_here
 from editor.window.panels import timeline
 from editor.window.panels.evaluate import end_of
@@ -308,6 +308,25 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
     assert [outcome for outcome, _ in shown] == [outcome for outcome, _ in told]
     for (_, detail), (_, words) in zip(shown, told, strict=True):
         assert detail.startswith(words)
+
+
+def test_the_second_half_shows_the_level_until_the_second_player_is_ready(with_agent, monkeypatch):
+    session, drawn, said = with_agent.session, [], []
+    rival = session.viewer.rival
+    monkeypatch.setattr(rival.simulator, "take", list)  # it is being compiled
+    monkeypatch.setattr(canvas, "paint_level", lambda painter, where, **_: drawn.append(where))
+    monkeypatch.setattr(canvas, "paint_reason", lambda *words: said.append(words[2:]))
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    with_agent.key("f6")
+    with_agent.frames(30)
+    drawn.clear()
+    with_agent.frames(1)
+    assert rival.waiting and len(drawn) == 2
+    assert drawn[1].level == session.playback.level and not said
+    rival.failure = "No memory."
+    with_agent.frames(1)
+    assert said == [("It cannot play", "No memory.")]
 
 
 def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
