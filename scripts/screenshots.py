@@ -152,6 +152,7 @@ COMPARE: list[Event] = [
 ]
 EVALUATE: list[Event] = [
     *GOALKEEPER,
+    {"do": "action", "id": "view.layout_evaluate"},
     {"do": "action", "id": "level.evaluate"},
     {"do": "wait", "frames": 4},
     {"do": "down", "widget": "evaluate.random"},
@@ -164,6 +165,18 @@ EVALUATE: list[Event] = [
     *click("evaluate.s/goalkeeper.1"),
     {"do": "wait", "frames": 8},
     shot("evaluate"),
+]
+WAYS: list[Event] = [
+    {"do": "open", "file": "levels/s/first_flight.json"},
+    {"do": "agent", "dir": "general", "slot": "a"},
+    {"do": "action", "id": "view.layout_evaluate"},
+    {"do": "action", "id": "level.evaluate"},
+    {"do": "wait", "frames": 4},
+    *click("evaluate.random"),
+    *click("evaluate.run"),
+    {"do": "wait_until", "what": "idle", "seconds": 1500},
+    {"do": "wait", "frames": 4},
+    *click("evaluate.s/first_flight.1"),
     *click("evaluate.ways"),
     {"do": "wait_until", "what": "idle", "seconds": 600},
     {"do": "move", "world": [0.2, 4.8]},
@@ -246,6 +259,34 @@ def training(run_folder: Path) -> list[Event]:
     ]
 
 
+SEEDS = 3
+"""Runs of one recipe whose curves are drawn beside each other."""
+SEVERAL = TRAINING.replace("--out", f"--seeds {SEEDS} --out")
+
+
+def seeds(run_folder: Path) -> list[Event]:
+    """The picture of runs of one recipe under several seeds."""
+    beside: list[Event] = []
+    for seed in range(1, SEEDS):
+        beside += click("training.beside")
+        beside += [
+            {"do": "text", "text": str(run_folder / f"seed_{seed}")},
+            {"do": "key", "key": "return"},
+        ]
+        beside += [{"do": "wait", "frames": 4}, *click("browser.accept")]
+    return [
+        {"do": "open", "file": "levels/s/goalkeeper.json"},
+        {"do": "agent", "dir": str(run_folder / "seed_0"), "slot": "a"},
+        {"do": "action", "id": "view.layout_evaluate"},
+        {"do": "action", "id": "view.training"},
+        {"do": "wait", "frames": 150},
+        *beside,
+        {"do": "wait_until", "what": "idle", "seconds": 400},
+        {"do": "wait", "frames": 200},
+        shot("seeds"),
+    ]
+
+
 def run(events: list[Event], *options: str) -> None:
     """Run one script through the app.
 
@@ -297,12 +338,14 @@ SCRIPTS: dict[str, list[Event]] = {
     "watch": WATCH,
     "compare": COMPARE,
     "evaluate": EVALUATE,
+    "ways": WAYS,
     "heat": HEAT,
     "why": WHY,
 }
 OTHERS: dict[str, Callable[[], None]] = {
     "page": page,
     "training": lambda: trained(TRAINING, training),
+    "seeds": lambda: trained(SEVERAL, seeds),
     "curriculum": lambda: trained(CURRICULUM_RUN, curriculum),
 }
 
