@@ -268,11 +268,8 @@ def seeds(run_folder: Path) -> list[Event]:
     """The picture of runs of one recipe under several seeds."""
     beside: list[Event] = []
     for seed in range(1, SEEDS):
-        beside += click("training.beside")
-        beside += [
-            {"do": "text", "text": str(run_folder / f"seed_{seed}")},
-            {"do": "key", "key": "return"},
-        ]
+        typed: Event = {"do": "text", "text": str(run_folder / f"seed_{seed}")}
+        beside += [*click("training.beside"), typed, {"do": "key", "key": "return"}]
         beside += [{"do": "wait", "frames": 4}, *click("browser.accept")]
     return [
         {"do": "open", "file": "levels/s/goalkeeper.json"},
