@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
-from editor.agents.evaluation import Column, Plan, Row, bare_summary, best
+from editor.agents.evaluation import bare_summary
 from editor.base.language import tr
 from editor.base.physics import PHYSICS
 from editor.base.prompts import FileQuestion
@@ -18,9 +18,9 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
+from editor.window.panels.results_table import MOST_WIDE, ResultsTable
 from editor.worker.requests import BUILT_IN, AgentSummary
-from kinetix.agents.compare import labels_of
-from kinetix.agents.results import EpisodeResult, LevelResult
+from kinetix.agents.results import EpisodeResult
 from kinetix.paths import levels_dir
 
 if TYPE_CHECKING:
@@ -35,17 +35,9 @@ _SOURCES: Final = (
     ("folder", "A folder…"),
     ("set", "A file or level set…"),
 )
-_HEADS: Final[dict[Column, str]] = {
-    "level": "Level",
-    "solve_rate": "Solved",
-    "mean_return": "Return",
-    "mean_length": "Steps",
-}
 MOST_ATTEMPTS: Final = 1000
 _MOST_WORDS: Final = 60
 """Letters of the names of agents that are shown; the rest is told by the tooltip."""
-_MOST_WIDE: Final = 2
-"""Agents with columns for return and length; of more only the rates are shown, as a heat map."""
 _ATTEMPTS: Final = 250.0
 """Width of the attempts beside the table [px at 100 %]."""
 
@@ -62,16 +54,6 @@ class _Form:
     """Empty: each agent's own, as `kinetix eval` does."""
     scripted: tuple[str, ...] = ()
     wanted: str = ""
-    sort: Column = "level"
-    sort_agent: int = 0
-    descending: bool = False
-    chosen: tuple[int, int] | None = None
-    """Level and agent whose attempts are on show."""
-
-
-def _columns(agents: int) -> tuple[Column, ...]:
-    """Columns per agent."""
-    return ("solve_rate", "mean_return", "mean_length") if agents <= _MOST_WIDE else ("solve_rate",)
 
 
 def _label(words: str) -> None:
@@ -82,20 +64,6 @@ def _label(words: str) -> None:
     imgui.same_line(0, px(6))
 
 
-def end_of(words: str, width: float) -> str:
-    """Return as much of the end of some words as fits: names of levels differ there."""
-    if imgui.calc_text_size(words).x <= width:
-        return words
-    low, high = 0, len(words)
-    while low < high:
-        middle = (low + high) // 2
-        if imgui.calc_text_size(f"…{words[middle:]}").x <= width:
-            high = middle
-        else:
-            low = middle + 1
-    return f"…{words[low:]}"
-
-
 class EvaluatePanel(Panel):
     """A form, a bar, a table; double-clicking a result opens one of its episodes."""
 
@@ -104,7 +72,7 @@ class EvaluatePanel(Panel):
 
     def __init__(self) -> None:
         self._form = _Form()
-        self._plan: Plan | None = None
+        self._table = ResultsTable()
 
     def draw(self, session: "Session") -> None:
         """Draw the form, then what is known."""
@@ -124,11 +92,10 @@ class EvaluatePanel(Panel):
             )
             return
         self._head(session)
-        form = self._form
         space = imgui.get_content_region_avail()
-        beside = px(_ATTEMPTS) if form.chosen is not None else 0.0
+        beside = min(px(_ATTEMPTS), 0.38 * space.x) if self._table.chosen is not None else 0.0
         size = (space.x - beside - (px(10) if beside else 0.0), max(space.y, px(64)))
-        self._table(session, size)
+        self._table.draw(session, size, self._form.wanted)
         if beside:
             imgui.same_line(0, px(10))
             imgui.begin_child("attempts", (0.0, size[1]))
@@ -261,7 +228,7 @@ class EvaluatePanel(Panel):
                     deterministic=session.viewer.deterministic,
                 )
             )
-            form.chosen = None
+            self._table.chosen = None
         imgui.same_line()
         if widgets.button(session, "evaluate.open", "Open…"):
             session.queue(lambda: comparison.ask_comparison(session))
@@ -275,52 +242,6 @@ class EvaluatePanel(Panel):
                 imgui.same_line()
                 widgets.muted("Cancelled; what was done stays.")
 
-    def _table(self, session: "Session", size: tuple[float, float]) -> None:
-        form, evaluation = self._form, session.viewer.evaluation
-        plan = self._plan = evaluation.plan
-        assert plan is not None
-        flags = (
-            imgui.TableFlags_.row_bg.value
-            | imgui.TableFlags_.scroll_y.value
-            | imgui.TableFlags_.sortable.value
-            | imgui.TableFlags_.resizable.value
-            | imgui.TableFlags_.borders_inner_h.value
-        )
-        count = len(plan.agents)
-        shown = _columns(count)
-        if not imgui.begin_table(f"results{len(shown)}", 1 + len(shown) * count, flags, size):
-            return
-        imgui.table_setup_scroll_freeze(1, 1)
-        flags = (
-            imgui.TableColumnFlags_.default_sort.value | imgui.TableColumnFlags_.width_stretch.value
-        )
-        imgui.table_setup_column(tr(_HEADS["level"]), flags, 1.2)
-        labels = labels_of([plan.provenance(k) for k in range(count)])
-        for agent, label in zip(plan.agents, labels, strict=True):
-            mark = f"  {label}" if count > 1 else ""
-            for column in shown:
-                if column != "solve_rate":
-                    mark = ""  # the columns of an agent stand together
-                imgui.table_setup_column(
-                    f"{tr(_HEADS[column])}{mark}###{agent.ref.path}{column}",
-                    imgui.TableColumnFlags_.width_stretch.value,
-                    1.6 if column == "solve_rate" else 0.7,
-                )
-        imgui.table_headers_row()
-        self._take_sorting()
-        rows = evaluation.rows(
-            sort=form.sort,
-            agent=form.sort_agent,
-            descending=form.descending,
-            wanted=form.wanted,
-        )
-        clipper = imgui.ListClipper()
-        clipper.begin(len(rows))
-        while clipper.step():
-            for index in range(clipper.display_start, clipper.display_end):
-                self._row(session, rows[index])
-        imgui.end_table()
-
     def _summary(self, session: "Session") -> None:
         evaluation = session.viewer.evaluation
         assert evaluation.plan is not None
@@ -330,7 +251,7 @@ class EvaluatePanel(Panel):
             if summary is not None and summary["levels"]:
                 rate = f"{summary['mean_solve_rate']:.3f}"
                 words.append(f"{summary['agent']} under {summary['physics']}: {rate}")
-        if words:
+        if words and len(evaluation.plan.agents) <= MOST_WIDE:  # else the table has them
             imgui.same_line(0, px(14))
             widgets.text(f"Mean solve rate   {'    '.join(words)}")
         if len(evaluation.plan.agents) > 1 and len(words) == len(evaluation.plan.agents):
@@ -349,87 +270,9 @@ class EvaluatePanel(Panel):
             widgets.small(f"{best_label} leads: {', '.join(told[:2])}{more}")
             widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
-    def _take_sorting(self) -> None:
-        wish = imgui.table_get_sort_specs()
-        if wish is None or not wish.specs_dirty or wish.specs_count == 0:
-            return
-        spec = wish.get_specs(0)
-        column = spec.column_index
-        form = self._form
-        form.descending = spec.get_sort_direction() == imgui.SortDirection.descending
-        if column == 0:
-            form.sort = "level"
-        else:
-            plan = self._plan
-            shown = _columns(len(plan.agents) if plan is not None else 1)
-            form.sort_agent, kind = divmod(column - 1, len(shown))
-            form.sort = shown[kind]
-        wish.specs_dirty = False
-
-    def _row(self, session: "Session", row: Row) -> None:
-        imgui.table_next_row()
-        imgui.table_next_column()
-        shown = end_of(row.name, imgui.get_content_region_avail().x)
-        widgets.text(shown)
-        if shown != row.name:
-            widgets.tooltip(row.name)
-        winner, wide = best(row.results), len(row.results) <= _MOST_WIDE
-        for agent, result in enumerate(row.results):
-            imgui.table_next_column()
-            if result is None:
-                if row.errors[agent]:
-                    widgets.text("cannot play", COLOURS.warn)
-                    widgets.tooltip(row.name, row.errors[agent])
-                else:
-                    widgets.text("…", COLOURS.faint)
-                if wide:
-                    imgui.table_next_column()
-                    imgui.table_next_column()
-                continue
-            if not wide:
-                tint = u32(alpha(COLOURS.good, 0.45 * result.solve_rate))
-                imgui.table_set_bg_color(imgui.TableBgTarget_.cell_bg.value, tint)
-            self._rate(session, row, agent, result, winner)
-            if not wide:
-                continue
-            imgui.table_next_column()
-            widgets.text(f"{result.mean_return:.3f}", COLOURS.muted)
-            imgui.table_next_column()
-            widgets.text(f"{result.mean_length:.1f}", COLOURS.muted)
-
-    def _rate(
-        self,
-        session: "Session",
-        row: Row,
-        agent: int,
-        result: LevelResult,
-        winner: int | None,
-    ) -> None:
-        """The solve rate with its interval; a click shows the attempts, two open one."""
-        low, high = result.bounds
-        words = f"{result.solve_rate:.2f}   {low:.2f}-{high:.2f}"
-        colour = COLOURS.text
-        if len(row.results) > 1 and winner is not None:
-            words = f"{Icons.better if winner == agent else Icons.worse}  {words}"
-            colour = COLOURS.good if winner == agent else COLOURS.muted
-        chosen = self._form.chosen == (row.level, agent)
-        with widgets.coloured(text=colour):
-            flags = imgui.SelectableFlags_.allow_double_click.value
-            pressed = imgui.selectable(f"{words}###{row.level}.{agent}", chosen, flags)[0]
-        widgets.probe(session, f"evaluate.{row.name}.{agent}")
-        detail = f"{result.solved} of {result.attempts} won"
-        if result.failures:
-            detail += f"; otherwise {result.failures}"
-        widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
-        if not pressed:
-            return
-        self._form.chosen = (row.level, agent)
-        if imgui.is_mouse_double_clicked(0):
-            session.queue(lambda: measure.open_attempt(session, row.level, agent, 0))
-
     def _attempts(self, session: "Session") -> None:
         """The attempts of the chosen result one by one; a click opens one."""
-        evaluation, chosen = session.viewer.evaluation, self._form.chosen
+        evaluation, chosen = session.viewer.evaluation, self._table.chosen
         plan = evaluation.plan
         if chosen is None or plan is None or evaluation.standing is None:
             return

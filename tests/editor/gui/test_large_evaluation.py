@@ -3,9 +3,13 @@
 import statistics
 import time
 
+import pytest
+from imgui_bundle import imgui
+
 from editor.agents.evaluation import Plan
 from editor.base.settings import Settings
 from editor.session import Session
+from editor.toolkit import widgets
 from editor.worker.requests import EvaluatedLevel, Score, Standing
 from kinetix.agents.results import EpisodeResult, LevelResult
 from tests.editor.core.test_viewer import a_summary
@@ -13,9 +17,17 @@ from tests.editor.core.test_viewer import a_summary
 POLICIES, LEVELS, ATTEMPTS = 8, 100, 1000
 
 
-def test_the_table_of_a_large_evaluation_costs_little_a_frame(make_gui) -> None:
-    """What is the same from frame to frame is computed once: 60 frames a second are possible."""
-    gui = make_gui(session=Session(settings=Settings()), size=(1600, 1000))
+@pytest.fixture
+def evaluated(make_gui):
+    """Returns the app after such an evaluation, in a window of a size."""
+
+    def make(size):
+        return _with_results(make_gui(session=Session(settings=Settings()), size=size))
+
+    return make
+
+
+def _with_results(gui):
     session = gui.session
     gui.frames(40)
     won = EpisodeResult(outcome="won", total_reward=1.0, length=90)
@@ -43,6 +55,31 @@ def test_the_table_of_a_large_evaluation_costs_little_a_frame(make_gui) -> None:
     evaluation.standing = Standing(done=total, total=total, scores=scores)
     session.view.front = "evaluate"
     gui.frames(20)
+    return gui
+
+
+def test_the_heads_of_a_heat_map_are_the_agents_and_its_first_row_the_means(
+    evaluated, monkeypatch
+) -> None:
+    gui = evaluated((1024, 640))
+    heads, words = [], []
+    draw_head, draw_text = imgui.table_header, widgets.text
+    monkeypatch.setattr(imgui, "table_header", lambda one: (heads.append(one), draw_head(one)))
+    monkeypatch.setattr(
+        widgets, "text", lambda one, *more: (words.append(one), draw_text(one, *more))
+    )
+    gui.frames(1)
+    assert [head.split("###")[0][-2:] for head in heads[1:]] == [f"/{k}" for k in range(POLICIES)]
+    means = [gui.session.viewer.evaluation.summary(k)["mean_solve_rate"] for k in range(POLICIES)]
+    assert [f"{mean:.3f}" for mean in means[:3]] == [w for w in words if w[:2] == "0."][:3]
+    # In a small window it scrolls sideways; no cell is narrower than what it says.
+    cell = gui.session.probe["evaluate.set/level_0.0"]
+    assert cell.high[0] - cell.low[0] >= 50
+
+
+def test_the_table_of_a_large_evaluation_costs_little_a_frame(evaluated) -> None:
+    """What is the same from frame to frame is computed once: 60 frames a second are possible."""
+    gui = evaluated((1600, 1000))
     gui.click("evaluate.set/level_0.0")
     gui.frames(5)
     took = []

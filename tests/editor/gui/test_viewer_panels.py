@@ -21,7 +21,7 @@ from editor.session import Session
 from editor.window import canvas, play_side
 from editor.window.browser import nothing_here
 from editor.window.panels import timeline
-from editor.window.panels.evaluate import end_of
+from editor.window.panels.results_table import end_of
 from editor.window.panels.timeline import marks_of
 from editor.worker.jobs import Worker
 from editor.worker.recording import Futures, Mind
