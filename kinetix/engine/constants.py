@@ -26,6 +26,11 @@ bodies trip over seams of flush neighbours; larger: they slip past corners that 
 GRAZE_SPEED = 1e-3
 """By how much more slowly bodies must close along the other face then [m/s]: rounding at rest."""
 
+SKIM = 0.25
+"""What touches and moves by less than this angle to the surface moves along it, if it also turns by
+less than twice this in a step [rad]. Zero: what rolls over a corner is slowed down; larger: a blow
+gets the direction of a moment at which the bodies have parted."""
+
 PUSH_SPEED = 3.0
 """Overlaps are resolved no faster than this [m/s]. Larger: bodies pop out of each other."""
 

@@ -69,15 +69,17 @@ def points(
     # A face that keeps them apart later, but not yet, is passed on the way round its corner.
     later = (coming.separation > 0) & (height < -constants.GRAZE)
     at_corner = (beyond & ~grazes & (height > -a.radius)) | later
-    gap = jnp.where(at_corner, round_gap, height)
+    # Before it comes over the face it may lie below the face's line: over the crest of a hill.
+    overlap = jnp.where((coming.separation > 0) & beyond, 0, -jnp.inf)
+    gap = jnp.where(at_corner, round_gap, jnp.maximum(height, overlap))
     # The contact as it will be at the impact; of what touches, in the middle of the step.
     when = jnp.where(touches, 0.5 * dt, coming.time)
     facing = maths.where(touches, carried(outward, b.spin, when), outward)
     normal = maths.where(at_corner, round_normal, -facing)
     ahead = then - outward * dot(outward, then - start)
     arm = carried(maths.where(at_corner, corner, ahead), b.spin, when)
-    rolls = offset + motion * when - facing * a.radius
-    arm = maths.where(touches & ~at_corner, rolls, arm)
+    below = offset + motion * when - facing * a.radius
+    arm = maths.where(touches & ~at_corner, below, arm)
     corner_count = b.offsets.shape[1]
     feature = jnp.where(at_corner, (coming.face + at_end) % corner_count, coming.face)
     return [

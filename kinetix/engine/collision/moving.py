@@ -94,7 +94,8 @@ def round_meeting(
 
     Returns:
         The direction of the point at the impact, or at the nearest approach if there is no impact
-        in the step; and the gap along it now. gap + time·closing speed is zero at an impact, so an
+        in the step, or in the middle of the step if it moves along the circle; and the gap along it
+        now. gap + time·closing speed is zero at an impact, so an
         oblique hit found a step early gets the right normal, and a path that passes is not stopped.
     """
     squared = dot(motion, motion)
@@ -105,11 +106,14 @@ def round_meeting(
     impact = nearest - jnp.sqrt(jnp.maximum(root, 0)) / nonzero(squared)
     time = jnp.where((root > 0) & (half < 0), impact, nearest)
     time = jnp.where(outside > 0, jnp.clip(time, 0, dt), 0)
-    then = apart + motion * time
+    now, speed = length(apart), jnp.sqrt(squared)
+    along = (jnp.abs(half) <= constants.SKIM * now * speed) & (now - radius <= constants.SLOP)
+    skims = along & (0.5 * dt * speed <= constants.SKIM * now)
+    then = apart + motion * jnp.where(skims, 0.5 * dt, time)
     distance = length(then)
     fallback = Vec(x=jnp.zeros_like(distance), y=jnp.ones_like(distance))
     normal = maths.where(distance > 1e-9, then / nonzero(distance), fallback)
-    return normal, dot(normal, apart) - radius
+    return normal, jnp.where(skims, now, dot(normal, apart)) - radius
 
 
 def carried(way: Vec, spin: Float[Array, "k n"], time: Float[Array, "k n"]) -> Vec:

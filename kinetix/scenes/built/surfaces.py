@@ -157,22 +157,45 @@ def _valley() -> tuple[Trial, ...]:
         b.circle(path * math.sin(first), -path * math.cos(first), 0.1, friction=0.0)
         # A pendulum of that length turns after half a period.
         seconds = 1.3 * math.pi * math.sqrt(path / GRAVITY)
-        values = {"path": path}
+        values = {"path": path, "turned": _turning_height(path, half)}
         return Trial(level=b.build(), duration=seconds, name=name, values=values)
 
     return trial(3.0, 0.25, "shallow"), trial(2.0, 0.6, "steep")
 
 
+def _turning_height(path: float, half: float) -> float:
+    """Height above the lowest corner's circle up to which a disc slides that does not bounce [m].
+
+    Each corner takes what of the speed goes into the next segment.
+    """
+    bend = 2 * half / SEGMENTS
+    corners = [half * (2 * k / SEGMENTS - 1) for k in range(1, SEGMENTS)]
+    corner_radius = path / math.cos(bend / 2)
+    height = path * (1 - math.cos(half - bend / 2))
+    energy = 0.0
+    for angle in corners:
+        next_height = path - corner_radius * math.cos(angle)
+        if energy + height - next_height <= 0:
+            break
+        energy = (energy + height - next_height) * math.cos(bend) ** 2
+        height = next_height
+    return height + energy
+
+
 def _hill() -> tuple[Trial, ...]:
-    b = LevelBuilder("Hill", arena=False)
-    radius, half = 4.0, 0.3
-    path = _arc(b, radius, half, 1) + 0.1
-    first = -half * (1 - 1 / SEGMENTS)
-    speed = 2.5
-    velocity = (speed * math.cos(first), -speed * math.sin(first))
-    x, y = path * math.sin(first), path * math.cos(first)
-    b.circle(x, y, 0.1, velocity=velocity, friction=0.0)
-    return (Trial(level=b.build(), duration=0.8, values={"speed": speed}),)
+    def trial(size: float, name: str) -> Trial:
+        b = LevelBuilder("Hill", arena=False)
+        radius, half = 4.0, 0.3
+        path = _arc(b, radius, half, 1) + size
+        first = -half * (1 - 1 / SEGMENTS)
+        speed = 2.5
+        velocity = (speed * math.cos(first), -speed * math.sin(first))
+        x, y = path * math.sin(first), path * math.cos(first)
+        b.circle(x, y, size, velocity=velocity, friction=0.0)
+        values = {"speed": speed, "follows": float(speed**2 / size < GRAVITY * math.cos(half))}
+        return Trial(level=b.build(), duration=0.8, name=name, values=values)
+
+    return trial(0.8, "wide disc"), trial(0.1, "narrow disc")
 
 
 def _car_over_tiles() -> tuple[Trial, ...]:
