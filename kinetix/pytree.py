@@ -24,8 +24,8 @@ def static(**options: Any) -> Any:
 def pytree(cls: type[T]) -> type[T]:
     """Make a frozen, keyword-only dataclass that JAX treats as a pytree.
 
-    The class gains `replace(**changes)`. Fields made with `static(...)` are part of the structure
-    (compared and hashed, never traced).
+    The class gains `replace(**changes)` unless it has its own. Fields made with `static(...)` are
+    part of the structure (compared and hashed, never traced).
 
     Args:
         cls: A class whose annotations are its fields.
@@ -33,7 +33,10 @@ def pytree(cls: type[T]) -> type[T]:
     Returns:
         The registered class.
     """
+    own = cls.__dict__.get("replace")
     made: Any = struct.dataclass(cls, kw_only=True)
+    if own is not None:
+        made.replace = own
     # JAX unflattens through __init__ with placeholders, which a type-checking hook would refuse.
     made.__no_type_check__ = True
     return made

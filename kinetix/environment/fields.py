@@ -1,4 +1,4 @@
-"""The fields of a state by kinetix-env's names, read-only: code written for it finds them."""
+"""The fields of a state by kinetix-env's names; `EnvState.replace` writes them."""
 
 from typing import Any
 

@@ -19,6 +19,7 @@ from kinetix.environment.observations.rows import (
     body_rows,
 )
 from kinetix.environment.params import EnvParams, StaticEnvParams, physics_engine
+from kinetix.environment.rewrite import collision_matrix
 from kinetix.environment.state import EnvState, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, compile_level
@@ -240,7 +241,7 @@ def _state(parsed: _Parsed, layout: Layout) -> EnvState:
                 active=thrusters.flag("active"),
             ),
             gravity=jnp.stack([jnp.zeros(()), parsed.gravity_y]),
-            collides=_collides(joints, size.bodies),
+            collides=collision_matrix(joints, size.bodies),
         ),
         physics=dataclasses.replace(
             empty.physics,
@@ -279,16 +280,6 @@ def _joints(parsed: _Parsed) -> Joints:
         limit_min=table.angle("limit_min"),
         limit_max=table.angle("limit_max"),
     )
-
-
-def _collides(joints: Joints, bodies: int) -> Bool[Array, "b b"]:
-    """False inside a jointed component and on the diagonal; as `pairs.collision_matrix`, traced."""
-    component = jnp.arange(bodies)
-    for joint in range(joints.active.shape[0]):
-        first, second = component[joints.body_a[joint]], component[joints.body_b[joint]]
-        merged = jnp.where(component == second, first, component)
-        component = jnp.where(joints.active[joint], merged, component)
-    return component[:, None] != component[None, :]
 
 
 def _with_masses(state: EnvState) -> EnvState:

@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import State, World
 from kinetix.environment.fields import FieldsOfKinetixEnv
+from kinetix.environment.rewrite import own_changes
 from kinetix.level.compile import Labels, Scene
 from kinetix.level.model import Level, Polygon
 from kinetix.pytree import pytree
@@ -63,6 +64,17 @@ class EnvState(FieldsOfKinetixEnv):
         }
         slots = ", ".join(f"{shape[-1]} {name}" for name, shape in sizes.items())
         return f"<EnvState: slots for {slots}{of}>"
+
+    def replace(self, **changes: Any) -> "EnvState":
+        """Return the state with other values, also by kinetix-env's names of its fields.
+
+        Args:
+            **changes: New values: `gravity=…`, `polygon=state.polygon.replace(friction=…)`.
+
+        Raises:
+            KinetixError: There is no such field.
+        """
+        return dataclasses.replace(self, **own_changes(self, changes))
 
     @property
     def bodies(self) -> BodiesView:

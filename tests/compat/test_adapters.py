@@ -113,6 +113,45 @@ def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
     assert stacked.joint.global_position.shape == (2, 1, 2)
 
 
+@pytest.mark.parametrize("batched", [False, True])
+def test_a_state_is_changed_by_the_names_of_kinetix_env(state, batched):
+    from kinetix.environment.rewrite import NAMES
+
+    if batched:
+        state = jax.tree.map(lambda x: jnp.stack([x, x]), state)
+    same = state.replace(**{name: getattr(state, name) for name in NAMES})
+    jax.tree.map(np.testing.assert_array_equal, same, state)
+
+    changed = jax.jit(
+        lambda state: state.replace(
+            polygon=state.polygon.replace(friction=state.polygon.friction + 1),
+            circle=state.circle.replace(velocity=state.circle.velocity + 2),
+            joint=state.joint.replace(active=jnp.zeros_like(state.joint.active)),
+            thruster=state.thruster.replace(power=state.thruster.power * 3),
+            gravity=state.gravity * 0,
+            motor_auto=~state.motor_auto,
+            circle_shape_roles=state.circle_shape_roles + 1,
+        )
+    )(state)
+    np.testing.assert_array_equal(changed.polygon.friction, state.polygon.friction + 1)
+    np.testing.assert_array_equal(changed.circle.friction, state.circle.friction)
+    np.testing.assert_array_equal(changed.circle.velocity, state.circle.velocity + 2)
+    np.testing.assert_array_equal(changed.polygon.position, state.polygon.position)
+    np.testing.assert_array_equal(changed.thruster.power, state.thruster.power * 3)
+    np.testing.assert_array_equal(changed.circle_shape_roles, state.circle_shape_roles + 1)
+    np.testing.assert_array_equal(changed.polygon_shape_roles, state.polygon_shape_roles)
+    assert not changed.gravity.any() and (changed.motor_auto != state.motor_auto).all()
+    # Bodies that no joint holds together any more collide.
+    pair = (..., state.joint.a_index.ravel()[0], state.joint.b_index.ravel()[0])
+    assert not np.asarray(state.collision_matrix)[pair].any()
+    assert np.asarray(changed.collision_matrix)[pair].all()
+
+
+def test_a_field_that_a_state_does_not_have_is_named(state):
+    with pytest.raises(KinetixError, match="no field 'gravitiy': did you mean 'gravity'"):
+        state.replace(gravitiy=state.gravity)
+
+
 def test_levels_of_all_sizes_are_stacked(tmp_path):
     from kinetix.util.saving import export_env_state_to_json, load_evaluation_levels
 
