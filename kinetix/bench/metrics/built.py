@@ -62,13 +62,16 @@ def _shelf(motion: Motion) -> Iterable[Metric]:
         yield dataclasses.replace(metric, good=None, fail=None) if heaviest else metric
 
 
-def _slides(motion: Motion) -> Iterable[Metric]:
-    speed = motion.trial.values["speed"]
-    lost = abs(1 - motion.velocity[-1, -1, 0] / speed)
-    yield Metric(name="speed lost", unit="1", value=lost, good=2e-3, fail=1e-2)
-    height = motion.position[:, -1, 1]
-    bump = max(0.0, (height - height[0]).max())
-    yield Metric(name="bump", unit="m", value=bump, good=1e-4, fail=1e-3)
+def _slides(most_lost: float) -> Callable[[Motion], Iterable[Metric]]:
+    def judge(motion: Motion) -> Iterable[Metric]:
+        speed = motion.trial.values["speed"]
+        lost = abs(1 - motion.velocity[-1, -1, 0] / speed)
+        yield Metric(name="speed lost", unit="1", value=lost, good=most_lost, fail=1e-2)
+        height = motion.position[:, -1, 1]
+        bump = max(0.0, (height - height[0]).max())
+        yield Metric(name="bump", unit="m", value=bump, good=1e-4, fail=1e-3)
+
+    return judge
 
 
 def _stopped(motion: Motion) -> Iterable[Metric]:
@@ -247,10 +250,11 @@ BUILT_JUDGES: dict[str, Judge] = {
     "U4": each(_full),
     "U5": each(_stands(1e-3, 5e-3)),
     "U6": each(_shelf),
-    "U7": each(_slides),
-    "U8": each(_slides),
-    "U9": each(_slides),
-    "U10": each(_slides),
+    "U7": each(_slides(1e-3)),
+    "U8": each(_slides(1e-3)),
+    "U9": each(_slides(1e-3)),
+    # A box that tips over the edge loses .14 % with any step.
+    "U10": each(_slides(2e-3)),
     "U11": each(_stopped),
     "U12": each(_sticks),
     "U13": each(_turns),
