@@ -169,7 +169,7 @@ def main() -> None:
     parser.add_argument("--no-play", action="store_true", help="leave out what is simulated")
     asked = parser.parse_args()
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    for name in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
+    for name in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_DOCUMENTS_DIR"):
         os.environ[name] = tempfile.mkdtemp()
     missing: set[str] = set()
     for size, scale, theme in itertools.product(SIZES, SCALES, THEMES):

@@ -47,6 +47,7 @@ from editor.window.panels.toasts import Toasts
 from editor.window.panels.toolbar import Toolbar
 from editor.window.panels.training import TrainingPanel
 from editor.window.preparing import Preparation
+from editor.window.tab_words import TabWords
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import WarmUp
 
@@ -97,6 +98,7 @@ class Ui:
         self._toolbar = Toolbar()
         self._status = StatusBar()
         self._tabs = DocumentTabs()
+        self._tab_words = TabWords()
         self._toasts = Toasts()
         self._dialogs = Dialogs()
         self._palette = CommandPalette()
@@ -291,6 +293,7 @@ class Ui:
             self._in_front = [*(each for each in seen if each not in waiting), *waiting]
         self.session.view.settled = imgui.get_frame_count() > self._put_up + _SETTLED_FRAMES
         if bars:
+            self._tab_words.choose(self.panels, self._seen)
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
 
@@ -482,10 +485,11 @@ class Ui:
             self._in_front.pop(0)
             # The keyboard goes back to the canvas, unless a field was asked for.
             self._to_canvas = not self.session.view.field
-        opened = imgui.begin(self._tab_name(panel))[0]
-        if self._narrow and not opened:
+        opened = imgui.begin(self._tab_words.name(panel))[0]
+        if not self._tab_words.has_words(panel):
             widgets.tooltip(panel.title)
         lower = self._row.holds_current()
+        self._tab_words.note(panel, folds=lower)
         self._give_height(panel, opened)
         if lower and opened:
             self._fold(panel)
@@ -495,12 +499,6 @@ class Ui:
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()
         return focused
-
-    def _tab_name(self, panel: Panel) -> str:
-        """Return a panel's title; in a narrow window those behind others are signs alone."""
-        if not self._narrow or panel.id in self._seen:
-            return panel.window_name
-        return f"{panel.icon}###panel-{panel.id}"
 
     def _fold(self, panel: Panel) -> None:
         """Fold the lower row, or open it, by a click on the tab in front or the arrow beside."""

@@ -142,7 +142,7 @@ class PreferencesWindow:
 
     def _head(self, session: "Session") -> None:
         with widgets.font(FONTS.bold, 22):
-            widgets.text(f"{Icons.controls}  Preferences")
+            widgets.text(f"{Icons.gear}  Preferences")
         imgui.same_line(imgui.get_window_width() - px(58))
         if widgets.icon_button(session, "preferences.close", Icons.close):
             session.view.preferences = False

@@ -61,14 +61,15 @@ def test_it_covers_the_panels_and_escape_brings_them_back(gallery):
     assert gallery.session.document.hash == before
 
 
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_all_filters_are_inside_a_small_window(make_gui, mine, language):
-    gui = make_gui(level=Level(name="Open"), size=(1024, 640), scale=1.5)
+@pytest.mark.parametrize(("language", "scale"), [("en", 1.5), ("de", 1.5), ("en", 2.0)])
+def test_all_filters_are_inside_a_small_window(make_gui, mine, language, scale):
+    gui = make_gui(level=Level(name="Open"), size=(1024, 640), scale=scale)
     gui.session.settings.language = language
     gui.key("ctrl+g")
     settle(gui)
     for name in ("thruster", "problems", "solution"):
         assert gui.probe(f"gallery.{name}").high[0] <= 1024 - 10, name
+    assert gui.probe("gallery.order").high[0] + 8 <= gui.probe("gallery.close").low[0]
 
 
 def test_search_cart(gallery):

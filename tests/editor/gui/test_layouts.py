@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from editor.base.settings import Settings
 from editor.session import Session
@@ -327,3 +328,27 @@ def test_a_window_without_room_for_its_panels_goes_on(make_gui, panel):
     gui.host.size = (1440, 900)
     gui.frames(20)
     assert gui.shows("canvas")
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"),
+    [((1440, 900), 1.5), ((2560, 1440), 2.0), ((1024, 640), 1.0), ((1024, 640), 1.5)],
+)
+def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
+    gui = make_gui(session=a_session(), size=size, scale=scale)
+    gui.frames(60)
+    rows = {}
+    for panel in gui.host.ui.panels:
+        node = imgui.internal.find_window_by_name(panel.window_name).dock_node
+        rows[node.id_] = node.tab_bar
+    assert len(rows) > 2
+    for bar in rows.values():
+        cut = [tab.content_width - tab.width for tab in bar.tabs]
+        assert max(cut) <= 1
+        assert bar.width_all_tabs <= bar.bar_rect.get_width() + 1
+
+
+def test_tabs_have_words_where_there_is_room(make_gui):
+    gui = make_gui(session=a_session(), size=(1440, 900))
+    gui.frames(60)
+    assert all(gui.host.ui._tab_words.has_words(panel) for panel in gui.host.ui.panels)

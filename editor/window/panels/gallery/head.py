@@ -41,10 +41,10 @@ def draw_head(session: "Session", count: int) -> None:
     imgui.align_text_to_frame_padding()
     widgets.muted(words)
     imgui.same_line(0, px(18))
-    close = px(34)
-    order = px(150)
-    room = imgui.get_content_region_avail().x - close - order - px(40)
-    imgui.set_next_item_width(max(min(room, px(420)), px(120)))
+    close, free = px(34), imgui.get_content_region_avail().x
+    order = px(150) if free > px(420) else px(112)
+    room = free - close - order - px(60)
+    imgui.set_next_item_width(max(min(room, px(420)), px(80)))
     hint = f"{Icons.search}  Name, tag or word of the description"
     changed, typed = imgui.input_text_with_hint("###gallery.search", tr(hint), wish.words)
     widgets.probe(session, "gallery.search")
