@@ -1,14 +1,12 @@
 """Every example runs as a user would run it."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
-from tests.isolated import python_with
+from tests.isolated import python_with, run_with
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -74,18 +72,17 @@ def test_example(name: str, tmp_path: Path) -> None:
     python = Path(sys.executable)
     if name in FETCHED:
         python = python_with(tmp_path / "venv", *FETCHED[name])
-    result = subprocess.run(
-        [python, EXAMPLES / f"{name}.py", *RUNS[name]],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=500,
-        check=False,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )
-    assert result.returncode == 0, result.stderr[-3000:]
-    assert result.stdout.strip()
+    assert run_with(python, EXAMPLES / f"{name}.py", *RUNS[name], cwd=tmp_path).strip()
     for picture in (*tmp_path.glob("*.gif"), *tmp_path.glob("*.png")):
         with Image.open(picture) as image:
             assert image.size == (125, 125)
             assert len(image.convert("RGB").getcolors() or []) > 3
+
+
+@pytest.mark.slow(seconds=150)
+def test_stable_baselines3_learns_goalkeeper(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    told = run_with(Path(sys.executable), EXAMPLES / "sb3_ppo.py", cwd=tmp_path)
+    level, rate = told.strip().splitlines()[-1].removesuffix(" solved").split(": ")
+    assert level == "s/goalkeeper"
+    assert float(rate) >= 0.9
