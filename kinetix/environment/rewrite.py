@@ -5,6 +5,7 @@ import difflib
 from collections.abc import Mapping
 from typing import Any, Final
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
@@ -79,13 +80,17 @@ def own_changes(state: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
         changes: New values by names of `NAMES`.
 
     Raises:
-        KinetixError: There is no such field.
+        KinetixError: There is no such field, or a value has another form than it.
     """
     for name in changes:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"expected {', '.join(sorted(NAMES))}"
             raise KinetixError(f"EnvState has no field {name!r}: {hint}")
+    changes = {
+        name: value if name in OWN else _fitting(state, name, value)
+        for name, value in changes.items()
+    }
     made = {name: value for name, value in changes.items() if name in OWN}
     if "polygon" in changes or "circle" in changes:
         polygons = changes.get("polygon", state.polygon)
@@ -104,6 +109,32 @@ def own_changes(state: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
     if labels:
         made["labels"] = dataclasses.replace(made.get("labels", state.labels), **labels)
     return made
+
+
+def _fitting(state: Any, name: str, value: Any) -> Any:
+    """Return a new value of a field as arrays of the field's types."""
+    field = jax.eval_shape(lambda state: getattr(state, name), state)
+    if isinstance(field, jax.ShapeDtypeStruct):
+        return _array(name, value, field)
+    if type(value) is not type(field):
+        given, form = type(value).__name__, type(field).__name__
+        raise KinetixError(
+            f"{name}: expected {form} as state.{name}.replace(…) returns it, got {given}"
+        )
+    parts = {
+        part.name: _array(
+            f"{name}.{part.name}", getattr(value, part.name), getattr(field, part.name)
+        )
+        for part in dataclasses.fields(field)
+    }
+    return dataclasses.replace(value, **parts)
+
+
+def _array(name: str, value: Any, field: jax.ShapeDtypeStruct) -> Array:
+    array = jnp.asarray(value)
+    if array.shape != field.shape:
+        raise KinetixError(f"{name}: expected the shape {field.shape}, got {array.shape}")
+    return array.astype(field.dtype)
 
 
 def _world(state: Any, world: World, changes: Mapping[str, Any]) -> World:

@@ -147,9 +147,29 @@ def test_a_state_is_changed_by_the_names_of_kinetix_env(state, batched):
     assert np.asarray(changed.collision_matrix)[pair].all()
 
 
-def test_a_field_that_a_state_does_not_have_is_named(state):
-    with pytest.raises(KinetixError, match="no field 'gravitiy': did you mean 'gravity'"):
-        state.replace(gravitiy=state.gravity)
+def test_new_values_of_a_state_take_the_types_of_the_old(state):
+    changed = state.replace(
+        gravity=(0, -5), motor_auto=[1], circle=state.circle.replace(radius=np.ones(2))
+    )
+    np.testing.assert_array_equal(changed.gravity, (0, -5))
+    assert changed.motor_auto.all()
+    for new, old in zip(jax.tree.leaves(changed), jax.tree.leaves(state), strict=True):
+        assert (new.shape, new.dtype) == (old.shape, old.dtype)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda state: {"gravitiy": 0}, "no field 'gravitiy': did you mean 'gravity'"),
+        (lambda state: {"gravity": -5}, r"gravity: expected the shape \(2,\), got \(\)"),
+        (lambda state: {"polygon": state.circle}, r"polygon.position: .* \(5, 2\), got \(2, 2\)"),
+        (lambda state: {"joint": state.circle}, "joint: expected JointFields .*got RigidBodies"),
+    ],
+    ids=["name", "number", "circles", "kind"],
+)
+def test_a_change_that_does_not_fit_a_state_is_told(state, change, told):
+    with pytest.raises(KinetixError, match=told):
+        state.replace(**change(state))
 
 
 def test_levels_of_all_sizes_are_stacked(tmp_path):
