@@ -300,7 +300,7 @@ def run(events: list[Event], *options: str) -> None:
 def trained(words: str, events: Callable[[Path], list[Event]]) -> None:
     """Train a little, and picture the run."""
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "goalkeeper"
+        out = Path(folder) / words.split()[1]
         subprocess.run([sys.executable, "-m", "kinetix", *words.split(), str(out)], check=True)
         run(events(out), "--size", "1440x900")
 

@@ -2,44 +2,22 @@
 
 import itertools
 import json
-import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from kinetix.level.codec import load_level
-from kinetix.training.curricula.pages import page_updates, read_page
+from tests.editor.hosts.runs import LEVELS, write_run
 
 pytestmark = [pytest.mark.gl, pytest.mark.slow]
 
-ACCEL = """train accel --preset small --seeds 2 --size s --total-timesteps 4096
-    --observation-type symbolic_entity --kind entity_transformer --transformer-depth 1
-    --transformer-size 16 --transformer-encoder-size 16 --num-heads 4
-    --num-train-envs 8 --num-steps 32 --num-minibatches 2 --update-epochs 1
-    --outer-rollout-steps 1 --level-buffer-capacity 16 --checkpoint-save-freq 4
-    --eval-freq 4 --eval-levels s/hang_on s/goalkeeper --eval-num-attempts 2 --dummy-env --out"""
-"""Two seeds of a curriculum, as small as they can be, of a network that attends to entities.
-
-Levels are made, kept and edited; nothing moves in them, which is quick to compile.
-"""
-
-
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("trained") / "runs"
-    command = [sys.executable, "-m", "kinetix", *ACCEL.split(), str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=590, check=False)
-    assert done.returncode == 0, done.stderr
-    return folder
-
 
 @pytest.fixture
-def replay(software_gl, trained, run_editor, script, tmp_path):
-    """Runs a script, with the trained runs where it looks for them."""
-    shutil.copytree(trained, tmp_path / "runs")
+def replay(software_gl, run_editor, script, tmp_path):
+    """Runs a script, with two runs where it looks for them."""
+    for seed in range(2):
+        write_run(tmp_path / "runs" / f"seed_{seed}", seed)
 
     def run(name):
         done = run_editor("--offscreen", "--replay", str(script(name)), timeout=590)
@@ -60,13 +38,11 @@ def differ(tmp_path, first, second):
 
 def test_a_level_that_the_curriculum_keeps_is_opened_and_played(replay, tmp_path):
     replay("curriculum.jsonl")
-    run = tmp_path / "runs" / "seed_0"
-    newest = read_page(run, page_updates(run)[-1])
     playing = record(tmp_path, "playing")
     assert playing["mode"] == "playing" and playing["step"] > 0
     # The card that was clicked is the second of the newest page.
     opened = load_level(tmp_path / "level.json")
-    assert opened.bodies == newest.levels[1].bodies
+    assert opened.bodies == load_level(LEVELS[-2]).bodies
     assert record(tmp_path, "after")["mode"] == "edit"
     assert differ(tmp_path, "newest", "earlier") > 0.01
 
