@@ -130,9 +130,10 @@ class AgentsPanel(Panel):
             return
         path = Path(summary.folder or summary.ref.path)
         place = known.index(path) if path in known else len(known) - 1
-        imgui.set_next_item_width(imgui.get_content_region_avail().x)
         steps = f"{int(known[place].name):,} steps".replace(",", " ")
-        moved, chosen = imgui.slider_int(f"###checkpoint.{slot}", place, 0, len(known) - 1, steps)
+        widgets.small(f"Checkpoint {place + 1} of {len(known)}, at {steps}")
+        imgui.set_next_item_width(imgui.get_content_region_avail().x)
+        moved, chosen = imgui.slider_int(f"###checkpoint.{slot}", place, 0, len(known) - 1, "")
         widgets.probe(session, f"agents.checkpoint.{slot}")
         widgets.tooltip(
             "Checkpoint",

@@ -81,19 +81,18 @@ class CurriculumPanel(Panel):
         place = watch.updates.index(head.update) if head.update in watch.updates else 0
         imgui.set_next_item_width(px(240))
         with widgets.disabled(len(watch.updates) < 2):
-            moved, place = imgui.slider_int(
-                "###page", place, 0, max(len(watch.updates) - 1, 1), f"update {head.update}"
-            )
+            moved, place = imgui.slider_int("###page", place, 0, max(len(watch.updates) - 1, 1), "")
         widgets.probe(session, "curriculum.page")
-        widgets.tooltip("Time", "Pages that the run wrote; the number is that of its update.")
+        widgets.tooltip("Time", "Pages that the run wrote.")
         if moved and place < len(watch.updates):
             watch.choose(watch.updates[place])
         imgui.same_line(0, px(12))
         imgui.align_text_to_frame_padding()
         steps = f"{head.env_steps:,}".replace(",", " ")
         widgets.muted(
-            f"{head.algorithm}, {steps} environment steps: the best {len(head.levels)} of "
-            f"{head.filled} levels; {head.entered} came, {head.left} left since the page before"
+            f"Update {head.update}, {head.algorithm}, {steps} environment steps: "
+            f"the best {len(head.levels)} of {head.filled} levels; "
+            f"{head.entered} came, {head.left} left since the page before"
         )
 
     def _cards(self, session: "Session", watch: CurriculumWatch) -> None:

@@ -28,7 +28,7 @@ _NETWORK = NetworkConfig(
 
 
 def write_run(folder: Path, seed: int) -> None:
-    """Write a run of ACCEL with three checkpoints and two pages of its level buffer."""
+    """Write a run of ACCEL with three checkpoints and three pages of its level buffer."""
     folder.mkdir(parents=True)
     rows = [_row(update, seed) for update in range(1, UPDATES + 1)]
     (folder / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
@@ -43,7 +43,7 @@ def write_run(folder: Path, seed: int) -> None:
         )
         parameters = init_parameters(card, jax.random.key(100 * seed + update))
         save_agent(Agent(card, parameters), folder / "checkpoints" / str(update * STEPS))
-    for update in (6, 12):
+    for update in (4, 8, 12):
         _write_page(folder, update)
 
 

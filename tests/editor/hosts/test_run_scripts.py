@@ -40,9 +40,9 @@ def test_a_level_that_the_curriculum_keeps_is_opened_and_played(replay, tmp_path
     replay("curriculum.jsonl")
     playing = record(tmp_path, "playing")
     assert playing["mode"] == "playing" and playing["step"] > 0
-    # The card that was clicked is the second of the newest page.
-    opened = load_level(tmp_path / "level.json")
-    assert opened.bodies == load_level(LEVELS[-2]).bodies
+    # The card that was clicked is the second, of an earlier page and of the newest.
+    for name, expected in (("earlier_level", LEVELS[1]), ("level", LEVELS[-2])):
+        assert load_level(tmp_path / f"{name}.json").bodies == load_level(expected).bodies
     assert record(tmp_path, "after")["mode"] == "edit"
     assert differ(tmp_path, "newest", "earlier") > 0.01
 
