@@ -10,10 +10,12 @@ from kinetix.bench.everyday import judge as judging
 from kinetix.bench.everyday import measure
 from kinetix.bench.everyday.judge import LIMITS, Recorded, judge
 from kinetix.bench.motion import Motion
+from kinetix.bench.runner import run_trials
+from kinetix.engine.presets import PRESETS
 from kinetix.errors import KinetixError
 from kinetix.level.builder import LevelBuilder
 from kinetix.level.model import Motor
-from kinetix.scenes.everyday.catalogue import CLASSES, draw
+from kinetix.scenes.everyday.catalogue import CLASSES, draw, draw_all
 from kinetix.scenes.everyday.model import EverydayScene
 from kinetix.scenes.model import Trial
 
@@ -205,3 +207,11 @@ def test_the_command_prints_a_line_per_class(capsys, tmp_path):
     assert row.keys() >= {"class", "scenes", "bad", "worst", "metrics"}
     saved = list((tmp_path / "bad").glob("doors-*.json")) if row["bad"] else []
     assert len(saved) == row["bad"]
+
+
+def test_boxes_that_jam_in_a_ring_at_speed_gain_no_energy():
+    scene = draw_all(500, 0, tuple(CLASSES))["rings"][19]
+    trial = dataclasses.replace(scene.trial, duration=0.5)
+    (motion,) = run_trials([trial], PRESETS["balanced"])
+    energy = motion.energy()
+    assert energy.max() <= 1.001 * energy[0]

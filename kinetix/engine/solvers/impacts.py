@@ -84,7 +84,9 @@ def knocks(
         hit = dataclasses.replace(cone, closed=bounce > 0, limited=cone.limited & struck)
         wanted = offset.at[:count].add(-bounce)
         impulse = block.solve(system.prepared, system.responses, wanted, jnp.zeros_like(knock), hit)
-        offset += system.responses.speeds(impulse)
+        change = system.responses.speeds(impulse)
+        share = _share_without_gain(impulse, offset, change)
+        impulse, offset = impulse * share, offset + change * share
         closing = -offset[:count]
         again = cone.closed & (closing > threshold)
         bounce = jnp.where(again, system.restitution * closing, 0)
@@ -92,6 +94,20 @@ def knocks(
 
     carry = (offset, jnp.zeros_like(offset), bounce, jnp.zeros((), jnp.int32))
     return jax.lax.while_loop(going, blow, carry)[:2]
+
+
+def _share_without_gain(
+    impulse: Impulses, speeds: Impulses, change: Impulses
+) -> Float[Array, " n"]:
+    """Return the share of impulses up to which they give a world no energy.
+
+    Newton's restitution gives some where friction or a wedge turns a blow (Kane and Levinson,
+    1985, "Dynamics: Theory and Applications").
+    """
+    first = jnp.sum(impulse * speeds, axis=0)
+    second = 0.5 * jnp.sum(impulse * change, axis=0)
+    gains = first + second > 1e-3 * jnp.abs(first)
+    return jnp.where(gains, jnp.clip(-first / nonzero(second), 0, 1), 1)
 
 
 @pytree
