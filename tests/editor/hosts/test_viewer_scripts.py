@@ -91,13 +91,3 @@ def test_an_episode_is_shared_as_a_page_and_kept_as_data(software_gl, run_editor
     assert (episode.source, episode.outcome) == ("person", ended["outcome"])
     assert episode.length == ended["step"] and episode.replays
     assert episode.level == load_level("s/hang_on")
-
-
-def test_attempts_are_grouped_by_their_ends_and_open_where_they_part(
-    software_gl, run_editor, script, tmp_path
-):
-    done = run_editor("--offscreen", "--replay", str(script("attempts_part.jsonl")), timeout=590)
-    assert done.returncode == 0, done.stderr
-    opened = record(tmp_path, "opened")
-    assert opened["mode"] == "replay"
-    assert (tmp_path / "ways.png").read_bytes() != (tmp_path / "attempts.png").read_bytes()
