@@ -31,6 +31,10 @@ SKIM = 0.25
 less than twice this in a step [rad]. Zero: what rolls over a corner is slowed down; larger: a blow
 gets the direction of a moment at which the bodies have parted."""
 
+LEAST_TURN = 5e-4
+"""Faces that turn by less in half a step keep their normals [rad]. Zero: what lies without friction
+creeps off as rounding turns it; larger: slow planks give energy to what rolls on them."""
+
 PUSH_SPEED = 3.0
 """Overlaps are resolved no faster than this [m/s]. Larger: bodies pop out of each other."""
 

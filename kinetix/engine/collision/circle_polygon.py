@@ -12,6 +12,7 @@ from kinetix.engine.collision.moving import (
     meeting,
     round_meeting,
     steady,
+    turned,
 )
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
@@ -74,7 +75,7 @@ def points(
     gap = jnp.where(at_corner, round_gap, jnp.maximum(height, overlap))
     # The contact as it will be at the impact; of what touches, in the middle of the step.
     when = jnp.where(touches, 0.5 * dt, coming.time)
-    facing = maths.where(touches, carried(outward, b.spin, when), outward)
+    facing = maths.where(touches, turned(outward, b.spin, when), outward)
     normal = maths.where(at_corner, round_normal, -facing)
     ahead = then - outward * dot(outward, then - start)
     arm = carried(maths.where(at_corner, corner, ahead), b.spin, when)

@@ -128,6 +128,12 @@ def carried(way: Vec, spin: Float[Array, "k n"], time: Float[Array, "k n"]) -> V
     return way + towards * (2 * half / (1 + half**2))
 
 
+def turned(normal: Vec, spin: Float[Array, "k n"], time: Float[Array, "k n"]) -> Vec:
+    """Return a face's normal at a time [s]; a face that hardly turns keeps its own."""
+    turns = jnp.abs(spin * time) > constants.LEAST_TURN
+    return maths.where(turns, carried(normal, spin, time), normal)
+
+
 def calm(spin: Float[Array, "k n"], time: Float[Array, "*k n"]) -> Float[Array, "k n"]:
     """Return 1 for bodies that turn by less than a radian in a time [s], and 0 beyond two."""
     return jnp.clip(2 - jnp.abs(spin) * time, 0, 1)

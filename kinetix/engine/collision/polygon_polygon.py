@@ -13,6 +13,7 @@ from kinetix.engine.collision.moving import (
     meeting,
     round_meeting,
     steady,
+    turned,
 )
 from kinetix.engine.collision.points import Approach, Spot
 from kinetix.engine.maths import Vec, dot, length
@@ -94,8 +95,8 @@ def points(
     # From here on in terms of a and b; the gaps are those of now, the directions those at the
     # impact; of what touches, those in the middle of the step.
     when = jnp.where(touches, 0.5 * dt, coming.time)
-    turned = carried(normal, jnp.where(swap, b.spin, a.spin), when)
-    facing = maths.where(touches, turned, normal)
+    own_spin = jnp.where(swap, b.spin, a.spin)
+    facing = maths.where(touches, turned(normal, own_spin, when), normal)
     sign = jnp.where(swap, -1.0, 1.0).astype(apart.x.dtype)
     overlap = jnp.where(coming.separation > 0, 0, -jnp.inf)
     own_corner, other_corner = (edge, (edge + 1) % 4), (other, (other + 1) % 4)
