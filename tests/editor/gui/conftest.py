@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from editor.actions import file
+from editor.base import language
 from editor.base.events import FocusEvent, KeyEvent, Pointer, PointerEvent, TextEvent, WheelEvent
 from editor.hosts.headless import HeadlessHost
 from editor.session import Session
@@ -19,6 +20,13 @@ from tests.editor import days
 def refuse(request: Request, progress: Progress) -> None:
     """No simulation in these tests: JAX must not be imported."""
     raise AssertionError(f"{request} was asked of the worker by {progress}")
+
+
+@pytest.fixture(autouse=True)
+def english() -> Iterator[None]:
+    """The language is the process's: tests that change it leave English behind."""
+    yield
+    language.use(language.ENGLISH)
 
 
 class Gui:

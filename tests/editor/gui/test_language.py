@@ -18,12 +18,6 @@ ALLOWED = re.compile(
 """Numbers with units, keys, names of physics, agents and levels, paths."""
 
 
-@pytest.fixture(autouse=True)
-def english():
-    yield
-    language.use("en")
-
-
 def test_panels_menus_and_settings_speak_german(make_gui):
     gui = make_gui(level=a_level())
     gui.session.playback.simulator = FakeSimulator()
