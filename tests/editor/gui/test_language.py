@@ -2,7 +2,6 @@
 
 import re
 
-import pytest
 from imgui_bundle import imgui
 
 from editor.base import language
