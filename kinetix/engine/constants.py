@@ -27,9 +27,9 @@ GRAZE_SPEED = 1e-3
 """By how much more slowly bodies must close along the other face then [m/s]: rounding at rest."""
 
 SKIM = 0.25
-"""What touches and moves by less than this angle to the surface moves along it, if it also turns by
-less than twice this in a step [rad]. Zero: what rolls over a corner is slowed down; larger: a blow
-gets the direction of a moment at which the bodies have parted."""
+"""Angle between motion and surface up to which two bodies that touch move along each other, half of
+what they may go round a corner in a step [rad]. Zero: what rolls over a corner is slowed down;
+larger: a blow gets the direction of a moment at which the bodies have parted."""
 
 LEAST_TURN = 5e-4
 """Faces that turn by less in half a step keep their normals [rad]. Zero: what lies without friction

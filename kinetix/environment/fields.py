@@ -1,11 +1,48 @@
 """The fields of a state by kinetix-env's names; `EnvState.replace` writes them."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Final
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.pytree import pytree
+
+MOTION: Final = ("position", "rotation", "velocity", "angular_velocity")
+"""Fields of the moving state that both have by the same name, one of each body."""
+CONSTANTS: Final = (
+    "inverse_mass",
+    "inverse_inertia",
+    "friction",
+    "restitution",
+    "collision_mode",
+    "active",
+)
+"""The same of what a step leaves as it is."""
+JOINTS: Final = {
+    "body_a": "a_index",
+    "body_b": "b_index",
+    "anchor_a": "a_relative_pos",
+    "anchor_b": "b_relative_pos",
+    "active": "active",
+    "fixed": "is_fixed_joint",
+    "reference_angle": "rotation",
+    "motor_on": "motor_on",
+    "motor_speed": "motor_speed",
+    "motor_power": "motor_power",
+    "limited": "motor_has_joint_limits",
+    "limit_min": "min_rotation",
+    "limit_max": "max_rotation",
+}
+"""kinetix-env's names by ours."""
+THRUSTERS: Final = {
+    "body": "object_index",
+    "position": "relative_position",
+    "angle": "rotation",
+    "power": "power",
+    "active": "active",
+}
+"""kinetix-env's names by ours."""
 
 
 @pytree
@@ -93,20 +130,8 @@ class FieldsOfKinetixEnv:
         """The joints; a position is that of the anchor on body a."""
         joints = self.world.joints
         return JointFields(
-            a_index=joints.body_a,
-            b_index=joints.body_b,
-            a_relative_pos=joints.anchor_a,
-            b_relative_pos=joints.anchor_b,
+            **_named(joints, JOINTS),
             global_position=self._in_world(joints.body_a, joints.anchor_a),
-            active=joints.active,
-            motor_speed=joints.motor_speed,
-            motor_power=joints.motor_power,
-            motor_on=joints.motor_on,
-            motor_has_joint_limits=joints.limited,
-            min_rotation=joints.limit_min,
-            max_rotation=joints.limit_max,
-            is_fixed_joint=joints.fixed,
-            rotation=joints.reference_angle,
         )
 
     @property
@@ -114,12 +139,8 @@ class FieldsOfKinetixEnv:
         """The thrusters."""
         thrusters = self.world.thrusters
         return ThrusterFields(
-            object_index=thrusters.body,
-            relative_position=thrusters.position,
-            rotation=thrusters.angle,
-            power=thrusters.power,
+            **_named(thrusters, THRUSTERS),
             global_position=self._in_world(thrusters.body, thrusters.position),
-            active=thrusters.active,
         )
 
     @property
@@ -183,17 +204,13 @@ class FieldsOfKinetixEnv:
 
     def _rigid_bodies(self, part: slice, **shapes: Array) -> RigidBodies:
         bodies, physics = self.world.bodies, self.physics
+        constants: dict[str, Any] = {name: getattr(bodies, name)[..., part] for name in CONSTANTS}
         return RigidBodies(
             position=physics.position[..., part, :],
             rotation=physics.rotation[..., part],
             velocity=physics.velocity[..., part, :],
             angular_velocity=physics.angular_velocity[..., part],
-            inverse_mass=bodies.inverse_mass[..., part],
-            inverse_inertia=bodies.inverse_inertia[..., part],
-            friction=bodies.friction[..., part],
-            restitution=bodies.restitution[..., part],
-            collision_mode=bodies.collision_mode[..., part],
-            active=bodies.active[..., part],
+            **constants,
             **shapes,
         )
 
@@ -207,3 +224,8 @@ class FieldsOfKinetixEnv:
         x, y = local[..., 0], local[..., 1]
         turned = jnp.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
         return origin + turned
+
+
+def _named(values: Any, names: Mapping[str, str]) -> dict[str, Any]:
+    """Return the fields of joints or thrusters by kinetix-env's names."""
+    return {theirs: getattr(values, ours) for ours, theirs in names.items()}

@@ -12,6 +12,7 @@ from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, World
+from kinetix.environment.fields import CONSTANTS
 from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
 from kinetix.errors import KinetixError
@@ -189,17 +190,7 @@ def _check_fit(have: Capacity, need: Capacity, name: str) -> None:
 def _expanded_world(world: World, sizes: tuple[Capacity, Capacity]) -> World:
     have, need = sizes
     shift = need.polygons - have.polygons
-    bodies: Any = {
-        name: _bodies(getattr(world.bodies, name), sizes)
-        for name in (
-            "inverse_mass",
-            "inverse_inertia",
-            "friction",
-            "restitution",
-            "collision_mode",
-            "active",
-        )
-    }
+    bodies: Any = {name: _bodies(getattr(world.bodies, name), sizes) for name in CONSTANTS}
     joints: Any = jax.tree.map(lambda x: _grown(x, need.joints), world.joints)
     thrusters: Any = jax.tree.map(lambda x: _grown(x, need.thrusters), world.thrusters)
 

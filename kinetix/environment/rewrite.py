@@ -10,42 +10,19 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from kinetix.engine.types import Bodies, Joints, Thrusters, World
-from kinetix.environment.fields import JointFields, RigidBodies, ThrusterFields
+from kinetix.environment.fields import (
+    CONSTANTS,
+    JOINTS,
+    MOTION,
+    THRUSTERS,
+    JointFields,
+    RigidBodies,
+    ThrusterFields,
+)
 from kinetix.errors import KinetixError
 
 OWN: Final = ("world", "physics", "labels", "timestep", "last_distance")
 """Fields that a state has itself."""
-_MOTION: Final = ("position", "rotation", "velocity", "angular_velocity")
-_CONSTANTS: Final = (
-    "inverse_mass",
-    "inverse_inertia",
-    "friction",
-    "restitution",
-    "collision_mode",
-    "active",
-)
-_JOINTS: Final = {
-    "body_a": "a_index",
-    "body_b": "b_index",
-    "anchor_a": "a_relative_pos",
-    "anchor_b": "b_relative_pos",
-    "active": "active",
-    "fixed": "is_fixed_joint",
-    "reference_angle": "rotation",
-    "motor_on": "motor_on",
-    "motor_speed": "motor_speed",
-    "motor_power": "motor_power",
-    "limited": "motor_has_joint_limits",
-    "limit_min": "min_rotation",
-    "limit_max": "max_rotation",
-}
-_THRUSTERS: Final = {
-    "body": "object_index",
-    "position": "relative_position",
-    "angle": "rotation",
-    "power": "power",
-    "active": "active",
-}
 _LABELS: Final = {
     "thruster_bindings": "thruster_binding",
     "motor_bindings": "motor_binding",
@@ -96,7 +73,7 @@ def own_changes(state: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
         polygons = changes.get("polygon", state.polygon)
         circles = changes.get("circle", state.circle)
         made["physics"] = dataclasses.replace(
-            made.get("physics", state.physics), **_both(_MOTION, polygons, circles)
+            made.get("physics", state.physics), **_both(MOTION, polygons, circles)
         )
     world = _world(state, made.get("world", state.world), changes)
     if world is not state.world:
@@ -171,7 +148,7 @@ def _both(names: tuple[str, ...], polygons: RigidBodies, circles: RigidBodies) -
 def _bodies(bodies: Bodies, polygons: RigidBodies, circles: RigidBodies) -> Bodies:
     return dataclasses.replace(
         bodies,
-        **_both(_CONSTANTS, polygons, circles),
+        **_both(CONSTANTS, polygons, circles),
         vertices=polygons.vertices,
         vertex_count=polygons.n_vertices,
         radius=circles.radius,
@@ -180,13 +157,13 @@ def _bodies(bodies: Bodies, polygons: RigidBodies, circles: RigidBodies) -> Bodi
 
 def _joints(joints: Joints, fields: JointFields) -> Joints:
     return dataclasses.replace(
-        joints, **{ours: getattr(fields, theirs) for ours, theirs in _JOINTS.items()}
+        joints, **{ours: getattr(fields, theirs) for ours, theirs in JOINTS.items()}
     )
 
 
 def _thrusters(thrusters: Thrusters, fields: ThrusterFields) -> Thrusters:
     return dataclasses.replace(
-        thrusters, **{ours: getattr(fields, theirs) for ours, theirs in _THRUSTERS.items()}
+        thrusters, **{ours: getattr(fields, theirs) for ours, theirs in THRUSTERS.items()}
     )
 
 

@@ -19,20 +19,12 @@ from kinetix.agents.normalisation import start, to_card, update
 from kinetix.agents.shapes import init_parameters
 from kinetix.errors import CheckpointError
 from tests.agents.observations import random_entities
+from tests.agents.tiny import NETWORK
 
-_NETWORK = NetworkConfig(
-    actor_depth=1,
-    critic_depth=1,
-    actor_width=8,
-    critic_width=8,
-    transformer_size=8,
-    transformer_encoder_size=8,
-    transformer_depth=1,
-)
 CARD = AgentCard(
     name="Tiny",
     description="An agent for tests",
-    network=_NETWORK,
+    network=NETWORK,
     capacity=CapacityCard(polygons=5, circles=2, joints=1, thrusters=1),
     training={"algorithm": "ppo", "seed": 3},
     results={"mean_solve_rate": 0.5},
@@ -386,4 +378,4 @@ def test_unknown_options_of_published_agents_are_ignored(foreign):
     config = json.loads(path.read_text())
     config["model"] |= {"something_new": 1, "override_model_depth": 1}
     path.write_text(json.dumps(config | {"more": [1, 2]}))
-    assert load_agent(foreign).card.network == _NETWORK
+    assert load_agent(foreign).card.network == NETWORK

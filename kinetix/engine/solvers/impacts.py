@@ -112,7 +112,7 @@ def _share_without_gain(
 
 @pytree
 class Carried:
-    """What contacts carry, apart from impacts."""
+    """Impulses of contacts that hold a body until an impact, and the speeds that they leave."""
 
     share: Impulses
     """Given in this substep, up to the first impact on one of a contact's bodies [N·s]."""

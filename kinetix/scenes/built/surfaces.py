@@ -164,9 +164,9 @@ def _valley() -> tuple[Trial, ...]:
 
 
 def _turning_height(path: float, half: float) -> float:
-    """Height above the lowest corner's circle up to which a disc slides that does not bounce [m].
+    """Return the height that a disc without bounce reaches on the far side of a valley [m].
 
-    Each corner takes what of the speed goes into the next segment.
+    At each corner it loses the part of its velocity that points into the next segment.
     """
     bend = 2 * half / SEGMENTS
     corners = [half * (2 * k / SEGMENTS - 1) for k in range(1, SEGMENTS)]

@@ -78,7 +78,7 @@ def test_the_heads_of_a_heat_map_are_the_agents_and_its_first_row_the_means(
 
 
 def test_the_table_of_a_large_evaluation_costs_little_a_frame(evaluated) -> None:
-    """What is the same from frame to frame is computed once: 60 frames a second are possible."""
+    """Results that stay the same are summed up once, so that 60 frames a second are possible."""
     gui = evaluated((1600, 1000))
     gui.click("evaluate.set/level_0.0")
     gui.frames(5)

@@ -8,23 +8,14 @@ import jax
 
 from kinetix.agents.agent import Agent, save_agent
 from kinetix.agents.card import AgentCard, CapacityCard
-from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import init_parameters
 from kinetix.level.codec import load_level
 from kinetix.training.curricula.pages import GoneLevel, ListedLevel, PageHead, write_page
+from tests.agents.tiny import NETWORK
 
 UPDATES, STEPS = 12, 256
 LEVELS = ("s/goalkeeper", "s/hang_on", "s/first_flight", "s/plank_dash")
 RATE = "eval_avg/hand_designed_episode_solve_rate_s/hang_on"
-_NETWORK = NetworkConfig(
-    actor_depth=1,
-    critic_depth=1,
-    actor_width=8,
-    critic_width=8,
-    transformer_size=8,
-    transformer_encoder_size=8,
-    transformer_depth=1,
-)
 
 
 def write_run(folder: Path, seed: int) -> None:
@@ -35,7 +26,7 @@ def write_run(folder: Path, seed: int) -> None:
     for update in (4, 8, 12):
         card = AgentCard(
             name="accel",
-            network=_NETWORK,
+            network=NETWORK,
             capacity=CapacityCard(
                 polygons=5, circles=2, joints=1, thrusters=1, motor_bindings=4, thruster_bindings=2
             ),

@@ -1,4 +1,4 @@
-"""What a training run leaves, as scripts: levels it keeps, runs beside each other, reasons."""
+"""Replay scripts of the views on a training run: its curriculum, other seeds, reasons of agents."""
 
 import itertools
 import json
