@@ -12,6 +12,7 @@ from kinetix.agents.stored_comparison import StoredComparison, read_comparison
 from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
+from kinetix.wording import plural
 
 
 def ask_comparison(session: Session) -> None:
@@ -60,8 +61,8 @@ def open_comparison(session: Session, path: Path) -> bool:
 
 
 def _count(stored: StoredComparison) -> str:
-    policies, levels = len(stored.contenders), len(stored.hashes)
-    return f"{policies} {'policy' if policies == 1 else 'policies'} on {levels} levels."
+    policies = plural(len(stored.contenders), "policy", "policies")
+    return f"{policies} on {plural(len(stored.hashes), 'level')}."
 
 
 def _agent(session: Session, provenance: Provenance) -> AgentSummary:

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from editor.base.prompts import FileQuestion
-from editor.base.wording import plural
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.recording import Trace
@@ -11,6 +10,7 @@ from editor.worker.requests import AddEpisode
 from kinetix.datasets.folder import MANIFEST, read_manifest
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level
+from kinetix.wording import plural
 
 
 def can_add(session: Session) -> bool:

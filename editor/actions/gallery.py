@@ -14,6 +14,7 @@ from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.sets import load_set
 from kinetix.paths import levels_dir, user_levels_dir
+from kinetix.wording import plural
 
 ATTEMPTS: Final = 20
 """Per level and agent, where nothing else was said."""
@@ -263,7 +264,7 @@ def load_into_set(session: Session, path: Path) -> None:
     if not files:
         raise CommandError(f"{path.name} carries its levels itself: there are no files to choose.")
     session.gallery.tray = files
-    session.toast(f"{len(files)} levels of {path.name}")
+    session.toast(f"{plural(len(files), 'level')} of {path.name}")
 
 
 def ask_export(session: Session) -> None:

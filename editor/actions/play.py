@@ -8,6 +8,7 @@ from editor.play.playback import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
+from kinetix.wording import plural
 
 
 def play(session: Session) -> None:
@@ -39,7 +40,9 @@ def note_end(session: Session) -> None:
     if playback.casting is None and not playback.perturbed and playback.level is not None:
         won = playback.outcome == "won"
         if won and playback.level.solution is None:
-            words = f"Won in {playback.step_count} steps: shall that be the level's solution?"
+            words = (
+                f"Won in {plural(playback.step_count, 'step')}: shall that be the level's solution?"
+            )
             session.toast(words, "success", action="level.keep_solution")
         session.results.add_episode(HUMAN, level_hash(playback.level), won=won)
 

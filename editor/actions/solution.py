@@ -11,6 +11,7 @@ from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import PlaySolution
 from kinetix.level.model import Level, Solution
+from kinetix.wording import plural
 
 PLAYER = "recorded solution"
 """Name of the recorded solution on the screen."""
@@ -66,7 +67,7 @@ def _judged(session: Session, document: Document, level: Level, job: Job) -> Non
 def _record(session: Session, solution: Solution) -> None:
     if session.execute(KeepSolution(solution=solution)).changed:
         steps = len(list(solution.unrolled()))
-        session.toast(f"Kept as the solution: {steps} steps.", action="edit.undo")
+        session.toast(f"Kept as the solution: {plural(steps, 'step')}.", action="edit.undo")
 
 
 def has_solution(session: Session) -> bool:

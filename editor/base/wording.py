@@ -5,6 +5,7 @@ from typing import Final
 
 from editor.base.memory import remembers
 from kinetix.level.model import ArenaBody, Body, Circle, Entity, Joint, Level, Record, Thruster
+from kinetix.wording import plural
 
 _NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
 
@@ -40,11 +41,6 @@ def counts(records: Sequence[Record]) -> str:
         if count:
             parts.append(plural(count, noun))
     return ", ".join(parts)
-
-
-def plural(count: int, noun: str) -> str:
-    """Return a number of things: `1 joint`, `3 joints`."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def describe(level: Level, entity_id: int | str) -> str:

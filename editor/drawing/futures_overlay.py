@@ -6,6 +6,7 @@ from editor.drawing.vectors import Painter
 from editor.toolkit.appearance import COLOURS, Rgba, alpha, u32
 from editor.toolkit.widgets import px
 from editor.worker.recording import Futures, Snapshot
+from kinetix.wording import plural
 
 _FAINT: Final = 0.38
 """Opacity of what was not chosen."""
@@ -43,7 +44,7 @@ def _colour(end: str) -> Rgba:
 def outlook(futures: Futures) -> str:
     """Return in words what the plan leads to."""
     if futures.ends[0] == "won":
-        return f"plans: a win {futures.steps[0]} steps ahead"
+        return f"plans: a win {plural(futures.steps[0], 'step')} ahead"
     if all(end == "lost" for end in futures.ends):
         return "plans: sees no way out"
     return "plans: no win in sight yet"

@@ -17,6 +17,7 @@ from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, font, px
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -106,13 +107,13 @@ def _results(
     playback, rival = session.playback, session.viewer.rival
     if session.mode is not Mode.ENDED or playback.outcome is None:
         return
-    mine = [f"after {playback.step_count} steps"]
+    mine = [f"after {plural(playback.step_count, 'step')}"]
     other = rival.shown(playback.engine_step) if rival.active else None
     if other is not None and split:
         if other.outcome is not None:
             (x, _), (width, _) = area
             half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
-            write_verdict(half, other.outcome, [f"after {other.step} steps"])
+            write_verdict(half, other.outcome, [f"after {plural(other.step, 'step')}"])
     elif other is not None:
         verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
         mine.insert(0, f"{rival.player}: {verdict}")
@@ -188,7 +189,7 @@ def _states(session: "Session") -> list[str]:
         words.append("perturbed")
     shown = playback.snapshot
     if shown is not None and shown.dropped:
-        words.append(f"contacts left out in {shown.dropped} of {shown.step} steps")
+        words.append(f"contacts left out in {shown.dropped} of {plural(shown.step, 'step')}")
     return words
 
 

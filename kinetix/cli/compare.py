@@ -11,6 +11,7 @@ import tyro
 from kinetix.agents.compare import Contender, differences, labels_of, leaderboard
 from kinetix.agents.results import LevelFailure
 from kinetix.errors import KinetixError
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.agents.evaluate import NamedLevel, Settings
@@ -106,7 +107,7 @@ def _measured(
         for progress in evaluate(player, levels, settings):
             if sys.stderr.isatty():
                 end = "\n" if progress.done == progress.total else ""
-                told = f"\r{label}: {progress.done} of {progress.total} episodes"
+                told = f"\r{label}: {progress.done} of {plural(progress.total, 'episode')}"
                 print(told, end=end, file=sys.stderr, flush=True)
         results = progress.in_order([level.name for level in levels])
         contenders.append(Contender(label=label, provenance=provenance, results=tuple(results)))
@@ -130,7 +131,7 @@ def _print(contenders: list[Contender], levels: list[str], *, as_json: bool) -> 
         best = "-" if row["best_of_k"] is None else f"{row['best_of_k']:.2f}"
         print(
             f"{row['rank']:2}. {row['label']:32} {rate}  solved at least once {best}  "
-            f"over {row['levels']} levels under {row['physics']}"
+            f"over {plural(row['levels'], 'level')} under {row['physics']}"
         )
     print()
     for pair in pairs:

@@ -12,6 +12,7 @@ from tyro.conf import Positional
 
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.datasets.episode import RecordedEpisode
@@ -112,8 +113,9 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
         return 1
     known = f", {told.known} were there already" if told.known else ""
     print(
-        f"{out}: {told.added} episodes added{known}; now {manifest.episodes} episodes, "
-        f"{manifest.steps} steps in {len(manifest.shards)} shards"
+        f"{out}: {plural(told.added, 'episode')} added{known}; now "
+        f"{plural(manifest.episodes, 'episode')}, {plural(manifest.steps, 'step')} in "
+        f"{plural(len(manifest.shards), 'shard')}"
     )
     return 0
 
@@ -143,7 +145,7 @@ def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
                 if episode is not None:
                     count += 1
                     yield episode
-            print(f"{level.name}: {count} episodes", file=sys.stderr)
+            print(f"{level.name}: {plural(count, 'episode')}", file=sys.stderr)
         except KinetixError as error:
             print(f"{level.name}: left out: {error}", file=sys.stderr)
 

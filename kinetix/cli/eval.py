@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import tyro
 
+from kinetix.wording import plural
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Eval:
@@ -66,7 +68,7 @@ def run(command: Eval) -> int:
 def _report(done: int, total: int) -> None:
     if sys.stderr.isatty():
         end = "\n" if done == total else ""
-        print(f"\r{done} of {total} episodes", end=end, file=sys.stderr, flush=True)
+        print(f"\r{done} of {plural(total, 'episode')}", end=end, file=sys.stderr, flush=True)
 
 
 def _print_level(row: dict[str, Any], *, as_json: bool) -> None:
@@ -98,6 +100,6 @@ def _print_summary(summary: dict[str, Any], *, as_json: bool) -> None:
         return
     print(
         f"{summary['agent']} under {summary['physics']}: mean solve rate "
-        f"{summary['mean_solve_rate']:.3f} over {summary['levels']} levels, "
+        f"{summary['mean_solve_rate']:.3f} over {plural(summary['levels'], 'level')}, "
         f"{summary['best_of_k']:.2f} of them solved at least once"
     )

@@ -22,6 +22,7 @@ from kinetix.level.sets import (
     split_set,
 )
 from kinetix.level.validate import Issue, has_errors, validate
+from kinetix.wording import plural
 
 _UNSOLVED = "unsolved"
 
@@ -113,7 +114,8 @@ def _split(command: Split) -> int:
 
 def _summary(path: Path, made: LoadedSet, *, doubles: int = 0) -> str:
     train = sum(each.split == "train" for each in made.levels)
-    text = f"{path}: {len(made.levels)} levels, {train} train, {len(made.levels) - train} eval"
+    count = plural(len(made.levels), "level")
+    text = f"{path}: {count}, {train} train, {len(made.levels) - train} eval"
     return f"{text}, {doubles} left out because they equal others" if doubles else text
 
 

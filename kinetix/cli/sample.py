@@ -9,6 +9,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
+from kinetix.wording import plural
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -53,7 +54,7 @@ def run(command: Sample) -> int:
     for index, level in enumerate(random_levels(command.seed, size, command.count)):
         name = f"random_{label}_{command.seed}_{index:0{width}d}.json"
         _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
-    print(f"{command.target}: {command.count} levels", file=sys.stderr)
+    print(f"{command.target}: {plural(command.count, 'level')}", file=sys.stderr)
     return 0
 
 

@@ -15,6 +15,7 @@ from kinetix.level.model import Level, Solution
 from kinetix.level.sets import SetLevel, gather_levels
 from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
@@ -119,7 +120,7 @@ def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
             print(f"dropped the solution in {each.path}: it does not win", flush=True)
         return False
     steps = solution.steps
-    print(f"{level.name}: won after {steps} steps under {solution.physics}", flush=True)
+    print(f"{level.name}: won after {plural(steps, 'step')} under {solution.physics}", flush=True)
     if command.write and each.path:
         _record(level, solution, each.path)
     return True

@@ -23,6 +23,7 @@ from kinetix.level.compile import Labels, compile_level, features_of
 from kinetix.level.model import Level, Solution
 from kinetix.level.sizes import capacity_of, needed_capacity
 from kinetix.level.slots import body_slots
+from kinetix.wording import plural
 
 UNCLIPPED: Final = 1e6
 """A bound of positions and speeds far beyond anything that may happen [m], [m/s], [rad/s]."""
@@ -71,10 +72,10 @@ class Run:
     def __repr__(self) -> str:
         """The name, how much there is, and whether all contacts were solved."""
         dropped = int((self.dropped_contacts > 0).sum())
-        noted = f", contacts dropped in {dropped} steps" if dropped else ""
+        noted = f", contacts dropped in {plural(dropped, 'step')}" if dropped else ""
         return (
-            f"Run({self.level.name!r}: {len(self.ids)} bodies, {self.time[-1]:g} s in "
-            f"{len(self.time) - 1} steps, {self.physics}{noted})"
+            f"Run({self.level.name!r}: {plural(len(self.ids), 'body', 'bodies')}, "
+            f"{self.time[-1]:g} s in {plural(len(self.time) - 1, 'step')}, {self.physics}{noted})"
         )
 
 

@@ -20,6 +20,7 @@ from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
 from kinetix.training.setup import Setup
 from kinetix.training.telling import Say, say_nothing
+from kinetix.wording import plural
 
 _ENOUGH_WAITS: Final = 8
 """In so many waits those that compile are a minority."""
@@ -82,7 +83,7 @@ def _told(stages: Iterator[Progress], status: Say, waits: list[float]) -> Iterat
     began = time.monotonic()
     for stage in stages:
         waits.append(time.monotonic() - began)
-        status(f"evaluating {stage.done}/{stage.total} episodes")
+        status(f"evaluating {stage.done}/{plural(stage.total, 'episode')}")
         yield stage
         began = time.monotonic()
 

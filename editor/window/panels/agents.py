@@ -15,6 +15,7 @@ from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.worker.requests import About, AgentSummary
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -102,7 +103,10 @@ class AgentsPanel(Panel):
             lines.append(f"{summary.parameters:,} parameters{memory}".replace(",", " "))
         seen = summary.observation.replace("_", " ")
         lines.append(f"sees {seen}, says {summary.action.replace('_', ' ')}")
-        trained = [f"{summary.physics} physics", f"an action holds {summary.frame_skip} steps"]
+        trained = [
+            f"{summary.physics} physics",
+            f"an action holds {plural(summary.frame_skip, 'step')}",
+        ]
         if summary.steps is not None:
             trained.append(f"{summary.steps:,} steps of training".replace(",", " "))
         lines.append(", ".join(trained))

@@ -13,6 +13,7 @@ from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from kinetix.training.curricula.pages import ListedLevel, PageHead
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -28,6 +29,7 @@ class CurriculumPanel(Panel):
 
     id, title, icon = "curriculum", "Curriculum", Icons.reorder
     height = 300.0
+    measures = True
 
     def __init__(self, textures: TextureStore) -> None:
         self._textures = textures
@@ -91,7 +93,7 @@ class CurriculumPanel(Panel):
         steps = f"{head.env_steps:,}".replace(",", " ")
         widgets.muted(
             f"Update {head.update}, {head.algorithm}, {steps} environment steps: "
-            f"the best {len(head.levels)} of {head.filled} levels; "
+            f"the best {len(head.levels)} of {plural(head.filled, 'level')}; "
             f"{head.entered} came, {head.left} left since the page before"
         )
 
@@ -161,7 +163,7 @@ def _facts(listed: ListedLevel, head: PageHead) -> str:
     rate = (
         "no episode ended on its last visit"
         if listed.solve_rate is None
-        else f"won {listed.solve_rate:.0%} of {listed.episodes} episodes"
+        else f"won {listed.solve_rate:.0%} of {plural(listed.episodes, 'episode')}"
     )
     score = "unknown" if listed.score is None else f"{listed.score:.4f}"
     ancestors = lineage(listed)

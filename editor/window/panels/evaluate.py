@@ -22,6 +22,7 @@ from editor.window.panels.results_table import MOST_WIDE, ResultsTable
 from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.results import EpisodeResult
 from kinetix.paths import levels_dir
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -69,6 +70,7 @@ class EvaluatePanel(Panel):
 
     id, title, icon = "evaluate", "Evaluate", Icons.trophy
     height = 330.0
+    measures = True
 
     def __init__(self) -> None:
         self._form = _Form()
@@ -340,7 +342,7 @@ class EvaluatePanel(Panel):
             with widgets.coloured(text=COLOURS.of(name)):
                 pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]
             widgets.probe(session, f"evaluate.ending.{number}")
-            told = f"About {ending.length} steps. Attempts {_listed(ending.attempts)}."
+            told = f"About {plural(ending.length, 'step')}. Attempts {_listed(ending.attempts)}."
             if ending.parting is not None:
                 told += f"\nIt leaves the way of the wins at step {ending.parting}."
             widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
@@ -368,7 +370,7 @@ class EvaluatePanel(Panel):
             extent = imgui.calc_text_size(icon)
             place = (at.x + (side - extent.x) / 2, at.y + (side - extent.y) / 2)
             draw.add_text(place, u32(colour), icon)
-        told = f"{episode.outcome} after {episode.length} steps"
+        told = f"{episode.outcome} after {plural(episode.length, 'step')}"
         widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
         if imgui.is_item_hovered():
             session.viewer.lit_path = which[2]

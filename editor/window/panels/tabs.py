@@ -13,6 +13,7 @@ from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
 from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -93,8 +94,7 @@ class DocumentTabs:
             return
         with _strip("moment"):
             count = len(moment.document.history.entries) - 1
-            changes = "nothing changed yet" if not moment.changed else f"{count} changes"
-            changes = "1 change" if moment.changed and count == 1 else changes
+            changes = plural(count, "change") if moment.changed else "nothing changed yet"
             _words(f"The episode at {moment.begin}: {changes}.", px(12), icon=Icons.rename)
             for number, (name, label) in enumerate(_MOMENT.items()):
                 if number:

@@ -36,6 +36,7 @@ from kinetix.errors import CheckpointError, KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import pytree
+from kinetix.wording import plural
 
 _MEMORY: dict[AgentRef, Player] = {}
 """Agents that were loaded, the last ones only."""
@@ -117,7 +118,7 @@ def _network(card: AgentCard) -> str:
     net = card.network
     words = [net.kind.replace("_", " ")]
     if net.kind == "entity_transformer":
-        words.append(f"{net.transformer_depth} layers of {net.transformer_encoder_size}")
+        words.append(f"{plural(net.transformer_depth, 'layer')} of {net.transformer_encoder_size}")
     words.append(f"actor {net.actor_depth} × {net.actor_width}")
     if net.recurrent_model:
         words.append("with memory")

@@ -1,11 +1,11 @@
 """Episodes of the window as data."""
 
-from editor.base.wording import plural
 from editor.worker.requests import AddEpisode, Progress
 from kinetix.datasets.folder import add_episodes, read_manifest
 from kinetix.datasets.replays import checked
 from kinetix.datasets.traces import episode_of_arrays
 from kinetix.errors import KinetixError
+from kinetix.wording import plural
 
 
 def add_episode(request: AddEpisode, progress: Progress) -> str:

@@ -42,6 +42,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
 from kinetix.training.logging import read_metrics
+from kinetix.wording import plural
 
 _SEGMENT = 4
 """Environment steps between two looks at whether the evaluation was cancelled: 128 episodes of
@@ -88,7 +89,7 @@ def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
                     failures=failures + failed,
                 )
                 progress.share(standing)
-                progress.report(done / total, f"{done} of {total} episodes")
+                progress.report(done / total, f"{done} of {plural(total, 'episode')}")
         except KinetixError as error:
             errors.append((number, str(error)))
         scores, failures = scores + now, failures + failed

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.language import tr
-from editor.base.wording import plural
 from editor.gallery.card import Card
 from editor.gallery.results import HUMAN
 from editor.toolkit import widgets
@@ -17,6 +16,7 @@ from editor.toolkit.thumbnails import Thumbs
 from editor.toolkit.widgets import px
 from editor.window.panels.gallery.head import SIZE_LABELS
 from editor.window.panels.menu import item
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session

@@ -8,7 +8,6 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import gallery as doing
 from editor.base.language import tr
-from editor.base.wording import plural
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
 from editor.toolkit import widgets
@@ -18,6 +17,7 @@ from editor.toolkit.widgets import px
 from editor.window.browser import peek, thumbnail
 from editor.window.panels.gallery.cards import PAYLOAD
 from editor.window.panels.gallery.tray import SetTray
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
