@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from editor.actions import file
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
@@ -146,6 +146,10 @@ def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
     session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
 
 
+_DRAWS: Final = ("seed", "attempt", "deterministic", "digest")
+"""What a trace says of its agent and the draws."""
+
+
 def _rival(session: Session, trace: Trace) -> Trace | None:
     """The second player's episode, where one is shown with the trace that is on show."""
     rival, shown = session.viewer.rival, session.playback.trace
@@ -153,12 +157,17 @@ def _rival(session: Session, trace: Trace) -> Trace | None:
     if not rival.snapshots or shown is None or not any(s is last for s in shown.snapshots):
         return None
     snapshots = tuple(rival.snapshots)
+    casting = rival.casting
+    draws: dict[str, Any] = {}
+    if casting is not None:
+        draws = {name: getattr(casting, name) for name in _DRAWS}
     return Trace(
         physics=session.viewer.other_physics or shown.physics,
         perturbed=False,
         snapshots=snapshots,
         actions=tuple(channels_of(snapshot.action) for snapshot in snapshots[1:]),
         player=shown.player if session.viewer.other_physics else rival.player,
+        **draws,
     )
 
 

@@ -224,7 +224,11 @@ def open_attempt(
         return
     summary = present(session, plan.agents[agent])
     casting = Casting(
-        agent=summary.ref, seed=plan.seed, attempt=attempt, deterministic=plan.deterministic
+        agent=summary.ref,
+        seed=plan.seed,
+        attempt=attempt,
+        deterministic=plan.deterministic,
+        digest=summary.digest,
     )
     source = plan.levels[level].source
     request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics_of(agent))

@@ -31,6 +31,8 @@ class Follower:
         self.level: Level | None = None
         self.player = ""
         """Name of the player; empty: none."""
+        self.casting: Casting | None = None
+        """Agent and draws of the episode; None: nobody plays, or the first one is followed."""
         self.failure = ""
         """Reason why it could not start or continue."""
         self.snapshots: list[Snapshot] = []
@@ -69,12 +71,14 @@ class Follower:
         self.stop()
         self._mirror = mirror if casting is None else None
         self.level, self.player, self._starting = level, player, True
+        self.casting = casting
         self.simulator.start(level, physics, casting)
 
     def stop(self) -> None:
         """Forget everything."""
         self.simulator.stop()
         self.level, self.player, self.failure = None, "", ""
+        self.casting = None
         self.snapshots, self._starting = [], False
         self._mirror, self._used = None, []
 

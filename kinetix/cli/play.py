@@ -1,11 +1,20 @@
 """Play one episode without a window and say how it ended."""
 
 import dataclasses
+import functools
 import json
 import sys
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
+
+from kinetix.errors import KinetixError
+from kinetix.wording import plural
+
+if TYPE_CHECKING:
+    from kinetix.agents.player import Player
+    from kinetix.environment.episode import Episode
+    from kinetix.level.codec import LoadedLevel
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -18,6 +27,10 @@ class Play:
     """Directory of an agent, a bundled agent (general), or planner, noop or random."""
     seed: int = 0
     """Seed of the agent's draws."""
+    attempt: int | None = None
+    """Play this attempt of kinetix eval under the seed, from 0: the same episode to the bit."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
     physics: str | None = None
     """Physics preset or solver; by default what the agent was trained under."""
     json: bool = False
@@ -29,27 +42,17 @@ class Play:
 def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout, broken) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.named import load_player
-    from kinetix.environment.episode import play_episode
-    from kinetix.environment.reset import level_state
     from kinetix.level.codec import load_document
-    from kinetix.level.sizes import capacity_of
 
+    if command.attempt is not None and command.attempt < 0:
+        raise KinetixError(f"--attempt {command.attempt}: expected a number from 0")
     document = load_document(command.level)
-    source = document.source
-    capacity = capacity_of(document.level) if source is None else source.capacity
     player = load_player(command.agent)
-    capacity = capacity_for(player.card, capacity, level=document.level.name)
-    physics = command.physics or player.card.environment.physics
-    env = environment_for(player, capacity, physics=physics)
-    episode = play_episode(
-        env,
-        level_state(command.level, env.static_env_params),
-        player.policy.decide,
-        params=player.params,
-        carry=player.policy.init_carry(1),
-        seed=command.seed,
+    episode = (
+        _attempt(command, player)
+        if command.attempt is not None
+        else _alone(command, player, document)
     )
     row = {
         "steps": episode.steps,
@@ -62,13 +65,58 @@ def run(command: Play) -> int:
         print(json.dumps(row))
     else:
         print(
-            f"{document.level.name}: {row['outcome']} after {row['steps']} steps, "
+            f"{document.level.name}: {row['outcome']} after {plural(episode.steps, 'step')}, "
             f"return {row['return']:.3f}"
         )
     if episode.dropped_contacts:
         print(
-            f"{document.level.name}: in {episode.dropped_contacts} steps bodies overlapped so much "
-            f"that contacts were left out",
+            f"{document.level.name}: in {plural(episode.dropped_contacts, 'step')} bodies "
+            "overlapped so much that contacts were left out",
             file=sys.stderr,
         )
     return 0
+
+
+def _attempt(command: Play, player: "Player") -> "Episode":
+    """Play an attempt of an evaluation."""
+    from kinetix.agents.evaluate import NamedLevel, Settings, record
+    from kinetix.environment.episode import Episode
+
+    settings = Settings(
+        seed=command.seed, physics=command.physics or "", deterministic=command.deterministic
+    )
+    level = NamedLevel(name=command.level, source=command.level)
+    *_, last = record(player, level, command.attempt or 0, settings)
+    result = last.result
+    assert result is not None
+    return Episode(
+        steps=result.length,
+        outcome=result.outcome,
+        total_reward=result.total_reward,
+        dropped_contacts=result.dropped_contacts,
+    )
+
+
+def _alone(command: Play, player: "Player", document: "LoadedLevel") -> "Episode":
+    """Play one episode with draws of its own."""
+    from kinetix.agents.environments import capacity_for, environment_for
+    from kinetix.environment.episode import play_episode
+    from kinetix.environment.reset import level_state
+    from kinetix.level.sizes import capacity_of
+
+    source = document.source
+    capacity = capacity_of(document.level) if source is None else source.capacity
+    capacity = capacity_for(player.card, capacity, level=document.level.name)
+    physics = command.physics or player.card.environment.physics
+    env = environment_for(player, capacity, physics=physics)
+    decide = player.policy.decide
+    if command.deterministic:
+        decide = functools.partial(decide, deterministic=True)
+    return play_episode(
+        env,
+        level_state(command.level, env.static_env_params),
+        decide,
+        params=player.params,
+        carry=player.policy.init_carry(1),
+        seed=command.seed,
+    )

@@ -1,6 +1,7 @@
 """Draw a level as a picture (PNG), film an episode (GIF, MP4) or make a page of it (HTML)."""
 
 import dataclasses
+import functools
 import itertools
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from PIL import Image
 
+    from kinetix.agents.evaluate import RecordedStep
     from kinetix.agents.player import Player
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.episode import EpisodeState
@@ -50,6 +52,10 @@ class Render:
     """Physics preset or solver; by default the one of the agent or of the solution."""
     seed: int = 0
     """Seed of the agent's draws."""
+    attempt: int | None = None
+    """Show this attempt of kinetix eval under the seed, from 0: the same episode to the bit."""
+    deterministic: bool = False
+    """Take the likeliest action instead of drawing one."""
     overlay: bool = False
     """Write step, value and entropy of the agent, controls and outcome on the picture."""
     cores: int | None = None
@@ -93,6 +99,8 @@ def run(command: Render) -> int:
         )
     if command.steps is not None and command.steps < 0:
         raise KinetixError(f"--steps {command.steps}: expected a number from 0")
+    if command.attempt is not None and command.attempt < 0:
+        raise KinetixError(f"--attempt {command.attempt}: expected a number from 0")
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
     command.out.parent.mkdir(parents=True, exist_ok=True)
@@ -131,12 +139,12 @@ def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.identity import digest_of
     from kinetix.agents.named import load_player
-    from kinetix.environment.episode import rollout
-    from kinetix.environment.replay import next_row, recorded_rows
+    from kinetix.environment.replay import recorded_rows
     from kinetix.environment.reset import level_state
     from kinetix.environment.state import document_slots
-    from kinetix.level.codec import level_hash, load_document
+    from kinetix.level.codec import load_document
     from kinetix.level.sizes import capacity_of
+    from kinetix.pages.facts import draws_of, facts_of
 
     document = load_document(command.level)
     source, solution = document.source, document.level.solution
@@ -158,26 +166,52 @@ def _showing(command: Render, agent: str) -> Showing:
         film = command.out.suffix.lower() in (*FILM_SUFFIXES, PAGE)
         steps = document.level.max_timesteps if film else 0
     start = level_state(command.level, env.static_env_params)
-    if recorded is None:
-        chooses: Any = player.policy.decide
-        memory = {"params": player.params, "carry": player.policy.init_carry(1)}
-    else:
-        chooses, memory = next_row, recorded
-    played = rollout(env, start, chooses, seed=command.seed, **memory)
+    moments = _played(command, env, start, player, recorded)
     name = "solution" if recorded else player.card.name
-    facts = (
-        ("level", f"{document.level.name}, {level_hash(document.level)[:12]}"),
-        ("player", f"{name} {digest_of(player)[:12]}".strip()),
-        ("physics", physics),
-        ("seed", str(command.seed)),
-    )
+    draws = draws_of(command.seed, command.attempt, deterministic=command.deterministic)
     return Showing(
         level=document.level,
         slots=document_slots(start, document.level, capacity),
         player=name,
-        facts=facts,
-        moments=_told(env, itertools.islice(played, steps + 1)),
+        facts=facts_of(
+            document.level,
+            physics,
+            player=name,
+            digest=digest_of(player),
+            draws="" if recorded else draws,
+        ),
+        moments=itertools.islice(moments, steps + 1),
     )
+
+
+def _played(
+    command: Render,
+    env: "KinetixEnv",
+    start: "EnvState",
+    player: "Player",
+    recorded: dict[str, Any] | None,
+) -> Iterator[Moment]:
+    """Play the recorded solution, an attempt of an evaluation, or an episode of its own."""
+    from kinetix.agents.evaluate import NamedLevel, Settings, record
+    from kinetix.environment.episode import rollout
+    from kinetix.environment.replay import next_row
+
+    if recorded is not None:
+        return _told(env, rollout(env, start, next_row, **recorded))
+    if command.attempt is not None:
+        settings = Settings(
+            seed=command.seed,
+            physics=command.physics or "",
+            deterministic=command.deterministic,
+        )
+        level = NamedLevel(name=command.level, source=command.level)
+        return _attempted(env, record(player, level, command.attempt, settings))
+    decide = player.policy.decide
+    if command.deterministic:
+        decide = functools.partial(decide, deterministic=True)
+    carry = player.policy.init_carry(1)
+    played = rollout(env, start, decide, params=player.params, carry=carry, seed=command.seed)
+    return _told(env, played)
 
 
 def _film_of(command: Render, agent: str) -> "Film":
@@ -242,6 +276,27 @@ def _told(env: "KinetixEnv", played: Iterator["EpisodeState"]) -> Iterator[Momen
             value=None if reading is None else float(reading.value),
             entropy=None if reading is None else float(reading.entropy),
             controls=controls or (),
+        )
+
+
+def _attempted(env: "KinetixEnv", steps: "Iterator[RecordedStep]") -> Iterator[Moment]:
+    """Describe the steps of an attempt of an evaluation."""
+    import numpy as np
+
+    controls: tuple[int, ...] = ()
+    for count, now in enumerate(steps):
+        if count == 0:
+            live = env.actions.live(now.state.world, now.state.labels)
+            controls = tuple(np.flatnonzero(live).tolist())
+        reading = now.reading
+        yield Moment(
+            state=now.state,
+            step=count,
+            action=() if now.action is None else tuple(float(value) for value in now.action),
+            outcome="" if now.result is None else now.result.outcome,
+            value=None if reading is None else float(reading.value),
+            entropy=None if reading is None else float(reading.entropy),
+            controls=controls,
         )
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetix.level.codec import level_hash
 from kinetix.pages.episode_file import read_episode
+from kinetix.pages.facts import draws_of, facts_of
 from kinetix.pages.film import Film
 
 STEPS_PER_SECOND = 60
@@ -24,9 +24,11 @@ def film_of_file(path: Path) -> Film:
     level, arrays = read_episode(path)
     step = arrays["step"]
     player, physics = str(arrays["player"]), str(arrays["physics"])
-    draws = f"attempt {int(arrays['attempt'])}, seed {int(arrays['seed'])}"
-    facts = [("level", f"{level.name}, {level_hash(level)[:12]}"), ("physics", physics)]
-    facts += [("player", player), ("draws", draws)] if player else []
+    draws = draws_of(
+        int(arrays["seed"]),
+        int(arrays["attempt"]),
+        deterministic=bool(arrays["deterministic"]),
+    )
     return Film(
         level=level,
         title=player or "A person",
@@ -37,5 +39,12 @@ def film_of_file(path: Path) -> Film:
         value=arrays["value"].astype(float),
         entropy=arrays["entropy"].astype(float),
         outcome=str(arrays["outcome"]),
-        facts=tuple(facts),
+        facts=facts_of(
+            level,
+            physics,
+            player=player,
+            digest=str(arrays.get("digest", "")),
+            draws=draws,
+            perturbed=bool(arrays["perturbed"]),
+        ),
     )

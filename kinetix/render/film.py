@@ -18,8 +18,6 @@ Frames = Iterable[UInt8[np.ndarray, "h w 3"]]
 """Pictures of one size, in their order."""
 
 FILM_SUFFIXES: Final = (".gif", ".mp4")
-_MOST_COMMENT: Final = 255
-"""Bytes of a block of a GIF."""
 _COLOURS: Final = 64
 """Colours of a GIF's picture: levels have few, and the file half the bytes of 256."""
 
@@ -94,7 +92,7 @@ def write_gif(
         duration=durations,
         loop=0,
         optimize=True,
-        comment=comment.encode()[:_MOST_COMMENT],
+        comment=comment.encode(),
     )
 
 
