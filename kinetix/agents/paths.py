@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from kinetix.agents.environments import environment_for
-from kinetix.agents.episodes import Episodes, advance
+from kinetix.agents.episodes import Episodes, advance, rows
 from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult
@@ -59,11 +59,11 @@ def attempt_paths(
     green = int(np.argmax((role == GREEN) & active))
     parts: list[np.ndarray] = []
     results: list[EpisodeResult] = []
-    batch = player.policy.rows
+    batch = rows(player.policy)
     for first in range(0, settings.attempts, batch):
         chosen = range(first, min(first + batch, settings.attempts))
-        rows = [(state, prepared.key, attempt) for attempt in chosen]
-        episodes = begin(env, player, rows, settings.seed)
+        asked = [(state, prepared.key, attempt) for attempt in chosen]
+        episodes = begin(env, player, asked, settings.seed)
         places = [_place(episodes, green)]
         while not bool(jnp.all(episodes.over)):
             over = np.asarray(episodes.over)
@@ -78,8 +78,8 @@ def attempt_paths(
             # What is over goes on being stepped, but it is of no interest.
             places.append(np.where(over[:, None], places[-1], _place(episodes, green)))
             yield None
-        parts.append(np.stack(places, axis=1)[: len(rows)])
-        results += episode_results(episodes)[: len(rows)]
+        parts.append(np.stack(places, axis=1)[: len(asked)])
+        results += episode_results(episodes)[: len(asked)]
     longest = max(part.shape[1] for part in parts)
     missing = [((0, 0), (0, longest - part.shape[1]), (0, 0)) for part in parts]
     padded = [np.pad(part, more, "edge") for part, more in zip(parts, missing, strict=True)]
