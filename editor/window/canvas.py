@@ -78,6 +78,12 @@ class Canvas:
         self._before_split: Camera | None = None
         self._cause: object = None
         """Inputs of the fit; when they change, an arena shown whole is fitted anew."""
+        self.measuring = False
+        """True if a panel is on the screen that is looked at together with the level."""
+        self._unmeasured: tuple[Tab, Camera, int] | None = None
+        """While such a panel is there: the tab, where it looked before, and `_asked` then."""
+        self._asked = 0
+        """How often a fit was asked for by anything else."""
         self._refits = 0
         """For how many frames yet an arena shown whole is fitted to the viewport."""
         self._followed: dict[int, Camera] = {}
@@ -118,13 +124,14 @@ class Canvas:
     def refit(self) -> None:
         """Show the arena whole again, if it was, as soon as the panels stand where they stay."""
         self._refits = _SETTLED_FRAME
+        self._asked += 1
 
     def _look(self, session: "Session", origin: Point, size: Point) -> None:
         """Choose the camera for the present viewport.
 
         An arena that is shown whole follows the window, the layouts, Play, and what is drawn over
-        it on demand. In Edit, panels and tabs that only come and go leave every point of the level
-        where it is on the screen.
+        it on demand, and panels that measure. In Edit, all others that only come and go leave every
+        point of the level where it is on the screen.
         """
         io, tab = imgui.get_io(), session.tab
         cause = (
@@ -141,6 +148,7 @@ class Canvas:
             self._cause = cause
             self.refit()
         self._enter_and_leave(session)
+        self._stand_beside(session)
         whole = self._follows(tab)
         if whole and (self._refits or not tab.fitted):
             camera = session.camera.with_viewport(origin, size)
@@ -168,6 +176,25 @@ class Canvas:
                 self.refit()
             if whole:
                 self._followed[played.document.number] = camera
+
+    def _stand_beside(self, session: "Session") -> None:
+        """Fit the arena beside panels that measure; after them the view is as it was."""
+        tab, before = session.tab, self._unmeasured
+        if not session.editing:
+            return
+        if self.measuring:
+            if before is None or before[0] is not tab:
+                self._unmeasured = (tab, tab.camera, self._asked)
+                self._refits = _SETTLED_FRAME
+            return
+        if before is None:
+            return
+        (measured, camera, asked), self._unmeasured = before, None
+        if measured is not tab or asked != self._asked:
+            self.refit()
+        elif self._follows(tab):
+            tab.camera, self._refits = camera, 0
+            self._followed[tab.document.number] = camera
 
     def _follows(self, tab: "Tab") -> bool:
         """Return whether a tab shows its arena whole, and nobody has zoomed or panned since."""

@@ -137,6 +137,8 @@ class Ui:
         self._row = layouts.LowerRow()
         self._fallbacks = Fallbacks([each for each in (FONTS.regular, FONTS.bold) if each])
         self._seen: set[str] = set()
+        self._drawn: list[Panel] = []
+        """Panels of this frame whose content is on the screen."""
         """Ids of the panels that were on the screen in the last frame."""
         self._front_before: frozenset[str] = frozenset()
         self._pressed_tab = ""
@@ -294,8 +296,11 @@ class Ui:
         self.session.view.settled = imgui.get_frame_count() > self._put_up + _SETTLED_FRAMES
         if bars:
             self._tab_words.choose(self.panels, self._seen)
+            self._drawn.clear()
             focused = [self._panel(panel) for panel in self.panels]
             self._panel_focused = any(focused)
+            if self.session.view.settled:
+                self.canvas.measuring = any(panel.measures for panel in self._drawn)
 
     def _compiled(self, job: Job) -> None:
         if job.state is JobState.DONE:
@@ -494,6 +499,7 @@ class Ui:
         if lower and opened:
             self._fold(panel)
         if opened and not (lower and self._row.folded()):
+            self._drawn.append(panel)
             with self.session.guard():
                 panel.draw(self.session)
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)

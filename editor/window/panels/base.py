@@ -17,6 +17,9 @@ class Panel(abc.ABC):
     icon: ClassVar[str]
     height: ClassVar[float] = 0.0
     """Height that it needs to be of use [px at 100 %]; 0: any will do."""
+    measures: ClassVar[bool] = False
+    """True if it is looked at together with the level, and nobody edits meanwhile: then a level
+    that is shown whole stays so."""
 
     @property
     def window_name(self) -> str:

@@ -12,6 +12,7 @@ from editor.toolkit.appearance import COLOURS, Icons, alpha, u32
 from editor.toolkit.widgets import px
 from kinetix.agents.compare import labels_of
 from kinetix.agents.results import LevelResult
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -152,7 +153,7 @@ class ResultsTable:
             _tint(rate)
             widgets.text(f"{rate:.3f}")
             widgets.tooltip(
-                summary["agent"], f"{summary['levels']} levels under {summary['physics']}"
+                summary["agent"], f"{plural(summary['levels'], 'level')} under {summary['physics']}"
             )
 
     def _take_sorting(self, shown: int) -> None:
@@ -212,7 +213,9 @@ class ResultsTable:
         rate, colour, mark = f"{result.solve_rate:.2f}", COLOURS.text, ""
         if len(row.results) > 1 and winner is not None:
             mark = f"{Icons.better if winner == agent else Icons.worse}  "
-            colour = COLOURS.good if winner == agent else COLOURS.muted
+            # In a heat map the cell is green.
+            leads = COLOURS.good if len(row.results) <= MOST_WIDE else COLOURS.text
+            colour = leads if winner == agent else COLOURS.muted
         words = f"{mark}{rate}   {interval}"
         if imgui.calc_text_size(words).x > imgui.get_content_region_avail().x:
             words = f"{mark}{rate}"

@@ -1,18 +1,19 @@
 """A training run while it trains: its metrics as curves, and its newest agent."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui, implot
 
 from editor.actions import watch
-from editor.agents.curves import STEPS, Curve, band_of, curve_of
+from editor.agents.curves import STEPS, Curve, band_of, curve_of, run_names
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
+from editor.window.panels.results_table import end_of
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -43,6 +44,7 @@ class TrainingPanel(Panel):
 
     id, title, icon = "training", "Training", Icons.plots
     height = 290.0
+    measures = True
 
     def __init__(self) -> None:
         self._on: dict[str, bool] = {}
@@ -83,7 +85,7 @@ class TrainingPanel(Panel):
         imgui.align_text_to_frame_padding()
         last = run.rows[-1] if run.rows else {}
         steps = last.get(STEPS)
-        words = f"{len(run.rows)} updates"
+        words = plural(len(run.rows), "update")
         if steps is not None:
             words += f", {int(steps):,} environment steps".replace(",", " ")
         if run.newest is not None:
@@ -138,9 +140,14 @@ class TrainingPanel(Panel):
             widgets.beside(150)
             _, self._band = widgets.checkbox(session, "training.band", "Mean and range", self._band)
             widgets.tooltip("Mean and range", "Of all these runs, where all of them have values.")
+        names = run_names([session.viewer.run.path, *(other.path for other in others)])
+        if others:
+            widgets.beside(140)
+            widgets.text(names[0], _colour(0))
+            widgets.tooltip(session.viewer.run.path)
         for index, other in enumerate(others, start=1):
             widgets.beside(140)
-            widgets.text(Path(other.path).name, _colour(index))
+            widgets.text(names[index], _colour(index))
             widgets.tooltip(other.path, other.error)
             imgui.same_line(0, px(2))
             if widgets.icon_button(session, f"training.drop.{index}", Icons.close):
@@ -178,10 +185,8 @@ class TrainingPanel(Panel):
         for index, name in enumerate(names):
             if index % columns:
                 imgui.same_line(0, px(6))
-            curves = [
-                curve_of(one, Path(one.path).name, name, self._smoothing)
-                for one in (run, *session.viewer.other_runs)
-            ]
+            runs = (run, *session.viewer.other_runs)
+            curves = [curve_of(one, name, self._smoothing) for one in runs]
             _plot(name, curves, (width, height), log=self._log, band=self._band)
             widgets.probe(session, f"training.plot.{name}")
 
@@ -190,6 +195,13 @@ def level_rates(metrics: Sequence[str]) -> frozenset[str]:
     """Return the solve rates of single levels, where so few are evaluated that all can be shown."""
     found = [name for name in metrics if name.startswith(_LEVEL_RATE)]
     return frozenset(found if len(found) <= _MOST_LEVELS else ())
+
+
+def title_of(metric: str) -> str:
+    """Return what stands over a metric's plot."""
+    if metric.startswith(_LEVEL_RATE):
+        return f"{tr('Solved')} {metric.removeprefix(_LEVEL_RATE)}"
+    return tr(metric)
 
 
 def _plot(
@@ -202,12 +214,16 @@ def _plot(
 ) -> None:
     """One metric of all runs."""
     flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
-    if len(curves) == 1:
-        flags |= implot.Flags_.no_legend.value
-    if not implot.begin_plot(f"{tr(name)}###{name}", size, flags):
+    # The names of the runs stand in their colours over the plots.
+    flags |= implot.Flags_.no_legend.value
+    if not implot.begin_plot(f"{end_of(title_of(name), size[0] - px(30))}###{name}", size, flags):
         return
     fit = implot.AxisFlags_.auto_fit.value
     implot.setup_axes("", "", fit, fit)
+    places = {x for curve in curves for x in curve.x.tolist()}
+    if len(places) == 1:
+        # Else the same number would stand at every tick.
+        implot.setup_axis_ticks(implot.ImAxis_.x1, list(places), [f"{min(places):g}"])
     if log:
         implot.setup_axis_scale(implot.ImAxis_.y1.value, implot.Scale_.log10.value)
     spread = band_of(curves) if band else None
@@ -216,18 +232,17 @@ def _plot(
         spec.fill_color = imgui.ImVec4(*COLOURS.info[:3], 1.0)
         spec.fill_alpha = 0.25
         implot.plot_shaded("range", spread.x, spread.low, spread.high, spec)
-        _line(Curve(label="mean", x=spread.x, y=spread.mean), COLOURS.info)
+        _line("mean", Curve(x=spread.x, y=spread.mean), COLOURS.info)
     else:
         for index, curve in enumerate(curves):
-            # Two runs may be called the same.
-            _line(curve, _colour(index), f"###{index}")
+            _line(str(index), curve, _colour(index))
     implot.end_plot()
 
 
-def _line(curve: Curve, colour: Rgba, mark: str = "") -> None:
+def _line(name: str, curve: Curve, colour: Rgba) -> None:
     spec = implot.Spec()
     spec.line_color = imgui.ImVec4(*colour)
     spec.line_weight = px(1.75)
     if len(curve.x) == 1:
         spec.marker, spec.marker_size = implot.Marker_.circle.value, px(3)
-    implot.plot_line(f"{curve.label}{mark}", curve.x, curve.y, spec)
+    implot.plot_line(name, curve.x, curve.y, spec)

@@ -177,7 +177,7 @@ def test_the_left_column_folds_away_by_itself_and_comes_back(make_gui):
     assert gui.probe("canvas").high == pytest.approx(before.high, abs=2)
 
 
-@pytest.mark.parametrize("panel", ["problems", "evaluate", "plots", "log", "agents", "history"])
+@pytest.mark.parametrize("panel", ["problems", "plots", "log", "agents", "history"])
 def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
     gui.frames(40)
     before = arena(gui)
@@ -185,6 +185,26 @@ def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
     assert arena(gui) == pytest.approx(before, abs=0.5)
     gui.bring("problems")
     assert arena(gui) == pytest.approx(before, abs=0.5)
+
+
+@pytest.mark.parametrize("panel", ["evaluate", "training", "curriculum"])
+def test_a_level_shown_whole_is_so_beside_what_measures(make_gui, panel):
+    gui = make_gui(size=(1440, 900))
+    gui.frames(40)
+    before = arena(gui)
+    gui.bring(panel)
+    gui.frames(20)
+    assert seen_whole(gui)
+    gui.bring("problems")
+    gui.click("lower.fold")
+    gui.frames(20)
+    assert arena(gui) == pytest.approx(before, abs=0.5)
+    # Who looks at a part of the level goes on looking at it.
+    gui.wheel(*gui.screen(2.5, 2.5), 3)
+    zoomed = arena(gui)
+    gui.bring(panel)
+    gui.frames(20)
+    assert arena(gui) == pytest.approx(zoomed, abs=0.5)
 
 
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 640)])
