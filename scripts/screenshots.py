@@ -152,7 +152,6 @@ COMPARE: list[Event] = [
 ]
 EVALUATE: list[Event] = [
     *GOALKEEPER,
-    {"do": "action", "id": "view.layout_evaluate"},
     {"do": "action", "id": "level.evaluate"},
     {"do": "wait", "frames": 4},
     {"do": "down", "widget": "evaluate.random"},
@@ -163,20 +162,20 @@ EVALUATE: list[Event] = [
     {"do": "wait_until", "what": "idle", "seconds": 1500},
     {"do": "wait", "frames": 4},
     *click("evaluate.s/goalkeeper.1"),
-    {"do": "wait", "frames": 8},
+    {"do": "move", "world": [0.2, 4.8]},
+    {"do": "wait", "frames": 40},
     shot("evaluate"),
 ]
 WAYS: list[Event] = [
-    {"do": "open", "file": "levels/s/first_flight.json"},
+    {"do": "open", "file": "levels/s/parcel_drop.json"},
     {"do": "agent", "dir": "general", "slot": "a"},
-    {"do": "action", "id": "view.layout_evaluate"},
     {"do": "action", "id": "level.evaluate"},
     {"do": "wait", "frames": 4},
     *click("evaluate.random"),
     *click("evaluate.run"),
     {"do": "wait_until", "what": "idle", "seconds": 1500},
     {"do": "wait", "frames": 4},
-    *click("evaluate.s/first_flight.1"),
+    *click("evaluate.s/parcel_drop.1"),
     *click("evaluate.ways"),
     {"do": "wait_until", "what": "idle", "seconds": 600},
     {"do": "move", "world": [0.2, 4.8]},
@@ -241,27 +240,12 @@ def curriculum(run_folder: Path) -> list[Event]:
     ]
 
 
-TRAINING = "train ppo --preset small --levels s/goalkeeper --total-timesteps 150000 --out"
-"""A short training, so that there is one to watch."""
-
-
-def training(run_folder: Path) -> list[Event]:
-    """The picture of a run that is watched."""
-    return [
-        {"do": "open", "file": "levels/s/goalkeeper.json"},
-        {"do": "agent", "dir": str(run_folder), "slot": "a"},
-        {"do": "action", "id": "view.agents"},
-        {"do": "action", "id": "view.training"},
-        {"do": "wait", "frames": 150},
-        {"do": "wait_until", "what": "idle", "seconds": 400},
-        {"do": "wait", "frames": 330},
-        shot("training"),
-    ]
-
-
 SEEDS = 3
 """Runs of one recipe whose curves are drawn beside each other."""
-SEVERAL = TRAINING.replace("--out", f"--seeds {SEEDS} --out")
+SEVERAL = (
+    "train ppo --preset small --levels s/goalkeeper --total-timesteps 150000 "
+    f"--seeds {SEEDS} --eval-freq 2 --out"
+)
 
 
 def seeds(run_folder: Path) -> list[Event]:
@@ -279,6 +263,7 @@ def seeds(run_folder: Path) -> list[Event]:
         {"do": "wait", "frames": 150},
         *beside,
         {"do": "wait_until", "what": "idle", "seconds": 400},
+        {"do": "move", "world": [0.2, 4.8]},
         {"do": "wait", "frames": 200},
         shot("seeds"),
     ]
@@ -319,7 +304,7 @@ def page() -> None:
         path = Path(folder) / "goal.html"
         words = ["render", "s/goalkeeper", str(path), "--agent", "goalkeeper", "--rival", "random"]
         subprocess.run([sys.executable, "-m", "kinetix", *words], cwd=ROOT, check=True)
-        options = ("--headless", "--no-sandbox", "--disable-gpu", "--window-size=1100,900")
+        options = ("--headless", "--no-sandbox", "--disable-gpu", "--window-size=1100,1000")
         picture = f"--screenshot={PICTURES / 'page.png'}"
         profile = f"--user-data-dir={folder}/profile"
         # Some time of the page's own clock, so that the episode is under way.
@@ -341,7 +326,6 @@ SCRIPTS: dict[str, list[Event]] = {
 }
 OTHERS: dict[str, Callable[[], None]] = {
     "page": page,
-    "training": lambda: trained(TRAINING, training),
     "seeds": lambda: trained(SEVERAL, seeds),
     "curriculum": lambda: trained(CURRICULUM_RUN, curriculum),
 }

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -18,7 +19,6 @@ _GRID = 200
 class Curve:
     """A metric of one run."""
 
-    label: str
     x: Float[np.ndarray, " k"]
     """Environment steps."""
     y: Float[np.ndarray, " k"]
@@ -34,19 +34,32 @@ class Band:
     high: Float[np.ndarray, " g"]
 
 
-def curve_of(run: RunWatch, label: str, metric: str, smoothing: float) -> Curve:
+def run_names(paths: Sequence[str]) -> list[str]:
+    """Return what to call runs: the ends of their paths, as long as they need to differ.
+
+    Args:
+        paths: Of the runs.
+    """
+    parts = [Path(path).parts for path in paths]
+    for count in range(1, max(map(len, parts), default=0) + 1):
+        names = ["/".join(each[-count:]) for each in parts]
+        if len(set(names)) == len(set(paths)):
+            return names
+    return list(paths)
+
+
+def curve_of(run: RunWatch, metric: str, smoothing: float) -> Curve:
     """Return a metric of a run.
 
     Args:
         run: The run.
-        label: What it is called.
         metric: Its name.
         smoothing: See `smoothed`.
     """
     known = [row for row in run.rows if metric in row]
     x = np.array([row.get(STEPS, k) for k, row in enumerate(known)], np.float64)
     y = np.array([row[metric] for row in known], np.float64)
-    return Curve(label=label, x=x, y=smoothed(y, smoothing))
+    return Curve(x=x, y=smoothed(y, smoothing))
 
 
 def smoothed(values: Float[np.ndarray, " k"], weight: float) -> Float[np.ndarray, " k"]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from editor.agents.curves import Curve, band_of, smoothed
+from editor.agents.curves import Curve, band_of, run_names, smoothed
 
 
 def test_smoothing_has_no_bias_at_the_start_and_passes_over_gaps():
@@ -12,8 +12,15 @@ def test_smoothing_has_no_bias_at_the_start_and_passes_over_gaps():
     np.testing.assert_allclose(smoothed(values, 0.5), [4.0, np.nan, 2.0, 2.5 / 1.75])
 
 
+def test_runs_of_one_name_are_told_apart_by_their_folders():
+    assert run_names(["/runs/a/seed_0", "/runs/a/seed_1"]) == ["seed_0", "seed_1"]
+    assert run_names(["/runs/a/seed_0", "/runs/b/seed_0"]) == ["a/seed_0", "b/seed_0"]
+    assert run_names(["/runs/a", "/runs/a"]) == ["a", "a"]
+    assert run_names([]) == []
+
+
 def _curve(x, y):
-    return Curve(label="", x=np.array(x, float), y=np.array(y, float))
+    return Curve(x=np.array(x, float), y=np.array(y, float))
 
 
 def test_a_band_is_where_all_runs_have_values():
