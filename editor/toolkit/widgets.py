@@ -486,7 +486,8 @@ def choice(
     probe(session, name)
     if opened:
         for value, label in options:
-            if imgui.selectable(f"{tr(label)}###{value}", value == current)[0]:
+            # A value may be empty, an id may not.
+            if imgui.selectable(f"{tr(label)}###{name}.{value}", value == current)[0]:
                 picked = value
             probe(session, f"{name}.{value}")
         imgui.end_combo()

@@ -15,6 +15,9 @@ from editor.worker.jobs import Worker
 from editor.worker.requests import Progress, Request
 from kinetix.level.model import Level
 from tests.editor import days
+from tests.editor.gui.viewing import viewer_gui, with_agent
+
+__all__ = ["viewer_gui", "with_agent"]
 
 
 def refuse(request: Request, progress: Progress) -> None:

@@ -11,23 +11,17 @@ from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan
 from editor.base.prompts import FileQuestion
-from editor.base.settings import Settings
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import outlook, paint_futures
-from editor.gallery.results import Results
 from editor.play.playback import Mode
-from editor.play.second_player import Follower
-from editor.session import Session
 from editor.window import canvas, play_side
 from editor.window.browser import nothing_here
 from editor.window.panels import timeline
 from editor.window.panels.results_table import end_of
 from editor.window.panels.timeline import marks_of
-from editor.worker.jobs import Worker
 from editor.worker.recording import Futures, Mind
 from editor.worker.requests import (
     AgentRef,
-    AgentView,
     AttemptPaths,
     EvaluatedLevel,
     ExportFilm,
@@ -35,70 +29,17 @@ from editor.worker.requests import (
     RunNews,
     Score,
     Standing,
-    TracePaths,
-    ViewTable,
 )
 from kinetix.agents.compare import leaderboard
 from kinetix.paths import checkpoints_dir
-from tests.editor.core.helpers import FakeSimulator, a_level
-from tests.editor.core.test_viewer import Stage, a_result, a_summary, a_trace
-
-
-class ViewerStage(Stage):
-    def __call__(self, request, progress):
-        if type(request).__name__ == "Observe":
-            table = ViewTable(
-                name="circles",
-                columns=(("position_x", "m", "where"), ("position_y", "m", "")),
-                rows=("Circle 1", "slot 1"),
-                values=np.array([[1.0, 2.0], [0.0, 0.0]], np.float32),
-                active=(True, False),
-            )
-            picture = np.zeros((125, 125, 3), np.uint8)
-            return AgentView(pixels=picture, observation="symbolic_entity", tables=(table,))
-        if isinstance(request, TracePaths):
-            return self.paths
-        return super().__call__(request, progress)
+from tests.editor.core.helpers import a_level
+from tests.editor.core.test_viewer import a_result, a_summary, a_trace
+from tests.editor.gui.viewing import front, settle
 
 
 @pytest.fixture
-def gui(make_gui, tmp_path):
-    stage = ViewerStage()
-    stage.agents["/agents/Tester"] = a_summary()
-    session = Session(
-        settings=Settings(),
-        simulator=FakeSimulator(),
-        worker=Worker(perform=stage),
-        evaluator=Worker(perform=stage),
-        results=Results(tmp_path / "results.json"),
-        level=a_level(),
-    )
-    session.viewer.rival = Follower(FakeSimulator())
-    made = make_gui(session=session, size=(1600, 1000))
-    made.stage = stage
-    return made
-
-
-def settle(gui):
-    for _ in range(60):
-        gui.frames(2)
-        if gui.session.worker.idle and gui.session.evaluator.idle:
-            break
-        gui.session.worker.wait(0.02)
-        gui.session.evaluator.wait(0.02)
-    gui.frames(3)
-
-
-def front(gui, panel):
-    gui.session.view.front = panel
-    gui.frames(12)
-
-
-@pytest.fixture
-def with_agent(gui):
-    agents.load_agent(gui.session, "/agents/Tester")
-    settle(gui)
-    return gui
+def gui(viewer_gui):
+    return viewer_gui
 
 
 def test_an_agent_is_chosen_from_the_panel_and_plays(gui):

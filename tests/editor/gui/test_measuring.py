@@ -1,0 +1,184 @@
+"""Agents measured in the window: whose physics, which numbers are what, what exports tell."""
+
+import re
+
+import numpy as np
+import pytest
+
+from editor import actions
+from editor.actions import export
+from editor.base import language
+from editor.play.playback import Mode
+from editor.play.trace_files import read_trace, write_trace
+from editor.toolkit import widgets
+from editor.window.panels import evaluate
+from editor.window.panels.training import title_of
+from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
+from tests.editor.core.test_viewer import a_summary
+from tests.editor.gui.test_language import ALLOWED
+from tests.editor.gui.viewing import front, settle
+
+
+@pytest.fixture
+def said(monkeypatch):
+    """The words that widgets draw."""
+    words = []
+    for name in ("text", "muted", "small", "wrapped"):
+        draw = getattr(widgets, name)
+        monkeypatch.setattr(
+            widgets, name, lambda one, *more, draw=draw: (words.append(one), draw(one, *more))
+        )
+    return words
+
+
+def evaluated(gui):
+    """The last evaluation that the worker was asked for, after a click on the button."""
+    gui.click("evaluate.run")
+    settle(gui)
+    return [request for request in gui.stage.asked if isinstance(request, Evaluate)][-1]
+
+
+def test_an_agent_is_measured_under_its_own_physics_and_the_table_says_which(with_agent, said):
+    session = with_agent.session
+    session.playback.physics = "fast"  # of the window; the agent was trained under jax2d
+    front(with_agent, "evaluate")
+    assert evaluated(with_agent).physics == ""
+    assert session.viewer.evaluation.summary(0)["physics"] == "jax2d"
+    assert any("Tester under jax2d: 0.500" in words for words in said)
+    with_agent.click("evaluate.physics")
+    with_agent.click("evaluate.physics.accurate")
+    assert evaluated(with_agent).physics == "accurate"
+    assert any("Tester under accurate: 0.500" in words for words in said)
+
+
+def test_every_number_of_the_form_has_its_name_beside_it(with_agent, monkeypatch):
+    drawn = []
+    label = evaluate._label
+    monkeypatch.setattr(evaluate, "_label", lambda words: (label(words), drawn.append(words)))
+    probe = widgets.probe
+
+    def noted(session, name, **more):
+        probe(session, name, **more)
+        drawn.append(name)
+
+    monkeypatch.setattr(widgets, "probe", noted)
+    front(with_agent, "evaluate")
+    for words, field in (("Attempts", "evaluate.attempts"), ("Seed", "evaluate.seed")):
+        assert drawn[drawn.index(field) - 1] == words
+
+
+def test_after_the_end_nobody_takes_over(with_agent):
+    session = with_agent.session
+    session.playback.simulator.ends_at = 5
+    with_agent.key("f6")
+    with_agent.frames(60)
+    assert session.mode is Mode.ENDED
+    with_agent.key("t")
+    assert not session.viewer.by_hand
+    told = [toast.text for toast in session.toasts]
+    assert not any("You drive" in words for words in told)
+    assert any(words.startswith("The episode is over") for words in told)
+    with_agent.key("backspace")
+    with_agent.frames(4)
+    assert session.playback.snapshot.action[0] == -1.0  # the agent's, not the person's
+
+
+def compared(gui, suffix, path):
+    """The file of an episode of two players, attempt 2 under seed 7, the likeliest actions."""
+    session = gui.session
+    for slot, name, digest in (("a", "Tester", "a" * 64), ("b", "Other", "b" * 64)):
+        session.viewer.slots[slot].summary = a_summary(name, digest=digest)
+    session.viewer.seed, session.viewer.attempt, session.viewer.deterministic = 7, 2, True
+    session.viewer.compare = "side"
+    gui.key("f6")
+    gui.frames(30)
+    trace, level = session.playback.trace, session.playback.level
+    if suffix == ".npz":
+        write_trace(trace, level, path)
+    elif suffix == ".html":
+        export.write_page(session, level, trace, path)
+    else:
+        export.film(session, level, trace, path)
+        settle(gui)
+    return trace, level
+
+
+def test_a_shared_page_tells_whose_episodes_these_are(with_agent, tmp_path):
+    compared(with_agent, ".html", tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert page.count("attempt 2, seed 7, likeliest actions") == 2
+    for player in (f"Tester {'a' * 12}", f"Other {'b' * 12}"):
+        assert player in page
+    assert page.count('["physics","jax2d"]') == 2
+
+
+def test_a_film_of_two_players_tells_whose_episodes_these_are(with_agent, tmp_path):
+    compared(with_agent, ".gif", tmp_path / "a.gif")
+    (request,) = [r for r in with_agent.stage.asked if isinstance(r, ExportFilm)]
+    for trace, name in ((request.trace, "Tester"), (request.rival, "Other")):
+        assert (trace.player, trace.physics) == (name, "jax2d")
+        assert (trace.seed, trace.attempt, trace.deterministic) == (7, 2, True)
+        assert trace.digest[0] == ("a" if name == "Tester" else "b")
+
+
+def test_a_stored_episode_tells_whose_it_is(with_agent, tmp_path):
+    trace, _ = compared(with_agent, ".npz", tmp_path / "a.npz")
+    stored = read_trace(tmp_path / "a.npz").trace
+    for name in ("player", "physics", "seed", "attempt", "deterministic", "digest"):
+        assert getattr(stored, name) == getattr(trace, name), name
+    assert (stored.player, stored.digest, stored.seed) == ("Tester", "a" * 64, 7)
+
+
+def test_titles_of_curves_name_the_level():
+    metric = "eval_avg/hand_designed_episode_solve_rate_s/goalkeeper"
+    assert title_of(metric) == "Solved s/goalkeeper"
+    assert title_of("loss/entropy") == "loss/entropy"
+
+
+def test_what_measures_speaks_german(with_agent):
+    """Form, table, attempts, ways, curves and overlays: no word of the app's own is English."""
+    gui, session = with_agent, with_agent.session
+    session.settings.language = "de"
+    session.viewer.slots["b"].summary = a_summary("Other", physics="fast", steps=1000)
+    gui.stage.paths = AttemptPaths(
+        level_hash=session.document.hash,
+        step=np.arange(4) * 2,
+        position=np.zeros((20, 4, 2), np.float32),
+        outcomes=("won", "lost") * 10,
+        parting=4,
+        endings=(
+            Ending(outcome="lost", attempts=tuple(range(1, 20)), place=(1, 1), length=1, parting=4),
+            Ending(outcome="won", attempts=(0,), place=(1, 2), length=9, parting=None),
+        ),
+    )
+    gui.stage.news = RunNews(
+        rows=({"timing/num_env_steps": 10.0, "loss/entropy": 1.0},), total=1, newest=100
+    )
+    gui.click("menu.agent")
+    gui.key("escape")
+    front(gui, "agents")
+    front(gui, "evaluate")
+    evaluated(gui)
+    gui.click(f"evaluate.{session.document.level.name}.0")
+    gui.click("evaluate.ways")
+    settle(gui)
+    for name in ("evaluate.ending.0", "evaluate.attempt.3", "evaluate.save", "evaluate.more"):
+        gui.move(*gui.probe(name).centre)
+        gui.frames(60)
+    for action in ("agent.watch_run", "file.share", "agent.choose_a"):
+        actions.run(session, action)
+        gui.frames(4)
+        session.prompts.clear()
+    session.viewer.run.path = "/runs/one"
+    session.viewer.run.rows = list(gui.stage.news.rows)
+    front(gui, "training")
+    front(gui, "curriculum")
+    session.viewer.compare = "side"
+    session.playback.simulator.ends_at = session.viewer.rival.simulator.ends_at = 5
+    gui.key("f6")
+    gui.frames(60)
+    spoken = language.spoken()
+    assert spoken is not None
+    known = re.compile(r"Tester.*|Other.*|PPO.*|loss/.*|.*Kinetix.*")
+    english = [w for w in spoken.missing if not ALLOWED.fullmatch(w) and not known.fullmatch(w)]
+    assert not english, english
