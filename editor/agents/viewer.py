@@ -13,6 +13,7 @@ from editor.worker.jobs import Job, Worker
 from editor.worker.requests import AgentSummary, AgentView, AttemptPaths, Casting
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, needed_capacity
+from kinetix.wording import plural
 
 SlotName: TypeAlias = Literal["a", "b"]
 SLOTS: Final[tuple[SlotName, ...]] = ("a", "b")
@@ -122,8 +123,8 @@ def mismatch(summary: AgentSummary, level: Level) -> str:
     if trained is None:
         return ""
     larger = [
-        f"{have} {name} (it knows {most})"
-        for have, most, name in zip(sizes, trained, _KINDS, strict=True)
+        f"{plural(have, *names)} (it knows {most})"
+        for have, most, names in zip(sizes, trained, _KINDS, strict=True)
         if have > most
     ]
     if not larger:
@@ -135,4 +136,9 @@ def mismatch(summary: AgentSummary, level: Level) -> str:
     return f"It cannot play this level: it sees one size only, and {needed}."
 
 
-_KINDS: Final = ("polygons with the arena", "circles", "joints", "thrusters")
+_KINDS: Final = (
+    ("polygon with the arena", "polygons with the arena"),
+    ("circle", "circles"),
+    ("joint", "joints"),
+    ("thruster", "thrusters"),
+)

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 
 import pytest
 
@@ -10,8 +11,17 @@ from editor.actions import comparison
 from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan, bare_summary
 from editor.session import Session
-from editor.worker.requests import Evaluate, EvaluatedLevel, LoadAgent
+from editor.worker.requests import (
+    AgentRef,
+    Casting,
+    Evaluate,
+    EvaluatedLevel,
+    LoadAgent,
+    OpenEpisode,
+)
+from editor.worker.trace_pages import film_of_trace
 from kinetix.level.codec import level_hash, load_level
+from kinetix.pages.film import packed
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import Unheard
 
@@ -124,6 +134,33 @@ def test_the_files_of_kinetix_compare_are_the_apps_to_the_byte(app, compared, tm
     sheet = list(csv.DictReader(io.StringIO((compared / "table.csv").read_text())))
     rates = [row["solve_rate"] for key, row in sorted(shown(app).items())]
     assert sorted(float(row["solve_rate"]) for row in sheet) == sorted(rates)
+
+
+def test_one_attempt_is_the_same_in_the_app_by_command_and_as_a_page(app, capsys, tmp_path):
+    from editor.worker import simulation
+    from kinetix.cli import main
+
+    attempt, (level, _) = 2, app.viewer.evaluation.plan.levels
+    told = app.viewer.evaluation.results(1)[0].episodes[attempt]
+    words = [level.name, "--agent", "random", "--attempt", str(attempt)]
+    assert main(["play", *words, "--json"]) == 0
+    played = json.loads(capsys.readouterr().out)
+    assert (played["steps"], played["outcome"]) == (told.length, told.outcome)
+    assert played["return"] == round(told.total_reward, 6)
+    casting = Casting(agent=AgentRef(path="random"), attempt=attempt)
+    request = OpenEpisode(level=level, casting=casting, physics="balanced")
+    opened = simulation.perform(request, Sharing())
+    last = opened.trace.snapshots[-1]
+    assert (last.step, last.outcome) == (told.length, told.outcome)
+    assert last.total_reward == pytest.approx(told.total_reward, abs=1e-5)
+    # Page and film show these very poses, and say which attempt it is.
+    assert main(["render", *words[:1], str(tmp_path / "a.html"), *words[1:]]) == 0
+    data = re.search(r'id="data">(.*?)</script>', (tmp_path / "a.html").read_text(), re.S)
+    (film,) = json.loads(data[1])["films"]
+    mine = packed(film_of_trace(opened.trace, opened.level))
+    assert (film["poses"], film["outcome"]) == (mine["poses"], told.outcome)
+    assert film["facts"] == [list(fact) for fact in mine["facts"]]
+    assert ["draws", "attempt 2, seed 0, actions drawn from the policy"] in film["facts"]
 
 
 def test_the_file_opened_again_shows_the_same_table(app, compared):

@@ -584,6 +584,18 @@ def test_a_mismatch_is_explained():
     assert mismatch(a_summary(), level) == ""
 
 
+def test_room_that_a_level_leaves_empty_is_not_said_to_be_there():
+    """A level of size l without thrusters has none, whatever it has room for."""
+    level = msgspec.structs.replace(a_level(), size="l", thrusters=())
+    flat = a_summary(capacity=(5, 3, 1, 1), any_size=False)
+    sentence = mismatch(flat, level)
+    assert "this level is of a size with" in sentence and "thrusters (it knows 1)" in sentence
+    assert "this level has" not in sentence
+    anything = a_summary(capacity=(5, 3, 1, 0), any_size=True)
+    assert mismatch(anything, level) == ""
+    assert "1 thruster (it knows 0)" in mismatch(anything, a_level())
+
+
 def test_an_agent_of_any_size_is_measured_by_what_the_level_has():
     level = msgspec.structs.replace(a_level(), size="l")  # has room for more than it has
     assert mismatch(a_summary(any_size=True, capacity=(5, 3, 1, 1)), level) == ""
