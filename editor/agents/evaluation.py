@@ -316,6 +316,8 @@ class Evaluation:
         if self.plan is None:
             return ""
         rows: list[dict[str, Any]] = []
+        names = (level.name for level in self.plan.levels)
+        hashes = dict(zip(names, self.plan.hashes, strict=True))
         for agent in range(len(self.plan.agents)):
             whence = self.plan.provenance(agent).as_dict()
             failures = {result.level: result.failures for result in self.results(agent)}
@@ -323,6 +325,7 @@ class Evaluation:
                 {"agent": whence["agent"]}
                 | line
                 | {"failures": failures.get(line["level"], "")}
+                | {"level_hash": hashes[line["level"]]}
                 | whence
                 for line in self.lines(agent)
                 if "level" in line

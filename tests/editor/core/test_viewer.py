@@ -467,6 +467,9 @@ def test_the_table_sorts_filters_and_says_what_the_command_says(with_agent):
     rows = list(csv.DictReader(io.StringIO(evaluation.csv_text())))
     assert [row["level"] for row in rows] == ["s/a", "s/b", "m/c"]
     assert rows[0]["failures"] == "2 lost"
+    told = {name: rows[0][name] for name in ("level_hash", "physics", "seed", "attempts")}
+    assert told == {"level_hash": "hash s/a", "physics": "jax2d", "seed": "0", "attempts": "4"}
+    assert (rows[0]["agent"], rows[0]["deterministic"]) == ("Tester", "False")
 
 
 def test_results_are_kept_for_the_gallery(with_agent):

@@ -179,6 +179,8 @@ def test_what_measures_speaks_german(with_agent):
     gui.frames(60)
     spoken = language.spoken()
     assert spoken is not None
-    known = re.compile(r"symbolic entity|multi discrete|entity transformer|Tester.*|Other.*|PPO.*|loss/.*|.*Kinetix.*")
+    known = re.compile(
+        r"symbolic entity|multi discrete|entity transformer|Tester.*|Other.*|PPO.*|loss/.*"
+    )
     english = [w for w in spoken.missing if not ALLOWED.fullmatch(w) and not known.fullmatch(w)]
     assert "\n".join(sorted(english)) == ""

@@ -2,13 +2,21 @@
 
 import json
 
+import numpy as np
 import pytest
+from PIL import Image
 
 pytestmark = [pytest.mark.gl, pytest.mark.slow]
 
 
 def record(tmp_path, name):
     return json.loads((tmp_path / f"{name}.json").read_text())
+
+
+def differ(tmp_path, first, second):
+    """The share of pixels in which two pictures differ."""
+    with Image.open(tmp_path / f"{first}.png") as a, Image.open(tmp_path / f"{second}.png") as b:
+        return np.mean(np.any(np.asarray(a.convert("RGB")) != np.asarray(b.convert("RGB")), -1))
 
 
 def test_an_agent_is_watched_looked_back_on_and_branched_from(
@@ -76,6 +84,40 @@ def test_a_paused_episode_is_changed_played_on_kept_and_dropped(
     assert told["back"]["level_hash"] == level and not told["back"]["dirty"]
     assert (told["dropped"]["mode"], told["dropped"]["level_hash"]) == ("paused", level)
     assert (told["after"]["mode"], told["after"]["level_hash"]) == ("edit", level)
+
+
+def test_attempts_are_grouped_by_their_ends_and_open_where_they_part(
+    software_gl, run_editor, script, tmp_path
+):
+    done = run_editor("--offscreen", "--replay", str(script("attempts_part.jsonl")), timeout=590)
+    assert done.returncode == 0, done.stderr
+    (policy,) = record(tmp_path, "table")["policies"]
+    (result,) = policy["results"]
+    lost = [length for outcome, length, _ in result["episodes"] if outcome == "lost"]
+    opened, played = record(tmp_path, "opened"), record(tmp_path, "played")
+    # It stands still where losses leave the wins, before the end; from there it plays on.
+    assert opened["mode"] == "replay" and 0 < opened["step"] <= max(lost)
+    assert (played["mode"], played["outcome"]) == ("replay", "lost")
+    assert differ(tmp_path, "attempts", "ways") > 0.001
+    assert differ(tmp_path, "ways", "wins") > 0.001
+    assert record(tmp_path, "after")["mode"] == "edit"
+
+
+def test_policies_are_measured_from_the_gallery_compared_saved_and_opened_again(
+    software_gl, run_editor, script, tmp_path
+):
+    done = run_editor("--offscreen", "--replay", str(script("policies.jsonl")), timeout=590)
+    assert done.returncode == 0, done.stderr
+    stored = record(tmp_path, "table")
+    assert [policy["label"] for policy in stored["policies"]] == ["Goalkeeper", "random", "noop"]
+    assert stored["leaderboard"][0]["label"] == "Goalkeeper"
+    assert len(stored["differences"]) == 3
+    assert "Goalkeeper" in (tmp_path / "table.html").read_text()
+    # What was saved is the table that it was saved from.
+    assert differ(tmp_path, "measured", "heat") > 0.002 > differ(tmp_path, "heat", "opened")
+    played = record(tmp_path, "played")
+    assert (played["mode"], played["outcome"]) == ("ended", "won")
+    assert record(tmp_path, "after")["mode"] == "edit"
 
 
 def test_an_episode_is_shared_as_a_page_and_kept_as_data(software_gl, run_editor, script, tmp_path):
