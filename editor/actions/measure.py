@@ -41,7 +41,7 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
     if not sources:
         document = session.document
         if document.path is not None and not document.dirty:
-            sources = (_name_of(document.path),)
+            sources = (str(document.path),)
         else:
             level = document.level
             return [(EvaluatedLevel(name=level.name, source=level), document.hash)]
@@ -52,14 +52,14 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
             ),
             level.sha256,
         )
-        for level in gather_levels(sources)
+        for level in gather_levels([_name_of(Path(source)) for source in sources])
     ]
 
 
 def _name_of(path: Path) -> str:
     """A bundled level by its name, so that results are called as on the command line."""
     resolved = path.resolve()
-    if resolved.is_relative_to(levels_dir().resolve()):
+    if resolved.is_file() and resolved.is_relative_to(levels_dir().resolve()):
         return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()
     return str(path)
 

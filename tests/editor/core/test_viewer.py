@@ -40,7 +40,7 @@ from editor.worker.requests import (
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, KinetixError
-from kinetix.paths import checkpoints_dir
+from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
 NOOP = (0,) * 6
@@ -543,6 +543,11 @@ def test_levels_are_named_as_on_the_command_line(session, tmp_path):
     ((level, _),) = measure.levels_named(session, ("s/goalkeeper",))
     assert level.name == "s/goalkeeper"
     assert Path(level.source).name == "goalkeeper.json"
+    # The gallery names files.
+    chosen = tuple(str(levels_dir() / "s" / f"{name}.json") for name in ("hang_on", "plank_dash"))
+    found = measure.levels_named(session, chosen)
+    assert [level.name for level, _ in found] == ["s/hang_on", "s/plank_dash"]
+    assert measure.levels_named(session, (str(levels_dir() / "s"),))[0][0].name == "circus_act"
 
 
 def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
