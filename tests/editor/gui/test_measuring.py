@@ -115,6 +115,7 @@ def test_a_shared_page_tells_whose_episodes_these_are(with_agent, tmp_path):
 def test_a_film_of_two_players_tells_whose_episodes_these_are(with_agent, tmp_path):
     compared(with_agent, ".gif", tmp_path / "a.gif")
     (request,) = [r for r in with_agent.stage.asked if isinstance(r, ExportFilm)]
+    assert request.rival is not None
     for trace, name in ((request.trace, "Tester"), (request.rival, "Other")):
         assert (trace.player, trace.physics) == (name, "jax2d")
         assert (trace.seed, trace.attempt, trace.deterministic) == (7, 2, True)
