@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from editor.gallery.results import Record, Trial
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
 from kinetix.level.sets import load_set
@@ -173,3 +174,18 @@ def test_a_thousand_levels_scroll(make_gui, mine):
     # Processor time, twice the targets of 300 ms and 16.7 ms: test machines share their caches.
     assert painted < 0.6, f"{painted:.3f} s"
     assert statistics.median(times) < 0.033, f"{1000 * statistics.median(times):.1f} ms"
+
+
+def test_levels_are_filtered_by_who_solved_them(gallery):
+    """The choice for all players has no value; the list opens all the same."""
+    session = gallery.session
+    trial = Trial(player="Tester", digest="", physics="fast", deterministic=False, seed=0)
+    (card,) = [card for card in session.library.cards if card.name == "Rocket"]
+    session.results.record(trial, {card.sha256: Record(attempts=2, solved=2)})
+    gallery.frames(4)
+    for value, shown in (("+Tester", {"gallery.card.rocket"}), ("", cards(gallery))):
+        gallery.click("gallery.solved")
+        gallery.click(f"gallery.solved.{value}")
+        gallery.frames(4)
+        assert cards(gallery) == shown
+    assert not [toast for toast in session.toasts if toast.kind == "error"]

@@ -120,7 +120,7 @@ def _switch(session: "Session", field: str, label: str) -> None:
 def _winners(session: "Session", players: Sequence[str]) -> None:
     """Solved, or not yet solved, by a player with recorded results."""
     gallery, wish = session.gallery, session.gallery.wish
-    options = [("", "Solved by anybody or nobody")]
+    options = [("", "All results")]
     options += [(f"+{name}", f"Solved by {name}") for name in players]
     options += [(f"-{name}", f"Not solved by {name}") for name in players]
     current = f"+{wish.solved_by}" if wish.solved_by else ""
