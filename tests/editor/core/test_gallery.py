@@ -18,6 +18,7 @@ from editor.gallery.library import Library
 from editor.gallery.results import HUMAN, Record, Results, Trial
 from editor.gallery.search import Wish, tag_counts, wanted
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
+from kinetix.cli import main
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
@@ -267,6 +268,20 @@ def test_a_set_splits_weighs_and_leaves_doubles_out(folder, tmp_path, form):
     again = export_set(levels, plan, tmp_path / "again.json" if form == "file" else target)
     assert [each.split for each in again.levels] == splits
     assert (form == "file") == all(each.path is None for each in loaded.levels)
+
+
+def test_one_file_of_the_app_is_what_the_command_puts_inline(folder, tmp_path):
+    paths = [folder / f"l{k}.json" for k in range(4)]
+    for k, path in enumerate(paths):
+        save_level(playable(f"L{k}", 1.0 + 0.1 * k), path)
+    app, command = tmp_path / "app.json", tmp_path / "command.json"
+    export_set(dict.fromkeys(paths, 1.0), SetPlan(seed=3), app)
+    words = ["levelset", "build", str(command), "--levels", *map(str, paths)]
+    assert main([*words, "--seed", "3", "--inline"]) == 0
+    mine, theirs = load_set(app).levels, load_set(command).levels
+    assert [(e.level, e.split, e.path) for e in mine] == [
+        (e.level, e.split, e.path) for e in theirs
+    ]
 
 
 def test_a_set_with_a_bad_level_is_refused_and_nothing_is_written(library, folder, tmp_path):

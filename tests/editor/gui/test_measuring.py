@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import export
+from editor.actions import agents, export
 from editor.base import language
 from editor.play.playback import Mode
 from editor.play.trace_files import read_trace, write_trace
@@ -14,6 +14,7 @@ from editor.toolkit import widgets
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
 from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
+from kinetix.paths import checkpoints_dir
 from tests.editor.core.test_viewer import a_summary
 from tests.editor.gui.test_language import ALLOWED
 from tests.editor.gui.viewing import front, settle
@@ -81,6 +82,18 @@ def test_after_the_end_nobody_takes_over(with_agent):
     with_agent.key("backspace")
     with_agent.frames(4)
     assert session.playback.snapshot.action[0] == -1.0  # the agent's, not the person's
+
+
+def test_the_dialog_for_agents_speaks_of_agents(with_agent, said):
+    agents.browse(with_agent.session, "a")
+    with_agent.frames(6)
+    assert any(words.startswith("Go into the folder of an agent") for words in said)
+    assert not any("level" in words for words in said if "see it here" in words or "No " in words)
+    with_agent.text(str(checkpoints_dir() / "goalkeeper"))  # the field takes a path
+    with_agent.key("return")
+    said.clear()
+    with_agent.frames(6)
+    assert any(words.startswith("Goalkeeper") for words in said)
 
 
 def compared(gui, suffix, path):
