@@ -29,8 +29,20 @@ def ask_comparison(session: Session) -> None:
             folder=Path.cwd(),
             suffixes=(".json",),
             answer=answer,
+            about=about_comparison,
         )
     )
+
+
+def about_comparison(path: Path) -> str:
+    """Return what a stored comparison holds, or why it is none; empty for other files."""
+    if path.suffix.lower() != ".json":
+        return ""
+    try:
+        stored = read_comparison(path)
+    except KinetixError:
+        return "This is no comparison."
+    return "\n".join((_count(stored), "", *(one.label for one in stored.contenders)))
 
 
 def open_comparison(session: Session, path: Path) -> bool:

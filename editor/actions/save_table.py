@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from editor.actions.comparison import about_comparison
 from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
@@ -27,6 +28,7 @@ def ask_save(session: Session) -> None:
             name="evaluation.csv",
             suffixes=(".csv", ".jsonl", ".html", ".json"),
             answer=answer,
+            about=about_comparison,
         )
     )
 

@@ -67,6 +67,8 @@ class FileQuestion:
     folder will do."""
     wanted: str = ""
     """Requirement on a folder, in words: `an agent or a training run`."""
+    about: Callable[[Path], str] | None = None
+    """Says what a file is, for the preview. None: `.json` files are levels."""
     fresh: bool = False
     """True if a folder that is not there yet may be named."""
 

@@ -6,6 +6,7 @@ is installed.
 
 import functools
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -170,8 +171,9 @@ class FileBrowser:
             return picked
         at = (start.x + px(4), start.y + px(3))
         spot = (start.x + px(16), middle)
-        if path.suffix.lower() != _LEVEL:
-            draw.add_text(spot, u32(COLOURS.muted), Icons.film)
+        if path.suffix.lower() != _LEVEL or self._question.about is not None:
+            icon = Icons.film if self._question.about is None else Icons.trophy
+            draw.add_text(spot, u32(COLOURS.muted), icon)
         elif isinstance(level := peek(str(path), path.stat().st_mtime_ns), str):
             draw.add_text(spot, u32(COLOURS.warn), Icons.warning)
         else:
@@ -187,8 +189,12 @@ class FileBrowser:
             imgui.end_child()
             return
         if path is None or not os.path.isfile(path):
-            if _LEVEL in self._question.suffixes:
+            if _LEVEL in self._question.suffixes and self._question.about is None:
                 widgets.small("Choose a level to see it here.")
+            imgui.end_child()
+            return
+        if self._question.about is not None:
+            widgets.wrapped(_told(self._question.about, path, path.stat().st_mtime_ns))
             imgui.end_child()
             return
         if path.suffix.lower() != _LEVEL:
@@ -329,11 +335,18 @@ class FileBrowser:
         return True, path
 
 
+@functools.lru_cache(maxsize=32)
+def _told(about: Callable[[Path], str], path: Path, modified_ns: int) -> str:
+    """Return what a file is; it is read once, and again when it has changed."""
+    del modified_ns
+    return about(path)
+
+
 def nothing_here(question: FileQuestion) -> str:
     """Return what an empty folder is said to lack."""
     if question.purpose == "folder":
         return "No folders here."
-    if question.suffixes == (_LEVEL,):
+    if question.suffixes == (_LEVEL,) and question.about is None:
         return "No folders and no level files here."
     kinds = " or ".join(suffix for suffix in question.suffixes if suffix)
     return f"No folders and no {kinds} files here." if kinds else "Nothing here."

@@ -1,5 +1,6 @@
 """Agents measured in the window: whose physics, which numbers are what, what exports tell."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -7,10 +8,14 @@ import pytest
 
 from editor import actions
 from editor.actions import agents, export
+from editor.actions.comparison import about_comparison, ask_comparison
+from editor.actions.save_table import save_table
 from editor.base import language
+from editor.base.prompts import FileQuestion
 from editor.play.playback import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.toolkit import widgets
+from editor.window.browser import nothing_here
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
 from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
@@ -94,6 +99,27 @@ def test_the_dialog_for_agents_speaks_of_agents(with_agent, said):
     said.clear()
     with_agent.frames(6)
     assert any(words.startswith("Goalkeeper") for words in said)
+
+
+def test_the_dialog_for_comparisons_speaks_of_comparisons(with_agent, said, tmp_path):
+    gui, session = with_agent, with_agent.session
+    front(gui, "evaluate")
+    evaluated(gui)
+    save_table(session, tmp_path / "mine.json")
+    (tmp_path / "other.json").write_text("{}")
+    ask_comparison(session)
+    session.prompts[0] = dataclasses.replace(session.prompts[0], folder=tmp_path)
+    said.clear()
+    gui.frames(6)
+    assert not any("level" in words and "see it" in words for words in said)
+    for name, told in (("mine", "1 policy on 1 level.\n\nTester"), ("other", "This is no")):
+        gui.click(f"browser.{name}.json")
+        gui.frames(3)
+        assert any(words.startswith(told) for words in said), name
+    empty = FileQuestion(
+        purpose="open", title="", folder=tmp_path, answer=print, about=about_comparison
+    )
+    assert nothing_here(empty) == "No folders and no .json files here."
 
 
 def compared(gui, suffix, path):
