@@ -20,6 +20,7 @@ from kinetix.agents.checkpoint import (
     surviving,
     write_checkpoint,
 )
+from kinetix.agents.feeding import check_observations
 from kinetix.agents.identity import name_in_run
 from kinetix.agents.kinetix_env import (
     is_peer_checkpoint,
@@ -32,6 +33,7 @@ from kinetix.agents.player import PLANNER, ROWS, Decision, sample_each
 from kinetix.agents.scripted import SCRIPTED
 from kinetix.agents.shapes import network_of_card
 from kinetix.bundled import agent_hint, named_agent
+from kinetix.environment.checks import check_key
 from kinetix.errors import CheckpointError
 
 _TOLD: Final = ("logits", "log_prob", "value", "entropy")
@@ -139,8 +141,14 @@ class Agent:
         Returns:
             Actions, the next carry, and a dictionary with `logits`, `log_prob`, `value`, `entropy`.
             Log-probability and entropy are those of all controls, whatever the level has.
+
+        Raises:
+            KinetixError: The observations are of another kind or size, no batch, or not as many as
+                the carry; or there is no key.
         """
         batch = carry[0].shape[0]
+        check_key(key, "the order is act(carry, obs, key)")
+        check_observations(self.card, obs, batch)
         keys = jax.random.split(key, batch)
         done = jnp.zeros(batch, bool) if done is None else jnp.asarray(done)
         action, carry, info = _decide(
@@ -169,8 +177,8 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     Raises:
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
-    named = directory
-    directory = surviving(Path(directory))
+    named = str(directory)
+    directory = surviving(Path(named))
     if not os.path.isdir(directory):
         directory = named_agent(named) or directory
     if not os.path.isdir(directory):

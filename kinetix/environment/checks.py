@@ -1,21 +1,24 @@
 """Checks of the arguments of `reset` and `step` while they are traced: one sentence each.
 
-Types and shapes are known then, so a check costs nothing in a compiled step. Values are not: what
-lies outside an action's range is clipped, or counts as no action (`env.action_space().contains`
-tells).
+Types and shapes are known then, so a check costs nothing in a compiled step. Values are not: they
+are looked at where a method is called from Python alone. Under `jit` what lies outside an action's
+range is clipped, or counts as no action (`env.action_space().contains` tells).
 """
 
 import dataclasses
 import functools
+from collections.abc import Mapping
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity
 from kinetix.environment.actions import AbstractAction
-from kinetix.environment.params import PhysicsEngine
+from kinetix.environment.bounds import check_numbers
+from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.spaces import Box
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
@@ -33,15 +36,39 @@ def check_params(env_params: Any, order: str = _ORDER) -> None:
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is something else, or its reward scale is no number.
+        KinetixError: It is something else, or has a number that cannot be.
     """
     if env_params is None:
         return
     if not hasattr(env_params, "dense_reward_scale"):
         raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {order}")
-    if not _is_array(env_params.dense_reward_scale):
-        scale = env_params.dense_reward_scale
-        raise KinetixError(f"env_params: expected a number as dense_reward_scale, got {scale!r}")
+    if isinstance(env_params, EnvParams):
+        check_numbers(env_params)
+
+
+def check_env(env: Any) -> None:
+    """Refuse what is no environment, before something is wrapped around it.
+
+    Raises:
+        KinetixError: It has no `step`.
+    """
+    if not callable(getattr(env, "step", None)):
+        raise KinetixError(f"env: expected an environment, got {_kind(env)}")
+
+
+def check_static_params(static_env_params: Any, order: str) -> None:
+    """Refuse what is no `StaticEnvParams`.
+
+    Args:
+        static_env_params: The argument.
+        order: Right order of the arguments, for the sentence.
+
+    Raises:
+        KinetixError: It is something else.
+    """
+    if not hasattr(static_env_params, "frame_skip"):
+        kind = _kind(static_env_params)
+        raise KinetixError(f"static_env_params: expected StaticEnvParams, got {kind}; {order}")
 
 
 def check_parts(reset_fn: Any, env_params: Any, static_env_params: Any) -> None:
@@ -59,13 +86,15 @@ def check_parts(reset_fn: Any, env_params: Any, static_env_params: Any) -> None:
     order = "make_kinetix_env(action_type, observation_type, reset_fn, env_params, "
     order = f"the order is {order}static_env_params)"
     check_params(env_params, order)
-    if not hasattr(static_env_params, "frame_skip"):
-        kind = _kind(static_env_params)
-        raise KinetixError(f"static_env_params: expected StaticEnvParams, got {kind}; {order}")
+    check_static_params(static_env_params, order)
 
 
-def check_key(key: Any) -> None:
+def check_key(key: Any, order: str = _ORDER) -> None:
     """Refuse what is no random key.
+
+    Args:
+        key: The argument.
+        order: Right order of the arguments, for the sentence.
 
     Raises:
         KinetixError: It is something else, or a batch of keys.
@@ -74,22 +103,26 @@ def check_key(key: Any) -> None:
     typed = kind is not None and jnp.issubdtype(kind, jax.dtypes.prng_key)
     raw = kind is not None and kind == jnp.uint32
     if not typed and not raw:
-        raise KinetixError(f"key: expected jax.random.key(seed), got {_kind(key)}; {_ORDER}")
+        raise KinetixError(f"key: expected jax.random.key(seed), got {_kind(key)}; {order}")
     if jnp.ndim(key) != (0 if typed else 1):
         raise KinetixError(
             f"key: expected one key, got an array of shape {jnp.shape(key)}: use jax.vmap(env.step)"
         )
 
 
-def check_is_state(state: Any) -> None:
+def check_is_state(state: Any, order: str = _ORDER) -> None:
     """Refuse what is no `EnvState`.
+
+    Args:
+        state: The argument.
+        order: Right order of the arguments, for the sentence.
 
     Raises:
         KinetixError: It is something else.
     """
     if not isinstance(state, EnvState):
         inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
-        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {_ORDER}")
+        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {order}")
 
 
 def check_state(state: Any, engine: PhysicsEngine) -> None:
@@ -142,6 +175,36 @@ def check_action(action: Any, actions: AbstractAction) -> None:
         raise KinetixError(
             f"action of type {jnp.result_type(action).name}: expected integers ({actions.name}); "
             "for reals make the environment with ActionType.CONTINUOUS"
+        )
+
+
+def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
+    """Refuse values that a compiled step cannot see, where it is called from Python.
+
+    Args:
+        env: An environment.
+        arguments: Those of its `step`, `reset` or `get_obs`.
+        named: Likewise.
+
+    Raises:
+        KinetixError: A parameter or a choice of the action is out of its range.
+    """
+    for argument in (*arguments, *named.values()):
+        if isinstance(argument, EnvParams):
+            check_numbers(argument)
+    action = named.get("action", arguments[2] if len(arguments) > 2 else None)
+    space: Any = env.actions.action_space
+    if not isinstance(action, int | np.integer | np.ndarray | jax.Array) or isinstance(space, Box):
+        return  # reals are clipped, as agents that draw them expect
+    chosen = np.asarray(action)
+    if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
+        return  # `check_action` says so
+    choices = getattr(space, "number_of_dims_per_distribution", None)
+    if (chosen < 0).any() or (chosen >= np.array(choices or space.n)).any():
+        known = f"below {', '.join(map(str, choices))}" if choices else f"up to {space.n - 1}"
+        raise KinetixError(
+            f"action {chosen.tolist()}: expected whole numbers from 0 and {known} "
+            f"({env.actions.name}); under jit a choice that does not exist drives nothing"
         )
 
 

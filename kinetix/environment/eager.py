@@ -12,7 +12,7 @@ from typing import Any, Final
 import jax
 from jax.extend.core import get_opaque_trace_state
 
-from kinetix.environment.checks import refuse_what_is_no_array
+from kinetix.environment.checks import check_values, refuse_what_is_no_array
 
 _QUICK: Final = {"xla_backend_optimization_level": 0}
 """Options of a program for a processor: machine code as it comes, without LLVM's improvements."""
@@ -29,7 +29,8 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         method: Takes a hashable `self` and pytrees of arrays.
 
     Returns:
-        The compiled method; it raises a KinetixError where an argument holds no arrays.
+        The compiled method; it raises a KinetixError where an argument holds no arrays, or a value
+        that cannot be.
     """
     inside = jax.jit(method, static_argnums=0)
     alone = jax.jit(method, static_argnums=0, compiler_options=_QUICK)
@@ -37,6 +38,8 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         outside = get_opaque_trace_state("flax") == _OUTSIDE
+        if outside:
+            check_values(self, arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
         try:
             return program(self, *arguments, **named)

@@ -10,6 +10,7 @@ from typing import Any
 
 from jaxtyping import Array, Bool, Float
 
+from kinetix.environment.checks import check_env
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import NAMED, make_named_env
 from kinetix.environment.params import EnvParams
@@ -33,8 +34,9 @@ class GymnaxAdapter:
         """Wrap an environment.
 
         Raises:
-            KinetixError: gymnax is not installed.
+            KinetixError: gymnax is not installed, or the argument is no environment.
         """
+        check_env(env)
         gymnax_spaces()
         self._env = dataclasses.replace(env, keep_terminal_observation=True)
 

@@ -7,6 +7,7 @@ from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers import AbstractSolver, PgsBaumgarte
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Parameters
+from kinetix.environment.bounds import check_sizes
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import parse_capacity
 from kinetix.pytree import pytree, short_repr, static
@@ -153,20 +154,9 @@ def physics_engine(static_env_params: StaticEnvParams) -> PhysicsEngine:
     """Sizes, features and solver that `StaticEnvParams` names.
 
     Raises:
-        KinetixError: For an arena of another size than four, more than four corners, or a preset
-            that does not exist.
+        KinetixError: For a size that cannot be, or a preset that does not exist.
     """
-    if static_env_params.num_static_fixated_polys != ARENA_BODIES:
-        raise KinetixError(
-            f"num_static_fixated_polys={static_env_params.num_static_fixated_polys!r}: "
-            f"the arena has exactly {ARENA_BODIES} bodies"
-        )
-    if static_env_params.max_polygon_vertices != 4:
-        raise KinetixError(
-            f"max_polygon_vertices={static_env_params.max_polygon_vertices!r}: expected 4"
-        )
-    if static_env_params.frame_skip < 1:
-        raise KinetixError(f"frame_skip={static_env_params.frame_skip!r}: expected at least 1")
+    check_sizes(static_env_params)
     solver = solver_named(static_env_params.physics)
     if isinstance(solver, PgsBaumgarte):
         solver = dataclasses.replace(

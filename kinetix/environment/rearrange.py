@@ -12,6 +12,7 @@ from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, World
+from kinetix.environment.checks import check_is_state
 from kinetix.environment.fields import CONSTANTS
 from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
@@ -98,8 +99,12 @@ def permute_state(
         key: Draws the permutations.
         state: One state; use `vmap` for a batch.
         static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
+
+    Raises:
+        KinetixError: It is no state.
     """
     del static_env_params
+    check_is_state(state, "the order is permute_state(key, state, static_env_params)")
     size = capacity_of_world(state.world)
     polygon_key, circle_key, joint_key, thruster_key = jax.random.split(key, 4)
     polygons = ARENA_BODIES + jax.random.permutation(polygon_key, size.polygons - ARENA_BODIES)

@@ -14,6 +14,7 @@ from jaxtyping import Array
 
 from kinetix.bundled import named_levels
 from kinetix.engine.spec import Features, SceneSpec
+from kinetix.environment.checks import check_params, check_static_params
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -185,10 +186,16 @@ def make_reset_fn_sample_kinetix_level(
         static_env_params: Sizes and physics.
         ued_params: Options of the random levels; None: the usual ones.
         physics_engine: `env.physics_engine`; None: that of `static_env_params`.
+
+    Raises:
+        KinetixError: The two kinds of parameters are swapped, or one has a number that cannot be.
     """
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
 
+    order = "the order is make_reset_fn_sample_kinetix_level(env_params, static_env_params)"
+    check_params(env_params, order)
+    check_static_params(static_env_params, order)
     options = UEDParams() if ued_params is None else ued_params
     engine = physics_engine or physics_engine_of(static_env_params)
 

@@ -5,6 +5,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, Final
 
 import jax
@@ -19,6 +20,7 @@ from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
 from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
 from kinetix.level.compile import Labels, compile_level, features_of
 from kinetix.level.model import Level, Solution
 from kinetix.level.sizes import capacity_of, needed_capacity
@@ -80,7 +82,7 @@ class Run:
 
 
 def simulate(
-    level: Level,
+    level: Level | str | Path,
     seconds: float,
     *,
     physics: str = "balanced",
@@ -95,7 +97,7 @@ def simulate(
     differ in numbers alone, such as places, sizes, speeds and masses, do not.
 
     Args:
-        level: Any level.
+        level: Any level, its file, or the name of a bundled one.
         seconds: For how long.
         physics: A preset or a solver; `reference` computes in binary64.
         actions: What drives motors and thrusters: nothing (motors with `auto` run all the same);
@@ -106,11 +108,14 @@ def simulate(
 
     Raises:
         KinetixError: An argument is none of that.
-        LevelError: The level cannot be compiled.
+        LevelError: There is no such level, or it cannot be compiled.
     """
+    if isinstance(level, str | Path):
+        level = load_level(level)
     if not isinstance(level, Level):
         raise KinetixError(
-            f"level {level!r}: expected a kinetix.Level, from LevelBuilder.build() or load_level()"
+            f"level {level!r:.60}: expected a name, a file, or a kinetix.Level, from "
+            "LevelBuilder.build() or load_level()"
         )
     steps = _steps(seconds, dt)
     solver = solver_named(physics)

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from kinetix.environment.checks import check_env
 from kinetix.environment.devices import in_shares
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
@@ -95,7 +96,11 @@ def vectorize(env: Any) -> VectorEnv:
 
     Args:
         env: An environment for one world, or a wrapper around one.
+
+    Raises:
+        KinetixError: It is no environment.
     """
+    check_env(env)
     return VectorEnv(env=env)
 
 
@@ -107,7 +112,12 @@ def _axis(levels: EnvState | None) -> int | None:
 def _spread(
     function: Callable[..., Any], axes: tuple[int | None, ...], arguments: tuple[Any, ...]
 ) -> Any:
-    worlds = jax.tree.leaves(arguments[0])[0].shape[0]
+    first = jnp.shape(jax.tree.leaves(arguments[0])[0])
+    if not first:
+        raise KinetixError(
+            "expected a leading axis of worlds, got one: split its key by jax.random.split(key, n)"
+        )
+    worlds = first[0]
     devices = jax.device_count()
     if worlds % devices:
         more = -(-worlds // devices) * devices

@@ -5,6 +5,7 @@ from typing import Any
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.environment.checks import check_env
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
@@ -40,6 +41,7 @@ class LogWrapper:
     """Counts returns, lengths and solved episodes, and reports them in `info`."""
 
     def __init__(self, env: Any) -> None:
+        check_env(env)
         self._env: KinetixEnv = env
 
     def __getattr__(self, name: str) -> Any:

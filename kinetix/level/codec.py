@@ -261,9 +261,14 @@ def save_level(
         The names of the fields that the format cannot say; empty for our own format.
 
     Raises:
-        LevelError: The file cannot be written, or the format cannot hold the level.
+        LevelError: It is no level, the file cannot be written, or the format cannot hold it.
     """
     path = Path(path)
+    if not isinstance(level, Level):
+        raise LevelError(
+            f"{path}: expected a kinetix.Level to save, got {type(level).__name__}; states are "
+            "saved by kinetix.util.saving.export_env_state_to_json"
+        )
     write_atomically(path, dumps(level, format=format, source=source).encode())
     return () if format == FORMAT else lost_fields(level, stem=path.stem)
 

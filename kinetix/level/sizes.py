@@ -84,7 +84,7 @@ def parse_capacity(text: str) -> Capacity:
     """
     if text in SIZES:
         return SIZES[text]
-    parts = text.split(",")
+    parts = str(text).split(",")
     limits = (ARENA_BODIES, 0, 0, 0)
     if len(parts) == len(limits) and all(part.strip().isdecimal() for part in parts):
         numbers = [int(part) for part in parts]

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import State, World
+from kinetix.errors import KinetixError
 from kinetix.pytree import pytree, static
 from kinetix.render import columns, poses
 from kinetix.render.palette import KINETIX
@@ -69,7 +70,22 @@ class PixelGrid:
 
 
 def pixel_grid(env_params: "EnvParams", static_env_params: "StaticEnvParams") -> PixelGrid:
-    """The sizes that these parameters ask for."""
+    """The sizes that these parameters ask for.
+
+    Raises:
+        KinetixError: The two are swapped, or nothing would be left of the picture.
+    """
+    if not hasattr(static_env_params, "downscale") or not hasattr(env_params, "pixels_per_unit"):
+        kinds = f"{type(env_params).__name__}, {type(static_env_params).__name__}"
+        raise KinetixError(f"expected EnvParams, StaticEnvParams, in this order, got {kinds}")
+    if min(static_env_params.downscale, *static_env_params.screen_dim) < 1 or (
+        static_env_params.downscale > min(*static_env_params.screen_dim, env_params.pixels_per_unit)
+    ):
+        raise KinetixError(
+            f"downscale={static_env_params.downscale}: expected 1 up to the sides of "
+            f"screen_dim={static_env_params.screen_dim} and to "
+            f"pixels_per_unit={env_params.pixels_per_unit}"
+        )
     downscale = static_env_params.downscale
     per_unit = int(env_params.pixels_per_unit)
     per_metre = per_unit // downscale
@@ -257,6 +273,7 @@ def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Floa
     colours = _COLOURS * np.float32(scale)
 
     def render(env_state: Any) -> Float[Array, "x y 3"]:
+        _check_state(env_state)
         labels = env_state.labels
         codes = pixel_codes(
             env_state.world,
@@ -273,6 +290,16 @@ def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Floa
     return render
 
 
+def _check_state(env_state: Any) -> None:
+    if not hasattr(env_state, "labels"):
+        inside = " (its field env_state is one)" if hasattr(env_state, "env_state") else ""
+        raise KinetixError(f"state: expected an EnvState, got {type(env_state).__name__}{inside}")
+    if batch := jnp.shape(env_state.timestep):
+        raise KinetixError(
+            f"state: expected one state, got a batch of shape {batch}: use jax.vmap(render)"
+        )
+
+
 def make_render_pixels(
     env_params: "EnvParams", static_env_params: "StaticEnvParams"
 ) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
@@ -285,6 +312,9 @@ def make_render_pixels(
     Returns:
         A function of one `EnvState` (use `jax.vmap` for more): a picture with the axes
         [x, y, channel], y upwards, values 0–255. Show it with `transpose(1, 0, 2)[::-1]`.
+
+    Raises:
+        KinetixError: The two are swapped, or so small a picture cannot be.
     """
     return _make_renderer(pixel_grid(env_params, static_env_params), 1.0)
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from kinetix.agents.agent import Agent, load_agent
+from kinetix.agents.card import ObservationCard
+from kinetix.errors import CheckpointError, KinetixError
 from tests.agents.observations import published
 
 
@@ -56,3 +58,21 @@ def test_actions_follow_the_key_and_the_flag(peer, general):
     assert len(np.unique(drawn, axis=0)) > 1
     assert set(info) == {"logits", "log_prob", "value", "entropy"}
     assert np.all(info["entropy"] > 0)
+
+
+def test_what_an_agent_cannot_be_asked_with():
+    agent = load_agent("goalkeeper")
+    carry, key = agent.init_carry(2), jax.random.key(0)
+    with pytest.raises(KinetixError, match=r"sees symbolic_flat of shape \(140,\), got \(7,\)"):
+        agent.act(carry, jnp.zeros((2, 7)), key)
+    entities = agent.card.replace(observation=ObservationCard(type="symbolic_entity"))
+    with pytest.raises(KinetixError, match=r"sees symbolic_entity, got .* without 'circles'"):
+        Agent(entities, {}).act(carry, jnp.zeros((2, 140)), key)
+    with pytest.raises(KinetixError, match="leading axis of environments; one observation gets it"):
+        agent.act(carry, jnp.zeros(140), key)
+    with pytest.raises(KinetixError, match=r"expected 2 environments, .* agent\.init_carry\(3\)"):
+        agent.act(carry, jnp.zeros((3, 140)), key)
+    with pytest.raises(KinetixError, match=r"key: expected .* the order is act\(carry, obs, key\)"):
+        agent.act(carry, jnp.zeros((2, 140)), 0)
+    with pytest.raises(CheckpointError, match="None: there is no such directory"):
+        load_agent(None)

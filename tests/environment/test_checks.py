@@ -1,5 +1,6 @@
 """Wrong arguments of `reset` and `step` get one sentence with what to do."""
 
+import dataclasses
 import functools
 
 import jax
@@ -7,8 +8,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix import EnvParams, StaticEnvParams, make_kinetix_env
-from kinetix.environment.params import static_env_params_from_size
+from kinetix import (
+    EnvParams,
+    LogWrapper,
+    StaticEnvParams,
+    make_kinetix_env,
+    make_render_pixels,
+    make_reset_fn_sample_kinetix_level,
+    permute_state,
+    static_env_params_from_size,
+    vectorize,
+)
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
 from tests.environment.conftest import small_level
@@ -112,5 +122,106 @@ def test_parts_of_an_environment_in_wrong_places(small_static):
     for level in ("s/goalkeeper", ["s/goalkeeper"]):
         with pytest.raises(KinetixError, match=r"reset_fn: .*make_reset_fn_list_of_levels"):
             make(level, params, small_static)
-    with pytest.raises(KinetixError, match="expected a number as dense_reward_scale, got 'a'"):
+    with pytest.raises(KinetixError, match="dense_reward_scale: expected a finite number, got 'a'"):
         make(None, EnvParams(dense_reward_scale="a"), small_static)
+
+
+@pytest.mark.parametrize(
+    ("field", "bad", "expected"),
+    [
+        ("max_timesteps", -1, "steps from 1, or jnp.inf for no time limit, got -1"),
+        ("max_timesteps", 0, "steps from 1"),
+        ("max_timesteps", 2.5, "steps from 1"),
+        ("max_timesteps", None, "steps from 1"),
+        ("max_timesteps", float("nan"), "steps from 1"),
+        ("dt", 60, "seconds above 0 and up to 1, such as 1/60, got 60"),
+        ("dt", "1/60", "seconds above 0"),
+        ("clip_position", 0.0, "above 0"),
+        ("base_thruster_power", float("inf"), "a finite number"),
+    ],
+)
+def test_numbers_that_no_episode_can_be_played_with(
+    small_env, small_state, small_static, field, bad, expected
+):
+    params = EnvParams(**{field: bad})
+    expected = rf"env_params\.{field}: expected .*{expected}"
+    with pytest.raises(KinetixError, match=expected):
+        make_kinetix_env("discrete", "blind", None, params, small_static)
+    with pytest.raises(KinetixError, match=expected):
+        small_env.step(KEY, small_state, ACTION, params)
+    with pytest.raises(KinetixError, match=expected):
+        small_env.reset(KEY, params, small_state)
+
+
+def test_parameters_that_are_traced_or_stand_for_axes_are_left_alone(small_env, small_state):
+    """Trees of `in_axes` and of gradients have numbers that no parameter could have."""
+    axes = jax.tree.map(lambda _: None, EnvParams()).replace(max_timesteps=0)
+    limits = EnvParams(max_timesteps=jnp.array([1, 2]))
+    labels = dataclasses.replace(small_state.labels, max_timesteps=jnp.int32(0))
+    state = dataclasses.replace(small_state, labels=labels)
+    step = jax.vmap(small_env.step, in_axes=(None, None, None, axes))
+    ended = step(KEY, state, ACTION, limits)[3]
+    assert ended.tolist() == [True, False]
+    make_kinetix_env("discrete", "blind", None, EnvParams(max_timesteps=jnp.inf))
+
+
+@pytest.mark.parametrize(
+    ("field", "bad"),
+    [
+        ("num_polygons", 3),
+        ("num_circles", -1),
+        ("num_joints", 1.5),
+        ("num_motor_bindings", "4"),
+        ("frame_skip", 2.0),
+        ("downscale", 0),
+        ("screen_dim", 500),
+        ("max_shape_size", 0),
+    ],
+)
+def test_sizes_that_cannot_be(field, bad):
+    static = StaticEnvParams(**{field: bad})
+    with pytest.raises(KinetixError, match=rf"static_env_params\.{field}: expected .*, got"):
+        make_kinetix_env("discrete", "blind", None, EnvParams(), static)
+
+
+def test_choices_that_do_not_exist(small_env, small_state, small_static):
+    assert sentence(small_env, KEY, small_state, ACTION.at[0].set(3)) == (
+        "action [3, 0, 0, 0, 0, 0]: expected whole numbers from 0 and below 3, 3, 3, 3, 2, 2 "
+        "(multi_discrete); under jit a choice that does not exist drives nothing"
+    )
+    single = make_kinetix_env("discrete", "blind", lambda key: small_state, None, small_static)
+    for bad in (-1, np.int64(11), jnp.array(42)):
+        assert "expected whole numbers from 0 and up to 10" in sentence(
+            single, KEY, small_state, bad
+        )
+    # Where values are not known they cannot be refused.
+    jax.jit(small_env.step)(KEY, small_state, ACTION + 7)
+
+
+def test_wrappers_around_nothing_and_other_things_in_the_place_of_a_state(small_static):
+    for wrap in (LogWrapper, vectorize):
+        with pytest.raises(KinetixError, match="env: expected an environment, got NoneType"):
+            wrap(None)
+    with pytest.raises(KinetixError, match=r"got EnvParams; the order is permute_state\(key"):
+        permute_state(KEY, EnvParams(), small_static)
+    with pytest.raises(KinetixError, match="the order is make_reset_fn_sample_kinetix_level"):
+        make_reset_fn_sample_kinetix_level(small_static, EnvParams())
+    with pytest.raises(KinetixError, match="size None: expected s, m, l"):
+        static_env_params_from_size(None)
+
+
+def test_pictures_of_what_is_no_state(small_env, small_state, small_static):
+    render = make_render_pixels(EnvParams(), small_static)
+    with pytest.raises(KinetixError, match=r"got LogState \(its field env_state is one\)"):
+        render(LogWrapper(small_env).reset(KEY, None, small_state)[1])
+    with pytest.raises(KinetixError, match=r"a batch of shape \(1,\): use jax.vmap\(render\)"):
+        render(jax.tree.map(lambda x: jnp.asarray(x)[None], small_state))
+    with pytest.raises(KinetixError, match="in this order, got StaticEnvParams, EnvParams"):
+        make_render_pixels(small_static, EnvParams())
+    with pytest.raises(KinetixError, match="downscale=501: expected 1 up to the sides"):
+        make_render_pixels(EnvParams(), small_static.replace(downscale=501))
+
+
+def test_one_world_where_many_are_expected(small_env, small_state):
+    with pytest.raises(KinetixError, match=r"got one: split its key by jax\.random\.split"):
+        vectorize(small_env).reset(KEY, None, small_state)

@@ -121,7 +121,7 @@ def test_a_run_is_frozen_short_and_can_be_kept():
 
 
 WRONG = {
-    "level": (("s/first_flight", 1.0), {}, "expected a kinetix.Level"),
+    "level": ((None, 1.0), {}, "level None: expected a name, a file, or a kinetix.Level"),
     "seconds": ((falling(), -1.0), {}, "seconds -1.0: expected a finite number above 0"),
     "endless": ((falling(), math.inf), {}, "seconds inf: expected a finite number"),
     "long": ((falling(), 1e9), {}, "at most 10000000 steps"),

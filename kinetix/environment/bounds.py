@@ -1,0 +1,117 @@
+"""Bounds of the numbers in `EnvParams` and `StaticEnvParams`, a row each.
+
+Only numbers of Python and numpy are looked at: arrays may be traced, or a batch.
+"""
+
+import math
+import numbers
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+from kinetix.engine.spec import ARENA_BODIES
+from kinetix.errors import KinetixError
+
+
+class _Bound(NamedTuple):
+    """Fields that share a bound, what a sentence says of it, and the test."""
+
+    names: tuple[str, ...]
+    expected: str
+    holds: Callable[[Any], bool]
+
+
+def _whole(least: int) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, numbers.Integral) and int(value) >= least
+
+
+_NUMBERS: Final = (
+    _Bound(("dt",), "seconds above 0 and up to 1, such as 1/60", lambda x: 0 < x <= 1),
+    _Bound(
+        ("max_timesteps",),
+        "a whole number of steps from 1, or jnp.inf for no time limit",
+        lambda x: x >= 1 and (math.isinf(x) or x == int(x)),
+    ),
+    _Bound(("clip_position", "clip_velocity", "clip_angular_velocity"), "above 0", lambda x: x > 0),
+    _Bound(("base_friction",), "0 or more", lambda x: x >= 0),
+    _Bound(("pixels_per_unit",), "a number from 1", lambda x: x >= 1),
+    _Bound(
+        (
+            "slop",
+            "baumgarte_coefficient_joints_v",
+            "baumgarte_coefficient_joints_p",
+            "baumgarte_coefficient_fjoint_av",
+            "baumgarte_coefficient_rjoint_limit_av",
+            "baumgarte_coefficient_collision",
+            "joint_stiffness",
+            "base_motor_speed",
+            "base_motor_power",
+            "base_thruster_power",
+            "motor_decay_coefficient",
+            "motor_joint_limit",
+            "dense_reward_scale",
+        ),
+        "a finite number",
+        math.isfinite,
+    ),
+)
+
+_SIZES: Final = (
+    _Bound(
+        ("num_polygons",),
+        f"a whole number from {ARENA_BODIES}, which the arena takes",
+        _whole(ARENA_BODIES),
+    ),
+    _Bound(
+        (
+            *("num_circles", "num_joints", "num_thrusters"),
+            *("num_motor_bindings", "num_thruster_bindings"),
+        ),
+        "a whole number from 0",
+        _whole(0),
+    ),
+    _Bound(
+        ("frame_skip", "downscale", "num_solver_iterations", "solver_batch_size"),
+        "a whole number from 1",
+        _whole(1),
+    ),
+    _Bound(
+        ("screen_dim",),
+        "width and height in pixels, such as (500, 500)",
+        lambda sides: len(sides) == 2 and all(map(_whole(1), sides)),
+    ),
+    _Bound(("max_shape_size",), "metres above 0", lambda x: 0 < x < math.inf),
+    _Bound(("num_static_fixated_polys",), f"{ARENA_BODIES}, the arena", lambda x: x == 4),
+    _Bound(("max_polygon_vertices",), "4", lambda x: x == 4),
+)
+
+
+def check_numbers(env_params: Any) -> None:
+    """Refuse an `EnvParams` with a number that no episode can be played with.
+
+    Raises:
+        KinetixError: The sentence names the field.
+    """
+    _check("env_params", env_params, _NUMBERS)
+
+
+def check_sizes(static_env_params: Any) -> None:
+    """Refuse a `StaticEnvParams` with a size that cannot be.
+
+    Raises:
+        KinetixError: The sentence names the field.
+    """
+    _check("static_env_params", static_env_params, _SIZES)
+
+
+def _check(record: str, params: Any, bounds: tuple[_Bound, ...]) -> None:
+    for bound in bounds:
+        for name in bound.names:
+            value = getattr(params, name)
+            if hasattr(value, "shape") and not isinstance(value, numbers.Number):
+                continue
+            try:
+                good = bound.holds(value)
+            except (TypeError, ValueError):
+                good = False
+            if not good:
+                raise KinetixError(f"{record}.{name}: expected {bound.expected}, got {value!r}")
