@@ -103,7 +103,8 @@ _RUN.multiple_results = True
 
 @_RUN.def_impl
 def _run(*leaves: Array, program: _Program) -> list[Array]:
-    return _alone(program)(*leaves)
+    with jax.disable_jit(False):  # what runs is compiled, or it would end up here again
+        return _alone(program)(*leaves)
 
 
 @functools.lru_cache(maxsize=64)

@@ -193,8 +193,13 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         if isinstance(argument, EnvParams):
             check_numbers(argument)
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
-    space: Any = env.actions.action_space
-    if not isinstance(action, int | np.integer | np.ndarray | jax.Array) or isinstance(space, Box):
+    if isinstance(action, int | np.integer | np.ndarray | jax.Array):
+        _check_choice(action, env.actions)
+
+
+def _check_choice(action: Any, actions: AbstractAction) -> None:
+    space: Any = actions.action_space
+    if isinstance(space, Box):
         return  # reals are clipped, as agents that draw them expect
     chosen = np.asarray(action)
     if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
@@ -204,7 +209,7 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         known = f"below {', '.join(map(str, choices))}" if choices else f"up to {space.n - 1}"
         raise KinetixError(
             f"action {chosen.tolist()}: expected whole numbers from 0 and {known} "
-            f"({env.actions.name}); under jit a choice that does not exist drives nothing"
+            f"({actions.name}); under jit a choice that does not exist drives nothing"
         )
 
 

@@ -7,6 +7,7 @@ Inside of `jit`, `vmap` and their like the caller's program is compiled, as thor
 
 import functools
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import Any, Final
 
 import jax
@@ -29,8 +30,8 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         method: Takes a hashable `self` and pytrees of arrays.
 
     Returns:
-        The compiled method; it raises a KinetixError where an argument holds no arrays, or a value
-        that cannot be.
+        The compiled method, under `jax.disable_jit` too; it raises a KinetixError where an argument
+        holds no arrays, or a value that cannot be.
     """
     inside = jax.jit(method, static_argnums=0)
     alone = jax.jit(method, static_argnums=0, compiler_options=_QUICK)
@@ -41,8 +42,11 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         if outside:
             check_values(self, arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
+        # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
+        compiled = jax.disable_jit(False) if jax.config.values["jax_disable_jit"] else nullcontext()
         try:
-            return program(self, *arguments, **named)
+            with compiled:
+                return program(self, *arguments, **named)
         except TypeError:
             refuse_what_is_no_array(method.__name__, (arguments, named))
             raise

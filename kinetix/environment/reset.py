@@ -1,6 +1,7 @@
 """Starts of episodes: levels from files, lists of levels, random levels, the empty level."""
 
 import dataclasses
+import functools
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import msgspec
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from kinetix.bundled import named_levels
 from kinetix.engine.spec import Features, SceneSpec
@@ -53,6 +54,24 @@ LevelLike = str | Path | Level | EnvState
 """A level in any form: file, bundled name, document, state."""
 
 _PERMUTATION = re.compile(r"\.permute(\d+)")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class _OneOf:
+    """Draws one of some levels; it can be pickled."""
+
+    levels: EnvState
+    """Stacked."""
+    edges: Float[np.ndarray, " n"]
+    """Sums of the probabilities of all levels up to each but the last."""
+
+    def __call__(self, key: Array) -> EnvState:
+        """Draw the start of an episode."""
+        index: Any = 0
+        if self.edges.size:
+            drawn = jax.random.uniform(key)
+            index = jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
+        return jax.tree.map(lambda x: x[index], self.levels)
 
 
 def load_from_json_file(
@@ -141,17 +160,7 @@ def make_reset_fn_list_of_levels(
     if not entries:
         raise KinetixError("levels is empty: expected at least one level")
     stacked = stack_states([level_state(level, static_env_params) for level in entries])
-    if len(entries) == 1:
-        only = jax.tree.map(lambda x: x[0], stacked)
-        return lambda key: only
-    edges = np.cumsum(weights) / np.sum(weights)
-
-    def reset(key: Array) -> EnvState:
-        drawn = jax.random.uniform(key)
-        index = jnp.sum(drawn >= jnp.asarray(edges[:-1], drawn.dtype), dtype=jnp.int32)
-        return jax.tree.map(lambda x: x[index], stacked)
-
-    return reset
+    return _OneOf(levels=stacked, edges=(np.cumsum(weights) / np.sum(weights))[:-1])
 
 
 def static_env_params_for_levels(
@@ -196,13 +205,13 @@ def make_reset_fn_sample_kinetix_level(
     order = "the order is make_reset_fn_sample_kinetix_level(env_params, static_env_params)"
     check_params(env_params, order)
     check_static_params(static_env_params, order)
-    options = UEDParams() if ued_params is None else ued_params
-    engine = physics_engine or physics_engine_of(static_env_params)
-
-    def reset(key: Array) -> EnvState:
-        return sample_kinetix_level(key, engine, env_params, static_env_params, options)
-
-    return reset
+    return functools.partial(
+        sample_kinetix_level,
+        physics_engine=physics_engine or physics_engine_of(static_env_params),
+        env_params=env_params,
+        static_env_params=static_env_params,
+        ued_params=UEDParams() if ued_params is None else ued_params,
+    )
 
 
 def make_reset_fn_sample_sizes(
@@ -218,7 +227,7 @@ def make_reset_fn_sample_sizes(
     from kinetix.environment.generators.starts import mixed_sampler
 
     options = UEDParams() if ued_params is None else ued_params
-    return mixed_sampler(physics_engine_of(static_env_params), options)
+    return functools.partial(_draw, mixed_sampler, physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_locomotion(
@@ -233,12 +242,20 @@ def make_reset_fn_locomotion(
     from kinetix.environment.generators.locomotion import LocomotionParams, locomotion_sampler
 
     options = LocomotionParams() if locomotion_params is None else locomotion_params
-    return locomotion_sampler(physics_engine_of(static_env_params), options)
+    engine = physics_engine_of(static_env_params)
+    return functools.partial(_draw, locomotion_sampler, engine, options)
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
     """A reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
+
+
+def _draw(
+    sampler: Callable[..., ResetFunction], engine: PhysicsEngine, options: Any, key: Array
+) -> EnvState:
+    """A level from a sampler that is made where it is used: it cannot be pickled."""
+    return sampler(engine, options)(key)
 
 
 def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:

@@ -116,3 +116,8 @@ def test_a_kernel_is_traced_once():
     found = jax.jit(twice)({"x": np.zeros((3, 5, 2), np.float32)})
     np.testing.assert_array_equal(found["x"], 2)
     assert traced == [(2, 15)]
+
+
+def test_a_kernel_runs_where_jit_is_switched_off():
+    with jax.disable_jit():
+        np.testing.assert_array_equal(worlds_last(lambda x: 2 * x)(jnp.ones(3)), 2.0)

@@ -51,3 +51,10 @@ def test_only_calls_from_outside_compile_quickly(way, quick, monkeypatch):
             CALLS[way]()
     else:
         np.testing.assert_array_equal(CALLS[way](), 6.0)
+
+
+def test_environments_stay_compiled_where_jit_is_switched_off(small_env, small_state):
+    """Whoever debugs a training loop step by step need not wait for a solver step by step."""
+    with jax.disable_jit():
+        _, state, *_ = small_env.step(jax.random.key(0), small_state, jnp.zeros(6, jnp.int32))
+    assert state.timestep == 1

@@ -1,6 +1,7 @@
 """Starts of episodes: options of files, weights of level sets, random sizes, walkers."""
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from kinetix.environment.reset import (
     load_from_json_file,
     make_reset_fn_list_of_levels,
     make_reset_fn_locomotion,
+    make_reset_fn_sample_kinetix_level,
     make_reset_fn_sample_sizes,
 )
 from kinetix.level.codec import save_level
@@ -157,3 +159,20 @@ def test_walkers_start_an_episode() -> None:
     assert (np.asarray(state.world.joints.active).sum(axis=1) >= 5).all()
     assert ((np.asarray(state.labels.role) == 2) & active).any(axis=1).all()
     assert np.isfinite(state.physics.position).all()
+
+
+def test_an_environment_can_be_pickled() -> None:
+    """Libraries send environments to other processes."""
+    static = static_env_params_from_size("s")
+    for reset_fn in (
+        make_reset_fn_list_of_levels([balls("a", 1.0), balls("b", 2.0)], static),
+        make_reset_fn_sample_kinetix_level(EnvParams(), static),
+        make_reset_fn_sample_sizes(static),
+        make_reset_fn_locomotion(static_env_params_from_size("locomotion")),
+    ):
+        env = make_kinetix_env("discrete", "blind", reset_fn, EnvParams(), static)
+        same = pickle.loads(pickle.dumps(env))
+        assert repr(same) == repr(env)
+    drawn = make_reset_fn_list_of_levels([balls("a", 1.0), balls("b", 2.0)], static)
+    key = jax.random.key(3)
+    jax.tree.map(np.testing.assert_array_equal, pickle.loads(pickle.dumps(drawn))(key), drawn(key))
