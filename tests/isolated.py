@@ -54,7 +54,9 @@ def python_with(folder: Path, *packages: str) -> Path:
     return python
 
 
-def run_with(python: Path, script: Path, *words: str, cwd: Path | None = None) -> str:
+def run_with(
+    python: Path, script: Path, *words: str, cwd: Path | None = None, seconds: float = 500
+) -> str:
     """Run a script with our packages in reach and return what it printed.
 
     Args:
@@ -62,12 +64,13 @@ def run_with(python: Path, script: Path, *words: str, cwd: Path | None = None) -
         script: What to run.
         *words: Its arguments.
         cwd: Where; by default here.
+        seconds: It is ended after so long.
     """
     result = subprocess.run(
         [python, script, *words],
         capture_output=True,
         text=True,
-        timeout=500,
+        timeout=seconds,
         check=False,
         cwd=cwd,
         env=os.environ | {"PYTHONPATH": str(ROOT)},

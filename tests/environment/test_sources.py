@@ -176,3 +176,21 @@ def test_an_environment_can_be_pickled() -> None:
     drawn = make_reset_fn_list_of_levels([balls("a", 1.0), balls("b", 2.0)], static)
     key = jax.random.key(3)
     jax.tree.map(np.testing.assert_array_equal, pickle.loads(pickle.dumps(drawn))(key), drawn(key))
+
+
+@pytest.mark.parametrize(
+    "reset_fn",
+    [
+        make_reset_fn_sample_kinetix_level(EnvParams(), static_env_params_from_size("s")),
+        make_reset_fn_sample_sizes(static_env_params_from_size("l")),
+        make_reset_fn_locomotion(static_env_params_from_size("locomotion")),
+    ],
+    ids=["one size", "sizes", "walkers"],
+)
+def test_random_levels_keep_their_types_where_others_compute_in_binary64(
+    reset_fn: ResetFunction,
+) -> None:
+    narrow = jax.eval_shape(reset_fn, jax.random.key(0))
+    with jax.enable_x64(True):
+        wide = jax.eval_shape(reset_fn, jax.random.key(0))
+    assert narrow.physics.position.dtype == wide.physics.position.dtype == jnp.float32

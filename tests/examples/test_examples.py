@@ -82,7 +82,8 @@ def test_example(name: str, tmp_path: Path) -> None:
 @pytest.mark.slow(seconds=150)
 def test_stable_baselines3_learns_goalkeeper(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    told = run_with(Path(sys.executable), EXAMPLES / "sb3_ppo.py", cwd=tmp_path)
+    script = EXAMPLES / "sb3_ppo.py"
+    told = run_with(Path(sys.executable), script, cwd=tmp_path, seconds=2400)
     level, rate = told.strip().splitlines()[-1].removesuffix(" solved").split(": ")
     assert level == "s/goalkeeper"
     assert float(rate) >= 0.9

@@ -119,7 +119,7 @@ class Tape:
     """
 
     def __init__(self, keys: UInt[Array, "n 2"], length: int) -> None:
-        rows = jax.vmap(lambda key: jax.random.uniform(key, (length,)))(keys)
+        rows = jax.vmap(lambda key: jax.random.uniform(key, (length,), jnp.float32))(keys)
         self._rows = rows.T
         self._next = 0
 

@@ -422,7 +422,8 @@ def _put_together(
     part = slice(0, len(creature.joints))
 
     def write(old: Array, new: Array) -> Array:
-        return old.at[part].set(jnp.where(spread(joints.active, new), new, old[part]))
+        kept = jnp.where(spread(joints.active, new), new, old[part])
+        return old.at[part].set(kept.astype(old.dtype))
 
     return dataclasses.replace(
         draft,

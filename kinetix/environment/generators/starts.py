@@ -58,7 +58,9 @@ def mixed_sampler(
 
     def batched(keys: UInt[Array, "n 2"]) -> EnvState:
         drafts = [draw_levels(keys, size, ued, slots) for size in sizes]
-        choice = jax.vmap(lambda key: jax.random.uniform(jax.random.fold_in(key, 1)))(keys)
+        choice = jax.vmap(
+            lambda key: jax.random.uniform(jax.random.fold_in(key, 1), (), jnp.float32)
+        )(keys)
         choice = among(choice, len(sizes))
         mixed = drafts[0]
         for index, draft in enumerate(drafts[1:], start=1):
