@@ -22,6 +22,10 @@ class GymnaxWrapper:
     def __init__(self, env: Any) -> None:
         self._env = env
 
+    def __repr__(self) -> str:
+        """Name what it is put around."""
+        return f"<{type(self).__name__} of {self._env!r}>"
+
     def __getattr__(self, name: str) -> Any:
         """Everything else is the environment's own."""
         if name == "_env":

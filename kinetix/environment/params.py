@@ -9,7 +9,7 @@ from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Parameters
 from kinetix.environment.bounds import check_sizes
 from kinetix.errors import KinetixError
-from kinetix.level.sizes import parse_capacity
+from kinetix.level.sizes import describe_capacity, parse_capacity
 from kinetix.pytree import pytree, short_repr, static
 
 LEVEL_FRAME_SKIP: Final = 2
@@ -124,6 +124,11 @@ class PhysicsEngine:
 
     spec: SceneSpec
     solver: AbstractSolver
+
+    def __repr__(self) -> str:
+        """Name the size and the solver."""
+        size = describe_capacity(self.spec.capacity)
+        return f"<PhysicsEngine: size {size}, {type(self.solver).__name__}>"
 
 
 def engine_parameters(env_params: EnvParams) -> Parameters:

@@ -65,6 +65,10 @@ class _OneOf:
     edges: Float[np.ndarray, " n"]
     """Sums of the probabilities of all levels up to each but the last."""
 
+    def __repr__(self) -> str:
+        """Tell of how many."""
+        return f"<reset function: one of {len(self.edges) + 1} levels>"
+
     def __call__(self, key: Array) -> EnvState:
         """Draw the start of an episode."""
         index: Any = 0

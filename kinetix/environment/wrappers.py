@@ -44,6 +44,10 @@ class LogWrapper:
         check_env(env)
         self._env: KinetixEnv = env
 
+    def __repr__(self) -> str:
+        """Name what it is put around."""
+        return f"<{type(self).__name__} of {self._env!r}>"
+
     def __getattr__(self, name: str) -> Any:
         """Everything else is the environment's own."""
         if name == "_env":

@@ -406,6 +406,13 @@ class Level(Record, frozen=True, kw_only=True):
             following = max((entity.id for entity in self.entities()), default=0) + 1
             msgspec.structs.force_setattr(self, "next_id", following)
 
+    def __repr__(self) -> str:
+        """Name, and how much there is."""
+        counts = (
+            f"{len(self.bodies)} bodies, {len(self.joints)} joints, {len(self.thrusters)} thrusters"
+        )
+        return f"Level({self.name!r}: {counts})"
+
     def entities(self) -> Iterator[Entity]:
         """Bodies, then joints, then thrusters, each in list order."""
         yield from self.bodies

@@ -91,7 +91,12 @@ def test_texts_of_records_are_short(small_env, small_state):
     )
     batch = jax.tree.map(lambda x: jnp.asarray(x)[None], small_state)
     assert repr(batch).endswith(", batch (1,)>")
-    assert repr(small_env) == "<KinetixEnv: symbolic_entity → multi_discrete, size s, drift>"
+    env = "<KinetixEnv: symbolic_entity → multi_discrete, size s, drift>"
+    assert repr(small_env) == env
+    assert repr(LogWrapper(small_env)) == f"<LogWrapper of {env}>"
+    assert repr(small_env.observation_type.layout) == "<Layout: size s>"
+    assert repr(small_env.physics_engine).startswith("<PhysicsEngine: size s, ")
+    assert repr(small_level()) == "Level('small': 3 bodies, 1 joints, 1 thrusters)"
 
 
 def test_keys_and_what_is_no_array(small_env, small_state):

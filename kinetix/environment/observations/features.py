@@ -8,6 +8,7 @@ from typing import Final
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.params import EnvParams, StaticEnvParams
+from kinetix.level.sizes import describe_capacity
 
 ROLE_NAMES: Final = ("neutral", "green", "blue", "red")
 KINDS: Final = ("polygon", "circle", "joint", "thruster")
@@ -50,6 +51,10 @@ class Layout:
     """For the picture: pixels per metre."""
     static_env_params: StaticEnvParams
     """For the picture: its size."""
+
+    def __repr__(self) -> str:
+        """Name the size."""
+        return f"<Layout: size {describe_capacity(self.capacity)}>"
 
     @classmethod
     def of(cls, env_params: EnvParams, static_env_params: StaticEnvParams) -> "Layout":
