@@ -9,6 +9,7 @@ from typing import Literal, get_args
 
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
+from kinetix.training.ranges import check_ranges
 
 Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr", "bc"]
 LevelMode = Literal["random", "random_all", "locomotion", "empty", "list"]
@@ -21,26 +22,6 @@ Prioritization = Literal["rank", "topk"]
 LearnabilityMode = Literal["timesteps", "episodes"]
 
 _NETWORK = NetworkConfig()
-_COUNTS = ("num_train_envs", "num_steps", "num_minibatches", "update_epochs", "frame_skip")
-_LEAST = {
-    1: (
-        *_COUNTS,
-        *("checkpoint_save_freq", "eval_num_attempts", "level_filter_sample_ratio"),
-        *("batch_size", "num_batches", "rollout_steps", "num_to_save", "train_buffer_size"),
-        *("buffer_update_frequency", "rollout_episodes", "outer_rollout_steps"),
-        *("level_buffer_capacity", "topk_k"),
-    ),
-    0: (
-        "eval_freq",
-        "video_frequency",
-        "eval_sampled_levels",
-        "level_filter_n_steps",
-        "num_edits",
-        "critic_warmup",
-        "teacher_coef",
-    ),
-}
-"""The least that numbers may be, where a configuration has them."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -190,11 +171,7 @@ class PpoConfig:
         """
         for field in dataclasses.fields(self):
             _check_choice(field, getattr(self, field.name))
-        for least, names in _LEAST.items():
-            for name in names:
-                _check_number(name, getattr(self, name, least), least)
-        if not 0 <= self.demo_starts <= 1:
-            raise KinetixError(f"demo_starts: expected 0 … 1, got {self.demo_starts}")
+        check_ranges(self)
         self._check_minibatches()
         if self.anneal_lr and self.warmup_lr:
             raise KinetixError("anneal_lr and warmup_lr: choose one of them")
@@ -266,8 +243,6 @@ class SflConfig(PpoConfig):
     def check(self) -> None:
         """See `PpoConfig.check`."""
         super().check()
-        if not 0 <= self.sampled_envs_ratio <= 1:
-            raise KinetixError(f"sampled_envs_ratio: expected 0 … 1, got {self.sampled_envs_ratio}")
         if self.num_to_save > self.batch_size * self.num_batches:
             raise KinetixError(
                 f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
@@ -422,11 +397,6 @@ RESUMABLE = frozenset(
     }
 )
 """Fields that may change when a run goes on: they do not alter what has been learnt so far."""
-
-
-def _check_number(name: str, number: int, least: int) -> None:
-    if number < least:
-        raise KinetixError(f"{name}: expected at least {least}, got {number}")
 
 
 def _check_choice(field: "dataclasses.Field[object]", value: object) -> None:

@@ -70,6 +70,10 @@ def make_config(
         if name not in known:
             raise KinetixError(f"{name}: {algorithm} has no such field; {hint(name, known)}")
         (network if name in _NETWORK_NAMES else fields)[name] = value
+    for field in dataclasses.fields(CONFIGS[algorithm]):
+        # One level, say, may be named without making a list of it.
+        if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
+            fields[field.name] = [fields[field.name]]
     _complete(fields)
     observation = fields.get("observation_type", "symbolic_entity")
     network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))

@@ -1,5 +1,7 @@
 """Configurations: where values come from, what is refused, and back to TOML."""
 
+import math
+
 import pytest
 
 from kinetix.errors import KinetixError
@@ -48,6 +50,7 @@ def test_parity_brings_what_belongs_to_it():
 def test_levels_bring_the_mode_and_the_size():
     config = make_config("ppo", values={"levels": ("s/wheelie", "m/touchdown")})
     assert config.level_mode == "list"
+    assert make_config("ppo", values={"levels": "s/goalkeeper"}).levels == ("s/goalkeeper",)
     assert len(config.size.split(",")) == 4
 
 
@@ -68,6 +71,13 @@ def test_levels_bring_the_mode_and_the_size():
             "cannot be used with recurrent",
         ),
         ({"level_mode": "list"}, "needs levels"),
+        ({"learning_rate": -1.0}, r"learning_rate: expected a finite number above 0, got -1\.0"),
+        ({"learning_rate": math.nan}, "learning_rate: expected a finite number above 0, got nan"),
+        ({"gamma": 1.5}, r"gamma: expected 0 … 1, got 1\.5"),
+        ({"clip_eps": 0.0}, "clip_eps: expected a finite number above 0"),
+        ({"ent_coef": math.inf}, "ent_coef: expected a finite number, got inf"),
+        ({"seed": -1}, "seed: expected 0 … 4294967295, got -1"),
+        ({"levels": "s/goalkeper"}, "did you mean 's/goalkeeper'"),
         ({"num_heads": 6}, "num_heads: expected a multiple of 4"),
     ],
 )

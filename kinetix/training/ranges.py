@@ -1,0 +1,74 @@
+"""Ranges of hyper-parameters, a row each: what lies outside cannot be learnt with."""
+
+import math
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+from kinetix.errors import KinetixError
+
+
+class _Range(NamedTuple):
+    """Fields that share a range, what a sentence says of it, and the test."""
+
+    names: tuple[str, ...]
+    expected: str
+    holds: Callable[[Any], bool]
+
+
+_RANGES: Final = (
+    _Range(
+        (
+            *("num_train_envs", "num_steps", "num_minibatches", "update_epochs", "frame_skip"),
+            *("checkpoint_save_freq", "eval_num_attempts", "level_filter_sample_ratio"),
+            *("batch_size", "num_batches", "rollout_steps", "num_to_save", "train_buffer_size"),
+            *("buffer_update_frequency", "rollout_episodes", "outer_rollout_steps"),
+            *("level_buffer_capacity", "topk_k"),
+        ),
+        "at least 1",
+        lambda x: x >= 1,
+    ),
+    _Range(
+        (
+            *("eval_freq", "video_frequency", "eval_sampled_levels", "level_filter_n_steps"),
+            *("num_edits", "critic_warmup"),
+        ),
+        "at least 0",
+        lambda x: x >= 0,
+    ),
+    _Range(("seed",), f"0 … {2**32 - 1}", lambda x: 0 <= x < 2**32),
+    _Range(
+        ("learning_rate", "peak_lr", "max_grad_norm", "clip_eps", "temperature"),
+        "a finite number above 0",
+        lambda x: 0 < x < math.inf,
+    ),
+    _Range(
+        ("initial_lr", "vf_coef", "teacher_coef"),
+        "a finite number, at least 0",
+        lambda x: 0 <= x < math.inf,
+    ),
+    _Range(
+        (
+            *("gamma", "gae_lambda", "warmup_frac", "teacher_frac", "demo_starts"),
+            *("sampled_envs_ratio", "replay_prob", "staleness_coeff", "minimum_fill_ratio"),
+        ),
+        "0 … 1",
+        lambda x: 0 <= x <= 1,
+    ),
+    _Range(("ent_coef", "dense_reward_scale"), "a finite number", math.isfinite),
+)
+
+
+def check_ranges(config: Any) -> None:
+    """Refuse a configuration with a number that lies outside of its range.
+
+    Args:
+        config: Any; fields that it lacks are left out.
+
+    Raises:
+        KinetixError: The sentence names the field.
+    """
+    for row in _RANGES:
+        for name in row.names:
+            value = getattr(config, name, None)
+            if value is not None and not row.holds(value):
+                raise KinetixError(f"{name}: expected {row.expected}, got {value}")
