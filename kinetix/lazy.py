@@ -33,7 +33,8 @@ def lazy_names(
             of_kinetix_env = importlib.import_module("kinetix.compat.names")
             if name in of_kinetix_env.MODULES.get(module, ()):
                 return of_kinetix_env.find(module, name)
-        raise AttributeError(f"module {module!r} has no attribute {name!r}; {hint(name, homes)}")
+        told = f"; {hint(name, homes)}" if homes else ""
+        raise AttributeError(f"module {module!r} has no attribute {name!r}{told}")
 
     def names() -> list[str]:
         return sorted({*homes, *submodules})

@@ -238,6 +238,11 @@ MODULES: Final[Mapping[str, Names]] = {
         f"{_COMPAT}.states",
         "kinetix.environment.utils.create_empty_env",
         create_empty_env="create_empty_env",
+    )
+    | _old(
+        f"{_COMPAT}.older",
+        "kinetix.environment.KinetixEnv, or gymnax.environments.environment",
+        environment="Environments",
     ),
     "kinetix.environment.env_state": _ENV_STATE,
     "kinetix.environment.spaces": _ACTIONS

@@ -5,7 +5,7 @@ from typing import Any
 
 from kinetix.compat.config import ued_params_from_config
 from kinetix.compat.saving import load_evaluation_levels
-from kinetix.environment.env import make_kinetix_env
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.environment.reset import (
@@ -15,6 +15,15 @@ from kinetix.environment.reset import (
 )
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+
+
+class Environments:
+    """The classes of `gymnax.environments.environment`, which old code finds beside the env."""
+
+    Environment = KinetixEnv
+    EnvParams = EnvParams
+    EnvState = EnvState
+
 
 _OBSERVATIONS = {
     "symbolic": "symbolic_flat",

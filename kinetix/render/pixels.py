@@ -294,7 +294,7 @@ def _check_state(env_state: Any) -> None:
     if not hasattr(env_state, "labels"):
         inside = " (its field env_state is one)" if hasattr(env_state, "env_state") else ""
         raise KinetixError(f"state: expected an EnvState, got {type(env_state).__name__}{inside}")
-    if batch := jnp.shape(env_state.timestep):
+    if batch := jnp.shape(env_state.physics.position)[:-2]:
         raise KinetixError(
             f"state: expected one state, got a batch of shape {batch}: use jax.vmap(render)"
         )

@@ -20,6 +20,7 @@ from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
 from kinetix.level.sets import common_capacity, gather_levels
+from kinetix.level.sizes import parse_capacity
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 
 CONFIG = "config.toml"
@@ -113,6 +114,10 @@ def _complete(fields: dict[str, Any]) -> None:
         fields["level_mode"] = "list"
         if "size" not in fields:
             fields["size"] = _size_of(fields["levels"])
+    if "size" in fields:
+        parse_capacity(fields["size"])
+    if fields.get("eval_levels"):
+        gather_levels(fields["eval_levels"])  # what is missing is told before anything compiles
     if fields.get("data"):
         # Here, so that a configuration of another algorithm needs no JAX.
         from kinetix.training.imitation.sources import origin_of

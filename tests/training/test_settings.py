@@ -78,6 +78,8 @@ def test_levels_bring_the_mode_and_the_size():
         ({"ent_coef": math.inf}, "ent_coef: expected a finite number, got inf"),
         ({"seed": -1}, "seed: expected 0 … 4294967295, got -1"),
         ({"levels": "s/goalkeper"}, "did you mean 's/goalkeeper'"),
+        ({"eval_levels": ("s/goalkeper",)}, "did you mean 's/goalkeeper'"),
+        ({"size": "xl"}, "size 'xl': expected s, m, l"),
         ({"num_heads": 6}, "num_heads: expected a multiple of 4"),
     ],
 )
