@@ -41,6 +41,8 @@ SHORTER = {
 """Words added to commands that README prints with minutes of work."""
 SKIPPED = ("kinetix bench chart",)
 """Commands that need the extra `bench`."""
+LONGEST = 1800
+"""A command that takes longer has failed [s]."""
 MAY_FAIL = ("kinetix solve",)
 """Commands whose exit status says that nothing was found in the time."""
 
@@ -142,11 +144,21 @@ def attempt(
     variables = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
     variables |= {"PATH": f"{bin_folder}{os.pathsep}{os.environ['PATH']}"}
     began = time.monotonic()
-    done = subprocess.run(
-        words, cwd=work, env=variables, capture_output=True, text=True, check=False, timeout=1800
-    )
-    good = not done.returncode or (may_fail and done.returncode == 1)
     told = shlex.join(words)[:90]
+    try:
+        done = subprocess.run(
+            words,
+            cwd=work,
+            env=variables,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LONGEST,
+        )
+    except subprocess.TimeoutExpired:
+        say(f"FAILED {LONGEST:6.1f} s  {name}: {told}")
+        return [f"{name}: {told}: not done after {LONGEST} s"]
+    good = not done.returncode or (may_fail and done.returncode == 1)
     say(f"{'ok    ' if good else 'FAILED'} {time.monotonic() - began:6.1f} s  {name}: {told}")
     return [] if good else [f"{name}: {told}: {done.stderr.strip()[-1500:]}"]
 
