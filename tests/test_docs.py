@@ -1,5 +1,6 @@
 """The documents: what they print runs, what is generated is up to date, the site stands alone."""
 
+import dataclasses
 import os
 import re
 import shlex
@@ -11,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from kinetix import cli
+from kinetix import EnvParams, StaticEnvParams, UEDParams, cli
+from kinetix.training.config import PpoConfig
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = sorted((ROOT / "docs").glob("*.md"))
@@ -106,6 +108,13 @@ def test_the_site_is_complete_and_needs_no_network(tmp_path):
     assert done.returncode == 0, done.stderr
     pages = {path.stem for path in (tmp_path / "site").glob("*.html")}
     assert {document.stem for document in DOCUMENTS} <= pages
+    reference = (tmp_path / "site" / "api.html").read_text()
+    fields = [
+        f'id="{record.__module__}.{record.__name__}.{field.name}"'
+        for record in (EnvParams, StaticEnvParams, UEDParams, PpoConfig)
+        for field in dataclasses.fields(record)
+    ]
+    assert [name for name in fields if name not in reference] == []
     for page in (tmp_path / "site").rglob("*.html"):
         text = page.read_text()
         assert re.findall(r'(?:src|<link[^>]*href)="(?:https?:)?//[^"]*"', text) == [], page

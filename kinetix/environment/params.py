@@ -77,9 +77,13 @@ class StaticEnvParams:
     num_polygons: int = static(default=12)
     """Polygons, the four arena bodies included."""
     num_circles: int = static(default=12)
+    """Slots for circles."""
     num_joints: int = static(default=12)
+    """Slots for joints."""
     num_thrusters: int = static(default=12)
+    """Slots for thrusters."""
     max_polygon_vertices: int = static(default=4)
+    """Corners of a polygon: 4."""
     num_solver_iterations: int = static(default=10)
     """Sweeps of the `jax2d` preset."""
     solver_batch_size: int = static(default=16)
@@ -97,7 +101,9 @@ class StaticEnvParams:
     max_shape_size: float = static(default=2)
     """Largest extent of a shape of the random levels [m]."""
     num_motor_bindings: int = static(default=4)
+    """Action channels of motors."""
     num_thruster_bindings: int = static(default=2)
+    """Action channels of thrusters."""
     physics: str = static(default="balanced")
     """Physics preset, or a solver's name at its default settings."""
     touch_includes_joined: bool = static(default=True)

@@ -28,31 +28,43 @@ class UEDParams:
     large_rect_dim_chance: float = static(default=0.3)
     """Probability that one side of a rectangle is multiplied by `large_rect_dim_scale`."""
     large_rect_dim_scale: float = static(default=2.0)
+    """Factor on that side."""
     generate_triangles: bool = static(default=False)
     """True if half of the polygons are triangles."""
     thruster_power_multiplier: float = static(default=2.0)
+    """Factor on a thruster's power, which is drawn from 0.5 … 2."""
     thruster_align_com_prob: float = static(default=0.8)
     """Probability that a thruster points along the line through the centre of mass."""
     motor_on_chance: float = static(default=0.8)
+    """Probability that a revolute joint has a running motor."""
     motor_min_speed: float = static(default=0.4)
+    """Least motor speed."""
     motor_max_speed: float = static(default=3.0)
+    """Greatest motor speed."""
     motor_min_power: float = static(default=1.0)
+    """Least motor power."""
     motor_max_power: float = static(default=3.0)
+    """Greatest motor power."""
     wheel_max_power: float = static(default=1.0)
     """Greatest motor power where a circle takes part."""
     joint_limit_chance: float = static(default=0.4)
+    """Probability that a revolute joint between two polygons has limits."""
     joint_limit_max: float = static(default=math.pi)
     """Limits are drawn from −this … 0 and 0 … this [rad]."""
     joint_fixed_chance: float = static(default=0.1)
     """Share of welds. kinetix-env never uses it (quirk Q1: one half)."""
     fixate_chance_min: float = static(default=0.02)
+    """Least probability that a free shape is fixed."""
     fixate_chance_max: float = static(default=1.0)
+    """Greatest probability that a free shape is fixed."""
     fixate_chance_scale: float = static(default=4.0)
     """A free shape is fixed with probability min(max, min + scale·mass)."""
     fixate_shape_bottom_bias: float = static(default=0.0)
+    """Probability that a fixed shape without a role moves from the upper half to the lower."""
     fixate_shape_bottom_bias_special_role: float = static(default=0.6)
     """Probability that a fixed shape with a role moves from the upper half to the lower."""
     circle_max_size_coeff: float = static(default=0.8)
+    """Greatest diameter of a circle, as a share of M."""
     connect_to_fixated_prob_coeff: float = static(default=0.05)
     """Weight of a fixed body as a partner of a joint."""
     connect_visibility_min: float = static(default=0.05)
@@ -60,14 +72,23 @@ class UEDParams:
     connect_no_visibility_bias: float = static(default=10.0)
     """Contacts that a proposal with a hidden body counts for."""
     add_shape_chance: float = static(default=0.35)
+    """Weight of a free shape as the next one that is added."""
     add_connected_shape_chance: float = static(default=0.35)
+    """Weight of a shape that is joined to another."""
     add_no_shape_chance: float = static(default=0.3)
+    """Weight of adding none."""
     add_thruster_chance: float = static(default=0.3)
+    """Probability of each thruster."""
     add_shape_n_proposals: int = static(default=8)
+    """Proposals for a shape, of which the one with the fewest contacts is taken; 1 at size s."""
     floor_prob_normal: float = static(default=0.9)
+    """Weight of a neutral floor."""
     floor_prob_green: float = static(default=0.0)
+    """Weight of a green floor."""
     floor_prob_blue: float = static(default=0.02)
+    """Weight of a blue floor."""
     floor_prob_red: float = static(default=0.08)
+    """Weight of a red floor."""
     kinetix_quirks: bool = static(default=True)
     """True: kinetix-env's distribution with its quirks Q1–Q12; False: all of them off together."""
     inertia_model: InertiaModel = static(default="kinetix")
