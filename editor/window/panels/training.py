@@ -182,6 +182,8 @@ class TrainingPanel(Panel):
         width = (space.x - (columns - 1) * px(6)) / columns
         rows = -(-len(names) // columns)
         height = max(px(120), space.y / rows - px(6))
+        # Else a curve at its highest lies on the frame.
+        implot.push_style_var(implot.StyleVar_.fit_padding, imgui.ImVec2(0.0, 0.06))
         for index, name in enumerate(names):
             if index % columns:
                 imgui.same_line(0, px(6))
@@ -189,6 +191,7 @@ class TrainingPanel(Panel):
             curves = [curve_of(one, name, self._smoothing) for one in runs]
             _plot(name, curves, (width, height), log=self._log, band=self._band)
             widgets.probe(session, f"training.plot.{name}")
+        implot.pop_style_var()
 
 
 def level_rates(metrics: Sequence[str]) -> frozenset[str]:
