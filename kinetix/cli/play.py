@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from kinetix.errors import KinetixError
+from kinetix.cli.attempts import check_attempt
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -45,8 +45,7 @@ def run(command: Play) -> int:
     from kinetix.agents.named import load_player
     from kinetix.level.codec import load_document
 
-    if command.attempt is not None and command.attempt < 0:
-        raise KinetixError(f"--attempt {command.attempt}: expected a number from 0")
+    check_attempt(command.attempt)
     document = load_document(command.level)
     player = load_player(command.agent)
     episode = (

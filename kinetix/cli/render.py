@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.attempts import check_attempt
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
 from kinetix.level.model import Level
@@ -99,8 +100,7 @@ def run(command: Render) -> int:
         )
     if command.steps is not None and command.steps < 0:
         raise KinetixError(f"--steps {command.steps}: expected a number from 0")
-    if command.attempt is not None and command.attempt < 0:
-        raise KinetixError(f"--attempt {command.attempt}: expected a number from 0")
+    check_attempt(command.attempt)
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
     command.out.parent.mkdir(parents=True, exist_ok=True)

@@ -53,6 +53,14 @@ def test_a_video_of_odd_size_can_be_written(tmp_path):
         ),
         (["s/first_flight", "level.png", "--pixels", "5"], "--pixels 5: expected a number from 16"),
         (["s/first_flight", "level.png", "--steps", "-1"], "--steps -1: expected a number from 0"),
+        (
+            ["s/first_flight", "level.html", "--attempt", "-1"],
+            "--attempt -1: expected a number from 0 to 2147483647",
+        ),
+        (
+            ["s/first_flight", "level.html", "--attempt", "5000000000"],
+            "--attempt 5000000000: expected a number from 0 to 2147483647",
+        ),
         (["s/first_flight", "level.png", "--physics", "magic"], "unknown physics 'magic'"),
         (["s/no_such_level", "level.png"], "no_such_level"),
     ],
