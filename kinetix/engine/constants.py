@@ -48,13 +48,19 @@ TAUT = 0.5
 """(Substep · swing rate)² of a body at which its joint counts as taut; a fifth of it as loose.
 Larger: light chains gain energy as they swing; smaller: long pendulums lose it."""
 
-CALM_TURN = 0.3
+CALM_TURN = 0.6
 """Turn in a substep up to which a joint foresees how its arms bend the path [rad]; at twice this it
-does not. Larger: wedged machines are torn; smaller: joints open that turn fast."""
+foresees only as much as its force turned in the last step. Larger: wedged machines are torn;
+smaller: joints open that turn fast."""
 
 SETTLED = 0.3
 """Tension of a joint whose gaps are taken out of the positions alone; less so where it is looser.
 Larger: joints under tension open as they turn; smaller: what swings loses energy."""
+
+JOINT_SLIP = 5e-4
+"""Gap [m] or angle [rad] of a joint up to which velocities may mend it; the rest is taken out of
+the positions at once. Larger: loops open as they pass a dead point; smaller: what swings loses
+energy."""
 
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""

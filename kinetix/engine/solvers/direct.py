@@ -21,7 +21,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import actuators, constants
 from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts, share_of_way
 from kinetix.engine.lookup import marked, onto
-from kinetix.engine.maths import Vec, dot, rotate, unvec, vec
+from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, unvec, vec
 from kinetix.engine.solvers import impacts
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
@@ -59,6 +59,8 @@ class DirectCache:
     relax_limit: Float[Array, "j n"]
     joint_force_x: Float[Array, "j n"]
     joint_force_y: Float[Array, "j n"]
+    joint_turn: Float[Array, "j n"]
+    """Rate at which a joint's force turned in the last step [rad/s]."""
 
 
 @pytree
@@ -118,6 +120,7 @@ class Direct(AbstractSolver):
             relax_limit=zeros(limits),
             joint_force_x=zeros(joints),
             joint_force_y=zeros(joints),
+            joint_turn=zeros(joints),
         )
 
     def effort(self, world: World, state: State) -> Int[Array, " n"]:
@@ -141,7 +144,7 @@ class Direct(AbstractSolver):
             control=control,
             parameters=parameters,
             masses=masses,
-            held=held(world, control, links, masses, loose, store),
+            held=held(world, control, links, masses, loose, state.cache.joint_turn, store),
             loose=loose,
             store=store,
             features=spec.features,
@@ -339,6 +342,8 @@ def _finish(
     speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
     count = found.points.key.shape[0]
     joints = state.cache.joint_force_x.shape[0]
+    force = Vec(x=end.joint_impulse[:joints], y=end.joint_impulse[joints : 2 * joints]) * (1 / h)
+    last = Vec(x=state.cache.joint_force_x, y=state.cache.joint_force_y)
     pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
     return dataclasses.replace(
         state,
@@ -356,7 +361,17 @@ def _finish(
             relax_tangent=end.relax_impulse[count : 2 * count],
             bias_limit=end.bias_impulse[2 * count :],
             relax_limit=end.relax_impulse[2 * count :],
-            joint_force_x=end.joint_impulse[:joints] / h,
-            joint_force_y=end.joint_impulse[joints : 2 * joints] / h,
+            joint_force_x=force.x,
+            joint_force_y=force.y,
+            joint_turn=_turn(last, force) / parameters.dt,
         ),
     )
+
+
+def _turn(last: Vec, now: Vec) -> Float[Array, "j n"]:
+    """Return the angle from one force to the next [rad]; down to 0 where their sizes differ."""
+    least = jnp.minimum(dot(last, last), dot(now, now))
+    most = jnp.maximum(dot(last, last), dot(now, now))
+    # A force that changes by a third does not go on turning as it did.
+    steady = jnp.clip(2 * least / nonzero(most) - 1, 0, 1)
+    return jnp.arctan2(cross(last, now), dot(last, now)) * steady

@@ -70,6 +70,8 @@ class Held:
     motors: Motors
     loose: Float[Array, "j n"]
     """The smaller value of its two bodies (`Step.loose`)."""
+    turn: Float[Array, "j n"]
+    """Rate at which the joint's force turned in the last step [rad/s]."""
 
     @property
     def links(self) -> Links:
@@ -109,6 +111,7 @@ def held(
     links: Links,
     masses: Masses,
     loose: Float[Array, "b n"],
+    turn: Float[Array, "j n"],
     store: Store,
 ) -> Held:
     """Return the parts of a step's joints that do not depend on poses.
@@ -119,6 +122,7 @@ def held(
         links: The joints' bodies, from `joint_links`.
         masses: Inverse masses that the solver uses.
         loose: See `Step`.
+        turn: See `Held`.
         store: Keeps intermediate results.
     """
     joints = world.joints
@@ -137,6 +141,7 @@ def held(
         live=store(jnp.concatenate([acts, acts, acts & joints.fixed][:each], axis=0)),
         motors=store(motors(world, control.motor)),
         loose=jnp.minimum(*links.look_up(loose)),
+        turn=turn,
     )
 
 
@@ -257,7 +262,8 @@ def curvature(
     bends the path acts in time, and the energy of what swings is kept (RATTLE). Light bodies that
     pull far heavier ones swing faster than a substep can follow; there it would feed them energy,
     so taut joints get none of it and are mended by `settle`. Nor do bodies that spin too fast for a
-    substep, such as those that are wedged and thrown about.
+    substep, such as those that are wedged and thrown about. What turns together with the joint's
+    force does not swing, however fast it is; that part of the bend is foreseen always.
 
     Args:
         step: The worlds.
@@ -273,17 +279,27 @@ def curvature(
         onward = jnp.sin(angle) - angle
         return Vec(x=inward * arm.x - onward * arm.y, y=inward * arm.y + onward * arm.x)
 
-    bent = bend(spin_b, system.arm_b) - bend(spin_a, system.arm_a)
+    def bent(spin_a: Float[Array, "j n"], spin_b: Float[Array, "j n"]) -> Vec:
+        return bend(spin_b, system.arm_b) - bend(spin_a, system.arm_a)
+
+    loose, turn = step.held.loose, step.held.turn
+    own = bent(spin_a, spin_b)
+    carried = bent(_common(spin_a, turn), _common(spin_b, turn))
     spin = jnp.maximum(jnp.abs(spin_a), jnp.abs(spin_b))
     calm = jnp.clip(2 - spin * duration / constants.CALM_TURN, 0, 1)
-    bent = bent * (step.held.loose * calm / duration)
-    turns = jnp.zeros_like(system.error[2 * bent.x.shape[0] :])
-    rows = jnp.concatenate([bent.x, bent.y, turns], axis=0)
+    foreseen = (carried + (own - carried) * (loose * calm)) * (1 / duration)
+    turns = jnp.zeros_like(system.error[2 * foreseen.x.shape[0] :])
+    rows = jnp.concatenate([foreseen.x, foreseen.y, turns], axis=0)
     return jnp.where(system.live, rows, 0)
 
 
+def _common(a: Float[Array, "j n"], b: Float[Array, "j n"]) -> Float[Array, "j n"]:
+    """Return the slower of two rates that have the same sense, else 0."""
+    return jnp.where(a * b > 0, jnp.sign(a) * jnp.minimum(jnp.abs(a), jnp.abs(b)), 0)
+
+
 def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
-    """Take the error of taut joints out of the positions alone.
+    """Take the error of taut joints, and of any that gape, out of the positions alone.
 
     Args:
         step: The worlds.
@@ -301,6 +317,7 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     # As soon as arms are not foreseen to bend, gaps open with every substep: all of them go.
     kept = jnp.clip(1 - (1 - step.held.loose) / constants.SETTLED, 0, 1)
     left = system.error * jnp.concatenate([kept] * each, axis=0)
+    left = jnp.clip(left, -constants.JOINT_SLIP, constants.JOINT_SLIP)
     gained = jnp.where(system.live, in_use.product(system.answers, system.error - left), 0)
     move = apply(system.rows, gained, still, step.masses)
     return dataclasses.replace(system, error=left), move
