@@ -106,7 +106,7 @@ def hot_foot() -> Draft:
     """
     draft = _course(4, "red", "hopper")
     _hopper(draft, 1.0)
-    _lamp(draft, 3.0, 1.75)
+    _lamp(draft, 2.4, 1.75)
     return draft
 
 
