@@ -11,10 +11,12 @@ from editor.documents.commands.base import EntityId
 from editor.documents.commands.fields import SetField, selected_records
 from editor.toolkit import widgets
 from editor.toolkit.appearance import FONTS, Icons
+from editor.toolkit.segments import segments
 from editor.toolkit.widgets import px
 from editor.window.panels import shape_fields
 from editor.window.panels.base import Panel
-from editor.window.panels.fields import SAVED, Editor, segments
+from editor.window.panels.fields import Editor
+from editor.window.panels.resets import SAVED
 from editor.window.panels.texts import TextFields
 from kinetix.level.model import (
     MOTOR_BINDINGS,

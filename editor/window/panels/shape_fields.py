@@ -19,7 +19,9 @@ from editor.documents.commands.sizes import (
 )
 from editor.editing.picking import joint_position
 from editor.toolkit import widgets
-from editor.window.panels.fields import Editor, FieldInfo, NumberField
+from editor.window.panels.fields import Editor
+from editor.window.panels.number_field import NumberField
+from editor.window.panels.number_info import FieldInfo
 from kinetix.level.geometry import body_mass, world_vertices
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Joint, Polygon
 
