@@ -32,7 +32,7 @@ from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
 from kinetix.errors import CheckpointError, LevelError
 from kinetix.level.codec import level_hash, load_document
-from kinetix.level.compile import capacity_of_world
+from kinetix.level.features import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
 

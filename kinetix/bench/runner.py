@@ -16,7 +16,8 @@ from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import Capacity, SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.environment.runs import converted, precision, unclipped
-from kinetix.level.compile import compile_level, features_of, features_union
+from kinetix.level.compile import compile_level
+from kinetix.level.features import features_of, features_union
 from kinetix.level.sizes import needed_capacity
 from kinetix.level.slots import body_slots
 from kinetix.scenes.model import Trial

@@ -28,7 +28,9 @@ from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import loads_document, resolve_path, save_level
-from kinetix.level.compile import Scene, compile_kinetix_env, level_from_scene
+from kinetix.level.compile import Scene
+from kinetix.level.decompile import level_from_scene
+from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import Level
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir

@@ -22,7 +22,7 @@ from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.spaces import Box
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.compile import capacity_of_world
+from kinetix.level.features import capacity_of_world
 from kinetix.level.sizes import describe_capacity
 
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"

@@ -7,7 +7,8 @@ from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import World
 from kinetix.environment.state import NO_DISTANCE
-from kinetix.level.compile import Labels, capacity_of_world
+from kinetix.level.compile import Labels
+from kinetix.level.features import capacity_of_world
 
 GREEN, BLUE, RED = 1, 2, 3
 GOAL_TOUCH = GREEN * BLUE

@@ -17,7 +17,7 @@ from kinetix.environment.fields import CONSTANTS
 from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
 from kinetix.errors import KinetixError
-from kinetix.level.compile import capacity_of_world
+from kinetix.level.features import capacity_of_world
 
 
 def expand_state(

@@ -29,13 +29,10 @@ from kinetix.environment.rearrange import check_bindings, expand_state, permute_
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import LoadedLevel, load_document
-from kinetix.level.compile import (
-    compile_kinetix_env,
-    compile_level,
-    features_of,
-    features_union,
-)
+from kinetix.level.compile import compile_level
+from kinetix.level.features import features_of, features_union
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
+from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import Level
 from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
 from kinetix.level.sizes import capacity_of

@@ -21,7 +21,8 @@ from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
-from kinetix.level.compile import Labels, compile_level, features_of
+from kinetix.level.compile import Labels, compile_level
+from kinetix.level.features import features_of
 from kinetix.level.model import Level, Solution
 from kinetix.level.sizes import capacity_of, needed_capacity
 from kinetix.level.slots import body_slots

@@ -11,7 +11,8 @@ from kinetix.engine import Capacity, Control, Features, SceneSpec, default_param
 from kinetix.engine.fitting import fitted, narrow, widen
 from kinetix.engine.pairs import pair_counts, pushing_candidates
 from kinetix.engine.solvers import SOLVERS
-from kinetix.level.compile import compile_level, features_of
+from kinetix.level.compile import compile_level
+from kinetix.level.features import features_of
 from tests.engine import scenes
 
 LEVELS = {

@@ -12,7 +12,7 @@ from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
-from kinetix.level.compile import features_of
+from kinetix.level.features import features_of
 from tests.environment.conftest import small_level
 
 STEPS = 60

@@ -15,15 +15,11 @@ from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import Capacity, Features, SceneSpec, Used
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, load_document, load_level, loads
-from kinetix.level.compile import (
-    compile_kinetix_env,
-    compile_level,
-    features_of,
-    features_union,
-    level_from_scene,
-    pushing_pairs,
-)
+from kinetix.level.compile import compile_level
+from kinetix.level.decompile import level_from_scene
+from kinetix.level.features import features_of, features_union, pushing_pairs
 from kinetix.level.kinetix_env import parse_kinetix_env
+from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import (
     Arena,
     ArenaBody,

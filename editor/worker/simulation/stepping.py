@@ -28,7 +28,7 @@ from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.files.caches import tidy_caches
-from kinetix.level.compile import features_of
+from kinetix.level.features import features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
 

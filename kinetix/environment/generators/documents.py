@@ -19,7 +19,8 @@ from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.generators.sample import draw_levels
 from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.state import EnvState, state_of
-from kinetix.level.compile import Scene, compile_level, level_from_scene
+from kinetix.level.compile import Scene, compile_level
+from kinetix.level.decompile import level_from_scene
 from kinetix.level.model import Body, BodyReference, Joint, Level, Thruster
 from kinetix.level.sizes import SIZES, capacity_of, size_name
 from kinetix.level.slots import body_slots

@@ -21,7 +21,7 @@ from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.compile import capacity_of_world
+from kinetix.level.features import capacity_of_world
 
 SETTLING_STEPS: Final = 5
 """Physics steps that put jointed bodies together again."""

@@ -11,7 +11,8 @@ import numpy as np
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.compile import Scene, level_from_scene
+from kinetix.level.compile import Scene
+from kinetix.level.decompile import level_from_scene
 from kinetix.level.model import Level
 from kinetix.training.curricula.ledger import Departure, Ledger
 from kinetix.training.curricula.pages import (

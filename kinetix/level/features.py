@@ -1,0 +1,124 @@
+"""What of the engine a level or a compiled world needs: capacity, pairs that may push, features."""
+
+import dataclasses
+import functools
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from kinetix.engine.pairs import candidate_pairs, may_push
+from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec, Used
+from kinetix.engine.types import State, World
+from kinetix.level.compile import Scene, compile_level
+from kinetix.level.model import (
+    Level,
+)
+from kinetix.level.sizes import (
+    capacity_of,
+)
+
+
+def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
+    """The pairs of bodies that can ever push each other, as sorted global indices.
+
+    Left out are exactly those with an inactive body, two fixed bodies, two bodies of one jointed
+    component, or two bodies whose collision modes exclude each other; in candidate order.
+    """
+    bodies = world.bodies
+    capacity = capacity_of_world(world)
+    a, b = candidate_pairs(capacity).T
+    active = np.asarray(bodies.active)
+    mode = np.asarray(bodies.collision_mode)
+    free = (np.asarray(bodies.inverse_mass) != 0) | (np.asarray(bodies.inverse_inertia) != 0)
+    kept = active[a] & active[b] & (free[a] | free[b]) & may_push(mode[a], mode[b])
+    kept &= np.asarray(world.collides)[a, b]
+    return tuple(
+        (min(i, j), max(i, j)) for i, j in zip(a[kept].tolist(), b[kept].tolist(), strict=True)
+    )
+
+
+def capacity_of_world(world: World) -> Capacity:
+    """The capacity that a compiled world has."""
+    polygons = len(world.bodies.vertex_count)
+    return Capacity(
+        polygons=polygons,
+        circles=len(world.bodies.radius),
+        joints=len(world.joints.active),
+        thrusters=len(world.thrusters.active),
+    )
+
+
+def features_of(subject: "Level | Scene | World", *, capacity: Capacity | None = None) -> Features:
+    """Return the features that a level or compiled world uses: those left out could never act.
+
+    Args:
+        subject: A level, a scene or a world (of one level, not a batch).
+        capacity: For a level: what it is compiled to; by default `capacity_of(level)`.
+    """
+    world = _world_of(subject, capacity)
+    bodies, joints = world.bodies, world.joints
+    active = np.asarray(joints.active)
+    hinges = active & ~np.asarray(joints.fixed)
+    filled = np.asarray(bodies.active)
+    polygons = filled[: len(bodies.vertex_count)]
+    thrusters = np.asarray(world.thrusters.active)
+    return Features(
+        pairs=pushing_pairs(world),
+        used=Used(
+            bodies=tuple(np.flatnonzero(filled | (np.arange(len(filled)) < ARENA_BODIES)).tolist()),
+            joints=tuple(np.flatnonzero(active).tolist()),
+            thrusters=tuple(np.flatnonzero(thrusters).tolist()),
+        ),
+        restitution=bool((np.asarray(bodies.restitution) * np.asarray(bodies.active) > 0).any()),
+        triangles=bool((polygons & (np.asarray(bodies.vertex_count) == 3)).any()),
+        limits=bool((hinges & np.asarray(joints.limited)).any()),
+        welds=bool((active & np.asarray(joints.fixed)).any()),
+        motors=bool((hinges & np.asarray(joints.motor_on)).any()),
+        thrusters=bool(thrusters.any()),
+    )
+
+
+def _world_of(subject: "Level | Scene | World", capacity: Capacity | None) -> World:
+    if isinstance(subject, World):
+        return subject
+    if isinstance(subject, Scene):
+        return subject.world
+    spec = SceneSpec(capacity=capacity or capacity_of(subject))
+    return compile_level(subject, spec=spec, solver=_NoSolver()).world
+
+
+class _NoSolver(AbstractSolver):
+    """Stands in where only a world is wanted."""
+
+    name = "none"
+
+    def empty_cache(self, spec: SceneSpec) -> Any:
+        """Nothing is kept."""
+        return ()
+
+    def step(self, world: Any, state: Any, control: Any, parameters: Any, spec: Any) -> State:
+        """There is nothing to step."""
+        raise TypeError("a world that was compiled without a solver cannot be stepped")
+
+
+def features_union(features: Iterable[Features], capacity: Capacity) -> Features:
+    """The least features that cover several scenes of one capacity."""
+    every = list(features)
+    listed = [each.pairs for each in every]
+    pairs = None
+    if None not in listed:
+        wanted = {pair for each in listed if each for pair in each}
+        ordered = ((min(a, b), max(a, b)) for a, b in candidate_pairs(capacity).tolist())
+        pairs = tuple(pair for pair in ordered if pair in wanted)
+    filled = [each.used for each in every]
+    used = None if None in filled else functools.reduce(Used.union, filter(None, filled))
+    names = [
+        field.name for field in dataclasses.fields(Features) if field.name not in ("pairs", "used")
+    ]
+    return Features(
+        pairs=pairs,
+        used=used,
+        **{name: any(getattr(each, name) for each in every) for name in names},
+    )
