@@ -206,8 +206,13 @@ def save_agent(
         format: "kinetix-agent" (ours) or "kinetix-env" (kinetix-env's form).
 
     Raises:
-        CheckpointError: It cannot be written, or the format cannot say it.
+        CheckpointError: It is no agent, cannot be written, or the format cannot say it.
     """
+    if not isinstance(agent, Agent):
+        raise CheckpointError(
+            f"agent: expected a kinetix agent, got {type(agent).__name__}; the order is "
+            "save_agent(agent, directory)"
+        )
     match format:
         case "kinetix-agent":
             write_checkpoint(Path(directory), agent.card, agent.params["params"])

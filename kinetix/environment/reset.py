@@ -206,6 +206,9 @@ def make_reset_fn_sample_kinetix_level(
     order = "the order is make_reset_fn_sample_kinetix_level(env_params, static_env_params)"
     check_params(env_params, order)
     check_static_params(static_env_params, order)
+    if not isinstance(ued_params, UEDParams | None):
+        kind = type(ued_params).__name__
+        raise KinetixError(f"ued_params: expected UEDParams(…), got {kind}")
     return functools.partial(
         sample_kinetix_level,
         physics_engine=physics_engine or physics_engine_of(static_env_params),

@@ -55,8 +55,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Raises:
             KinetixError: A word is unknown; the sentence lists those that are known.
         """
-        if num_envs < 1:
-            raise KinetixError(f"num_envs={num_envs}: expected at least 1")
+        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
+            raise KinetixError(f"num_envs={num_envs!r}: expected a whole number from 1")
         try:
             self.mode = AutoresetMode(autoreset_mode)
         except ValueError:
@@ -143,6 +143,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         else:
             drawn = self.np_random.integers(SEEDS, size=self.num_envs).tolist()
             given = [None] * self.num_envs if seed is None else list(seed)
+            if len(given) != self.num_envs:
+                raise KinetixError(f"{len(given)} seeds: expected {self.num_envs}, or one for all")
             seeds = [own if one is None else one for own, one in zip(drawn, given, strict=True)]
         return jax.vmap(jax.random.key)(jnp.array(seeds, jnp.uint32))
 

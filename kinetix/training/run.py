@@ -143,7 +143,10 @@ def train(
     say = say if say is not None and is_leader() else say_nothing
     status = status if status is not None and is_leader() else now_and_then(say)
     if is_leader():
-        out.mkdir(parents=True, exist_ok=True)
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise KinetixError(f"{out}: no directory for a run: {error.strerror}") from None
     wait_for_all("the directory is there")
     _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)

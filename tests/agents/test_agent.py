@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.agents.agent import Agent, load_agent
+from kinetix.agents.agent import Agent, load_agent, save_agent
 from kinetix.agents.card import ObservationCard
 from kinetix.errors import CheckpointError, KinetixError
 from tests.agents.observations import published
@@ -74,5 +74,7 @@ def test_what_an_agent_cannot_be_asked_with():
         agent.act(carry, jnp.zeros((3, 140)), key)
     with pytest.raises(KinetixError, match=r"key: expected .* the order is act\(carry, obs, key\)"):
         agent.act(carry, jnp.zeros((2, 140)), 0)
+    with pytest.raises(CheckpointError, match="got str; the order is save_agent"):
+        save_agent("here", agent)
     with pytest.raises(CheckpointError, match="None: there is no such directory"):
         load_agent(None)

@@ -211,6 +211,8 @@ def test_wrappers_around_nothing_and_other_things_in_the_place_of_a_state(small_
         permute_state(KEY, EnvParams(), small_static)
     with pytest.raises(KinetixError, match="the order is make_reset_fn_sample_kinetix_level"):
         make_reset_fn_sample_kinetix_level(small_static, EnvParams())
+    with pytest.raises(KinetixError, match=r"ued_params: expected UEDParams.*, got dict"):
+        make_reset_fn_sample_kinetix_level(EnvParams(), small_static, {})
     with pytest.raises(KinetixError, match="size None: expected s, m, l"):
         static_env_params_from_size(None)
 

@@ -145,6 +145,10 @@ def test_what_is_wrong_is_said(same):
         KinetixVectorEnv(2, **LEVEL, autoreset_mode="Never")
     with pytest.raises(KinetixError, match="call reset first"):
         KinetixGymEnv(**LEVEL).step(0)
+    with pytest.raises(KinetixError, match=r"num_envs=2\.5: expected a whole number from 1"):
+        KinetixVectorEnv(2.5, **LEVEL)
+    with pytest.raises(KinetixError, match="2 seeds: expected 3, or one for all"):
+        same.reset(seed=[1, 2])
     same.reset(seed=0)
     with pytest.raises(KinetixError, match="expected 3 of them"):
         same.step(np.zeros((2, 6), int))
