@@ -1,0 +1,151 @@
+"""Buttons, boxes to tick, lists to choose from."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from editor.base.language import tr
+from editor.toolkit.appearance import COLOURS, Icons, Rgba, alpha
+from editor.toolkit.widgets.base import coloured, disabled, probe, px
+from editor.toolkit.widgets.words import MIXED
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+def icon_button(  # noqa: PLR0913 - one button has that many looks
+    session: "Session",
+    name: str,
+    icon: str,
+    *,
+    label: str = "",
+    on: bool = False,
+    enabled: bool = True,
+    tint: Rgba | None = None,
+    height: float = 0.0,
+) -> bool:
+    """A flat button with a sign and perhaps a word; `on` lights it.
+
+    Args:
+        session: Whose probe notes it.
+        name: Its stable id.
+        icon: The sign.
+        label: The word beside it.
+        on: Whether what it switches is on.
+        enabled: Whether it can be pressed.
+        tint: Colour of the sign; None for the text's.
+        height: Its height [px]; 0 for a field's.
+
+    Returns:
+        Whether it was pressed.
+    """
+    c = COLOURS
+    words = f"{icon}  {tr(label)}" if label else icon
+    size = imgui.calc_text_size(words)
+    height = height or imgui.get_frame_height()
+    width = max(size.x + 2 * px(8), height)
+    with (
+        disabled(not enabled),
+        coloured(
+            button=alpha(c.accent, 0.24) if on else (0.0, 0.0, 0.0, 0.0),
+            button_hovered=alpha(c.accent, 0.34) if on else c.field_hover,
+            button_active=alpha(c.accent, 0.44) if on else c.field_active,
+            text=tint or (c.text if on or label else c.muted),
+        ),
+    ):
+        pressed = imgui.button(f"{words}###{name}", (width, height))
+        low = imgui.get_item_rect_min()
+        sign_at = (low.x + (width - size.x) / 2, low.y + (height - size.y) / 2)
+        ink = imgui.get_color_u32(imgui.Col_.text)
+        _enlarged(imgui.get_window_draw_list(), sign_at, ink, icon)
+    probe(session, name, enabled=enabled)
+    return pressed
+
+
+def sign(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, icon: str) -> None:
+    """Draw an icon.
+
+    Args:
+        draw: Where to.
+        at: Upper left corner of its line [px].
+        colour: As a draw list takes it.
+        icon: One of `Icons`.
+    """
+    draw.add_text(at, colour, icon)
+    _enlarged(draw, at, colour, icon)
+
+
+def _enlarged(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, icon: str) -> None:
+    """Draw the triangle as large as the other shapes: the font has only a small one."""
+    if icon != Icons.triangle:
+        return
+    size = imgui.calc_text_size(icon)
+    x, y, r = at[0] + size.x / 2, at[1] + size.y / 2, px(7)
+    draw.add_triangle_filled((x, y - r * 0.9), (x + r, y + r * 0.8), (x - r, y + r * 0.8), colour)
+
+
+def primary_button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
+    """The button that Enter would press."""
+    c = COLOURS
+    with coloured(
+        button=c.accent_strong,
+        button_hovered=c.accent,
+        button_active=alpha(c.accent, 0.8),
+        text=(1.0, 1.0, 1.0, 1.0),
+    ):
+        pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
+    probe(session, name)
+    return pressed
+
+
+def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
+    """An ordinary button."""
+    pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
+    probe(session, name)
+    return pressed
+
+
+def checkbox(
+    session: "Session", name: str, label: str, value: bool, *, mixed: bool = False
+) -> tuple[bool, bool]:
+    """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what."""
+    imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
+    changed, value = imgui.checkbox(f"{tr(label)}###{name}", value)
+    imgui.pop_item_flag()
+    probe(session, name)
+    return changed, value
+
+
+def choice(
+    session: "Session",
+    name: str,
+    current: str | None,
+    options: Sequence[tuple[str, str]],
+    *,
+    preview: str = "",
+) -> str | None:
+    """A drop-down list.
+
+    Args:
+        session: Whose probe notes it.
+        name: Its stable id.
+        current: Value that is chosen; None shows `MIXED`.
+        options: (value, label) in order.
+        preview: What the closed list says instead of the chosen label.
+
+    Returns:
+        The value that was picked in this frame, or None.
+    """
+    labels = dict(options)
+    picked = None
+    opened = imgui.begin_combo(f"###{name}", tr(preview or labels.get(current or "", MIXED)))
+    probe(session, name)
+    if opened:
+        for value, label in options:
+            # A value may be empty, an id may not.
+            if imgui.selectable(f"{tr(label)}###{name}.{value}", value == current)[0]:
+                picked = value
+            probe(session, f"{name}.{value}")
+        imgui.end_combo()
+    return picked

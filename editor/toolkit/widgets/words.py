@@ -1,0 +1,136 @@
+"""Words: lines, badges, tooltips, what an empty panel says."""
+
+from typing import Final
+
+from imgui_bundle import imgui
+
+from editor.base.language import tr
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba, alpha, u32
+from editor.toolkit.widgets.base import font, px
+from editor.toolkit.widgets.key_caps import key_caps
+
+MIXED: Final = "—"
+"""Text of a field when the selected things differ."""
+
+
+def raw(words: str, colour: Rgba | None = None) -> None:
+    """A line of text as it is, in no other language; percent signs mean themselves."""
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(colour or COLOURS.text)))
+    imgui.text_unformatted(words)
+    imgui.pop_style_color()
+
+
+def text(words: str, colour: Rgba | None = None) -> None:
+    """A line of text in the language of the app."""
+    raw(tr(words), colour)
+
+
+def muted(words: str) -> None:
+    """A quiet line of text."""
+    text(words, COLOURS.muted)
+
+
+def wrapped(words: str, colour: Rgba | None = None) -> None:
+    """Text that breaks at the panel's edge."""
+    imgui.push_text_wrap_pos(0.0)
+    text(words, colour)
+    imgui.pop_text_wrap_pos()
+
+
+def small(words: str, colour: Rgba | None = None) -> None:
+    """Small print."""
+    with font(None, SMALL):
+        wrapped(words, colour or COLOURS.muted)
+
+
+def tooltip(title: str, detail: str = "", keys: str = "") -> None:
+    """Explains the last widget while the mouse rests on it (or the keyboard is there)."""
+    if not imgui.is_item_hovered(
+        imgui.HoveredFlags_.for_tooltip.value | imgui.HoveredFlags_.allow_when_disabled.value
+    ):
+        return
+    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(10), px(7)))
+    if imgui.begin_tooltip():
+        text(title)
+        if keys:
+            imgui.same_line(0, px(12))
+            key_caps(keys)
+        if detail:
+            imgui.push_text_wrap_pos(px(320))
+            with font(None, SMALL):
+                muted(detail)
+            imgui.pop_text_wrap_pos()
+        imgui.end_tooltip()
+    imgui.pop_style_var()
+
+
+def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
+    """A word in a coloured lozenge."""
+    words = tr(words)
+    line = imgui.get_text_line_height()
+    with font(FONTS.bold, SMALL - 1):
+        size = imgui.calc_text_size(words)
+        pad, height = px(7), size.y + px(4)
+        at = imgui.get_cursor_screen_pos()
+        low = (at.x, at.y + (line - height) / 2)
+        high = (at.x + size.x + 2 * pad, low[1] + height)
+        draw = imgui.get_window_draw_list()
+        draw.add_rect_filled(low, high, u32(alpha(colour, 0.95 if filled else 0.18)), px(5))
+        ink = COLOURS.backdrop if filled else colour
+        draw.add_text((at.x + pad, low[1] + (height - size.y) / 2), u32(ink), words)
+        imgui.dummy((size.x + 2 * pad, line))
+
+
+def empty_state(icon: str, title: str, hint: str) -> None:
+    """Draw the text of a panel that has nothing to show: its purpose and how to fill it."""
+    space = imgui.get_content_region_avail()
+    imgui.dummy((0, max(min(space.y * 0.18, px(40)), px(6))))
+    for words, size, colour in (
+        (icon, TITLE + 4, COLOURS.faint),
+        (title, 0.0, COLOURS.text),
+    ):
+        with font(FONTS.bold if size == 0.0 else None, size):
+            width = imgui.calc_text_size(tr(words)).x
+            imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max((space.x - width) / 2, 0))
+            text(words, colour)
+    centred_lines(hint, min(space.x - px(12), px(280)))
+
+
+def centred_lines(words: str, width: float) -> None:
+    """Small text broken to a width, each line in the middle of the panel."""
+    with font(None, SMALL):
+        space = imgui.get_content_region_avail().x
+        for line in broken(tr(words), width):
+            offset = (space - imgui.calc_text_size(line).x) / 2
+            imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(offset, 0))
+            raw(line, COLOURS.muted)
+
+
+def broken(words: str, width: float) -> list[str]:
+    """Text broken at spaces so that no line is wider than `width` [px]."""
+    lines: list[str] = []
+    for paragraph in words.split("\n"):
+        line = ""
+        for word in paragraph.split(" "):
+            longer = f"{line} {word}".strip()
+            if line and imgui.calc_text_size(longer).x > width:
+                lines.append(line)
+                line = word
+            else:
+                line = longer
+        lines.append(line)
+    return lines
+
+
+def kind_colour(kind: str) -> Rgba:
+    """Return the colour of a message of a kind."""
+    c = COLOURS
+    return {"info": c.info, "success": c.good, "warning": c.warn, "error": c.bad}[kind]
+
+
+KIND_ICONS: Final[dict[str, str]] = {
+    "info": Icons.info,
+    "success": Icons.good,
+    "warning": Icons.warning,
+    "error": Icons.error,
+}
