@@ -23,7 +23,7 @@ from editor.toolkit.widgets.buttons import (
     primary_button,
     sign,
 )
-from editor.toolkit.widgets.key_caps import draw_key_plate, key_cap, key_caps, width_of_caps
+from editor.toolkit.widgets.caps import draw_key_plate, key_cap, key_caps, width_of_caps
 from editor.toolkit.widgets.words import (
     KIND_ICONS,
     MIXED,

@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba, alpha, u32
 from editor.toolkit.widgets.base import font, px
-from editor.toolkit.widgets.key_caps import key_caps
+from editor.toolkit.widgets.caps import key_caps
 
 MIXED: Final = "—"
 """Text of a field when the selected things differ."""

@@ -5,7 +5,7 @@ import re
 from imgui_bundle import imgui
 
 from editor.base import language
-from editor.toolkit import widgets
+from editor.toolkit.widgets import caps
 from editor.window.panels.preferences import PAGES
 from tests.editor.core.helpers import FakeSimulator, a_level
 
@@ -86,13 +86,13 @@ def test_escape_closes_a_menu_without_a_crash(make_gui):
 def test_two_chords_stand_below_each_other_where_a_column_is_narrow(make_gui, monkeypatch):
     """Strg Umschalt Z and Strg Y do not fit beside each other: neither is cut off."""
     drawn = []
-    cap = widgets.key_cap
+    cap = caps.key_cap
 
     def key_cap(label, **options):
         cap(label, **options)
         drawn.append((label, imgui.get_item_rect_min().y))
 
-    monkeypatch.setattr(widgets, "key_cap", key_cap)
+    monkeypatch.setattr(caps, "key_cap", key_cap)
     gui = make_gui(size=(1280, 800))
     gui.session.settings.language = "de"
     gui.key("f1")
