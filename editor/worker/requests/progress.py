@@ -1,0 +1,23 @@
+"""How a request tells how far it is."""
+
+from typing import Any, Protocol
+
+
+class Cancelled(Exception):
+    """The job was cancelled."""
+
+
+class Progress(Protocol):
+    """Channel in which a running job reports, and learns that it was cancelled."""
+
+    def report(self, fraction: float | None, message: str) -> None:
+        """Say how far it is (0 … 1, or None when unknown) and what it does.
+
+        Raises:
+            Cancelled: The user cancelled the job.
+        """
+        ...
+
+    def share(self, partial: Any) -> None:
+        """Hand on what is known so far; the window may read it at any time."""
+        ...
