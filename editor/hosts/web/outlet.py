@@ -15,8 +15,8 @@ _REST: Final = 0.2
 """After this time without a change, parts sent with loss are sent again without [s]."""
 _HEARTBEAT: Final = 2.0
 """Longest silence [s]: writing is how a page that is gone is noticed."""
-_PARTING: Final = 0.5
-"""Time that the last messages get to leave [s]."""
+_PARTING: Final = 5.0
+"""Time that the last messages get to leave; only a page that takes nothing needs all of it [s]."""
 _DRAWN_WITHIN: Final = 10.0
 """A page in the background draws nothing; after this time the next picture goes out anyway [s]."""
 
@@ -46,6 +46,8 @@ class Outlet:
         self._viewing = 0
         """Number of the connection that takes; 0 where there is none."""
         self._connections = 0
+        self._open: set[int] = set()
+        """Connections that may still have something to write."""
         self._standing: dict[str, Any] = {}
         """State for a new page: the last value of each message that lasts."""
         self._messages: list[dict[str, Any]] = []
@@ -109,6 +111,7 @@ class Outlet:
         with self._changed:
             self._connections += 1
             self._viewing = self._connections
+            self._open.add(self._viewing)
             self._messages = [dict(self._standing)] if self._standing else []
             self._picture = self._shown = None
             self._rough, self._fresh = [], True
@@ -120,6 +123,7 @@ class Outlet:
     def detach(self, connection: int) -> bool:
         """End a connection; returns whether it was the present one."""
         with self._changed:
+            self._open.discard(connection)
             present = self._viewing == connection
             if present:
                 self._viewing = 0
@@ -129,9 +133,12 @@ class Outlet:
     def finish(self) -> None:
         """Let what was said last go out, then end."""
         with self._changed:
+            ends = time.monotonic() + _PARTING
             self._changed.wait_for(lambda: not (self._viewing and self._messages), _PARTING)
             self._viewing = 0
             self._changed.notify_all()
+            # A message that is taken is not yet written, and the threads that write end with us.
+            self._changed.wait_for(lambda: not self._open, max(0.0, ends - time.monotonic()))
 
     def packets(self, connection: int) -> Iterator[bytes]:
         """Yield what the page has to get, waiting for it; ends when another page takes over."""
@@ -142,6 +149,8 @@ class Outlet:
                 if self._viewing != connection:
                     return
                 messages, self._messages = self._messages, []
+                if messages:
+                    self._changed.notify_all()
                 picture, self._picture = self._picture, None
                 rested = bool(self._rough) and self._patience() == 0
             for message in messages:

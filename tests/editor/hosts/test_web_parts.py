@@ -30,7 +30,8 @@ class Page:
         self.picture = np.zeros((1, 1, 3), np.uint8)
         self.told: dict = {}
         self.frames: list[dict] = []
-        self._packets = outlet.packets(outlet.attach())
+        self.connection = outlet.attach()
+        self._packets = outlet.packets(self.connection)
 
     def take(self) -> dict:
         data = next(self._packets)
@@ -164,9 +165,11 @@ def test_what_is_told_goes_out_before_the_end(outlet):
     ending = threading.Thread(target=outlet.finish)
     ending.start()
     assert page.take() == {"ended": True}
-    ending.join(5)
     with pytest.raises(StopIteration):
         page.take()
+    assert ending.is_alive()  # what is taken may not be written yet
+    outlet.detach(page.connection)
+    ending.join()
 
 
 def test_the_second_page_ends_the_first_ones_stream(outlet):
