@@ -37,12 +37,12 @@ _RANGES: Final = (
     ),
     _Range(("seed",), f"0 … {2**32 - 1}", lambda x: 0 <= x < 2**32),
     _Range(
-        ("learning_rate", "peak_lr", "max_grad_norm", "clip_eps", "temperature"),
+        ("peak_lr", "max_grad_norm", "clip_eps", "temperature"),
         "a finite number above 0",
         lambda x: 0 < x < math.inf,
     ),
     _Range(
-        ("initial_lr", "vf_coef", "teacher_coef"),
+        ("learning_rate", "initial_lr", "vf_coef", "teacher_coef"),
         "a finite number, at least 0",
         lambda x: 0 <= x < math.inf,
     ),

@@ -71,8 +71,14 @@ def test_levels_bring_the_mode_and_the_size():
             "cannot be used with recurrent",
         ),
         ({"level_mode": "list"}, "needs levels"),
-        ({"learning_rate": -1.0}, r"learning_rate: expected a finite number above 0, got -1\.0"),
-        ({"learning_rate": math.nan}, "learning_rate: expected a finite number above 0, got nan"),
+        (
+            {"learning_rate": -1.0},
+            r"learning_rate: expected a finite number, at least 0, got -1\.0",
+        ),
+        (
+            {"learning_rate": math.nan},
+            "learning_rate: expected a finite number, at least 0, got nan",
+        ),
         ({"gamma": 1.5}, r"gamma: expected 0 … 1, got 1\.5"),
         ({"clip_eps": 0.0}, "clip_eps: expected a finite number above 0"),
         ({"ent_coef": math.inf}, "ent_coef: expected a finite number, got inf"),
