@@ -107,7 +107,7 @@ def evaluate(session: Session) -> None:
         deterministic=session.viewer.deterministic,
     )
     session.gallery.open = False
-    session.view.front = "evaluate"
+    session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:

@@ -18,6 +18,8 @@ class View:
     """Id of a panel to bring to the front; the window clears it."""
     field: str = ""
     """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
+    levels_to_measure: str = ""
+    """What the form of an evaluation shall name (`chosen`: in the gallery); the panel clears it."""
     palette: bool = False
     """The command palette."""
     help: bool = False

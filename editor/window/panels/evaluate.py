@@ -121,6 +121,9 @@ class EvaluatePanel(Panel):
 
     def _fields(self, session: "Session") -> None:
         form = self._form
+        if session.view.levels_to_measure:
+            self._choose_source(session, session.view.levels_to_measure)
+            session.view.levels_to_measure = ""
         imgui.set_next_item_width(px(210))
         picked = widgets.choice(session, "evaluate.source", form.source, _SOURCES)
         if picked is not None:

@@ -19,7 +19,7 @@ from editor.window.browser import nothing_here
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
 from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
-from kinetix.paths import checkpoints_dir
+from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.test_viewer import a_summary
 from tests.editor.gui.test_language import ALLOWED
 from tests.editor.gui.viewing import front, settle
@@ -55,6 +55,20 @@ def test_an_agent_is_measured_under_its_own_physics_and_the_table_says_which(wit
     with_agent.click("evaluate.physics.accurate")
     assert evaluated(with_agent).physics == "accurate"
     assert any("Tester under accurate: 0.500" in words for words in said)
+
+
+def test_the_form_names_what_the_gallery_measures(with_agent):
+    session = with_agent.session
+    assert actions.run(session, "level.gallery")
+    session.library.look([levels_dir() / "s"])
+    assert session.library.wait(20)
+    card = next(card for card in session.library.cards if card.path.endswith("hang_on.json"))
+    session.gallery.selection = (card.path,)
+    assert actions.run(session, "gallery.evaluate")
+    settle(with_agent)
+    with_agent.frames(4)
+    # A second click measures the same levels, not the one in front.
+    assert [level.name for level in evaluated(with_agent).levels] == ["s/hang_on"]
 
 
 def test_every_number_of_the_form_has_its_name_beside_it(with_agent, monkeypatch):
