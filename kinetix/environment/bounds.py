@@ -1,23 +1,12 @@
-"""Bounds of the numbers in `EnvParams` and `StaticEnvParams`, a row each.
-
-Only numbers of Python and numpy are looked at: arrays may be traced, or a batch.
-"""
+"""Bounds of the numbers in `EnvParams` and `StaticEnvParams`."""
 
 import math
 import numbers
 from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
+from kinetix.bounds import Bound, check_bounds
 from kinetix.engine.spec import ARENA_BODIES
-from kinetix.errors import KinetixError
-
-
-class _Bound(NamedTuple):
-    """Fields that share a bound, what a sentence says of it, and the test."""
-
-    names: tuple[str, ...]
-    expected: str
-    holds: Callable[[Any], bool]
 
 
 def _whole(least: int) -> Callable[[Any], bool]:
@@ -25,16 +14,16 @@ def _whole(least: int) -> Callable[[Any], bool]:
 
 
 _NUMBERS: Final = (
-    _Bound(("dt",), "seconds above 0 and up to 1, such as 1/60", lambda x: 0 < x <= 1),
-    _Bound(
+    Bound(("dt",), "seconds above 0 and up to 1, such as 1/60", lambda x: 0 < x <= 1),
+    Bound(
         ("max_timesteps",),
         "a whole number of steps from 1, or jnp.inf for no time limit",
         lambda x: x >= 1 and (math.isinf(x) or x == int(x)),
     ),
-    _Bound(("clip_position", "clip_velocity", "clip_angular_velocity"), "above 0", lambda x: x > 0),
-    _Bound(("base_friction",), "0 or more", lambda x: x >= 0),
-    _Bound(("pixels_per_unit",), "a number from 1", lambda x: x >= 1),
-    _Bound(
+    Bound(("clip_position", "clip_velocity", "clip_angular_velocity"), "above 0", lambda x: x > 0),
+    Bound(("base_friction",), "0 or more", lambda x: x >= 0),
+    Bound(("pixels_per_unit",), "a number from 1", lambda x: x >= 1),
+    Bound(
         (
             "slop",
             "baumgarte_coefficient_joints_v",
@@ -56,12 +45,12 @@ _NUMBERS: Final = (
 )
 
 _SIZES: Final = (
-    _Bound(
+    Bound(
         ("num_polygons",),
         f"a whole number from {ARENA_BODIES}, which the arena takes",
         _whole(ARENA_BODIES),
     ),
-    _Bound(
+    Bound(
         (
             *("num_circles", "num_joints", "num_thrusters"),
             *("num_motor_bindings", "num_thruster_bindings"),
@@ -69,19 +58,19 @@ _SIZES: Final = (
         "a whole number from 0",
         _whole(0),
     ),
-    _Bound(
+    Bound(
         ("frame_skip", "downscale", "num_solver_iterations", "solver_batch_size"),
         "a whole number from 1",
         _whole(1),
     ),
-    _Bound(
+    Bound(
         ("screen_dim",),
         "width and height in pixels, such as (500, 500)",
         lambda sides: len(sides) == 2 and all(map(_whole(1), sides)),
     ),
-    _Bound(("max_shape_size",), "metres above 0", lambda x: 0 < x < math.inf),
-    _Bound(("num_static_fixated_polys",), f"{ARENA_BODIES}, the arena", lambda x: x == 4),
-    _Bound(("max_polygon_vertices",), "4", lambda x: x == 4),
+    Bound(("max_shape_size",), "metres above 0", lambda x: 0 < x < math.inf),
+    Bound(("num_static_fixated_polys",), f"{ARENA_BODIES}, the arena", lambda x: x == 4),
+    Bound(("max_polygon_vertices",), "4", lambda x: x == 4),
 )
 
 
@@ -91,7 +80,7 @@ def check_numbers(env_params: Any) -> None:
     Raises:
         KinetixError: The sentence names the field.
     """
-    _check("env_params", env_params, _NUMBERS)
+    check_bounds(env_params, _NUMBERS, "env_params.")
 
 
 def check_sizes(static_env_params: Any) -> None:
@@ -100,18 +89,4 @@ def check_sizes(static_env_params: Any) -> None:
     Raises:
         KinetixError: The sentence names the field.
     """
-    _check("static_env_params", static_env_params, _SIZES)
-
-
-def _check(record: str, params: Any, bounds: tuple[_Bound, ...]) -> None:
-    for bound in bounds:
-        for name in bound.names:
-            value = getattr(params, name)
-            if hasattr(value, "shape") and not isinstance(value, numbers.Number):
-                continue
-            try:
-                good = bound.holds(value)
-            except (TypeError, ValueError):
-                good = False
-            if not good:
-                raise KinetixError(f"{record}.{name}: expected {bound.expected}, got {value!r}")
+    check_bounds(static_env_params, _SIZES, "static_env_params.")

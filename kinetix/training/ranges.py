@@ -1,22 +1,12 @@
 """Ranges of hyper-parameters, a row each: what lies outside cannot be learnt with."""
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
-from kinetix.errors import KinetixError
-
-
-class _Range(NamedTuple):
-    """Fields that share a range, what a sentence says of it, and the test."""
-
-    names: tuple[str, ...]
-    expected: str
-    holds: Callable[[Any], bool]
-
+from kinetix.bounds import Bound, check_bounds
 
 _RANGES: Final = (
-    _Range(
+    Bound(
         (
             *("num_train_envs", "num_steps", "num_minibatches", "update_epochs", "frame_skip"),
             *("checkpoint_save_freq", "eval_num_attempts", "level_filter_sample_ratio"),
@@ -27,7 +17,7 @@ _RANGES: Final = (
         "at least 1",
         lambda x: x >= 1,
     ),
-    _Range(
+    Bound(
         (
             *("eval_freq", "video_frequency", "eval_sampled_levels", "level_filter_n_steps"),
             *("num_edits", "critic_warmup"),
@@ -35,18 +25,18 @@ _RANGES: Final = (
         "at least 0",
         lambda x: x >= 0,
     ),
-    _Range(("seed",), f"0 … {2**32 - 1}", lambda x: 0 <= x < 2**32),
-    _Range(
+    Bound(("seed",), f"0 … {2**32 - 1}", lambda x: 0 <= x < 2**32),
+    Bound(
         ("peak_lr", "max_grad_norm", "clip_eps", "temperature"),
         "a finite number above 0",
         lambda x: 0 < x < math.inf,
     ),
-    _Range(
+    Bound(
         ("learning_rate", "initial_lr", "vf_coef", "teacher_coef"),
         "a finite number, at least 0",
         lambda x: 0 <= x < math.inf,
     ),
-    _Range(
+    Bound(
         (
             *("gamma", "gae_lambda", "warmup_frac", "teacher_frac", "demo_starts"),
             *("sampled_envs_ratio", "replay_prob", "staleness_coeff", "minimum_fill_ratio"),
@@ -54,7 +44,7 @@ _RANGES: Final = (
         "0 … 1",
         lambda x: 0 <= x <= 1,
     ),
-    _Range(("ent_coef", "dense_reward_scale"), "a finite number", math.isfinite),
+    Bound(("ent_coef", "dense_reward_scale"), "a finite number", math.isfinite),
 )
 
 
@@ -67,8 +57,4 @@ def check_ranges(config: Any) -> None:
     Raises:
         KinetixError: The sentence names the field.
     """
-    for row in _RANGES:
-        for name in row.names:
-            value = getattr(config, name, None)
-            if value is not None and not row.holds(value):
-                raise KinetixError(f"{name}: expected {row.expected}, got {value}")
+    check_bounds(config, _RANGES)
