@@ -20,7 +20,7 @@ from kinetix.agents.checkpoint import (
     surviving,
     write_checkpoint,
 )
-from kinetix.agents.feeding import check_observations
+from kinetix.agents.feeding import check_observations, parts_of_observation
 from kinetix.agents.identity import name_in_run
 from kinetix.agents.kinetix_env import (
     is_peer_checkpoint,
@@ -103,6 +103,11 @@ class Agent:
         self.policy = NetworkPolicy(network_of_card(card))
 
     @functools.cached_property
+    def _parts(self) -> dict[str, Any]:
+        """Spaces of what it sees, as every action is checked against them."""
+        return parts_of_observation(self.card)
+
+    @functools.cached_property
     def digest(self) -> str:
         """SHA-256 over the names, shapes and bytes of its parameters, as `agent.json` has it."""
         return digest(self.params["params"])
@@ -148,7 +153,7 @@ class Agent:
         """
         batch = carry[0].shape[0]
         check_key(key, "the order is act(carry, obs, key)")
-        check_observations(self.card, obs, batch)
+        check_observations(self.card, self._parts, obs, batch)
         keys = jax.random.split(key, batch)
         done = jnp.zeros(batch, bool) if done is None else jnp.asarray(done)
         action, carry, info = _decide(

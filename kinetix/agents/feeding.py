@@ -1,5 +1,6 @@
 """Checks of what an agent is asked with: observations of its kind, as many as its carry."""
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import jax.numpy as jnp
@@ -14,11 +15,24 @@ _EXACT: Final = ("symbolic_flat", "pixels")
 """Observations whose every size is the agent's; entities may be of any number."""
 
 
-def check_observations(card: AgentCard, observations: Any, batch: int) -> None:
+def parts_of_observation(card: AgentCard) -> dict[str, Any]:
+    """Return the spaces of the arrays that an agent's observation has, by name; "" for a lone one.
+
+    Args:
+        card: The agent's description.
+    """
+    space: Any = observations_of_card(card, EnvParams(), static_env_params_of_card(card)).space
+    return dict(space.spaces) if isinstance(space, Dict) else {"": space}
+
+
+def check_observations(
+    card: AgentCard, parts: Mapping[str, Any], observations: Any, batch: int
+) -> None:
     """Refuse observations of another kind or size, no batch of them, or not as many as the carry.
 
     Args:
         card: The agent's description.
+        parts: From `parts_of_observation`.
         observations: With a leading axis of environments.
         batch: Environments of the carry.
 
@@ -27,8 +41,6 @@ def check_observations(card: AgentCard, observations: Any, batch: int) -> None:
     """
     kind = card.observation.type
     told = f"obs: agent {card.name!r} sees {kind}"
-    space: Any = observations_of_card(card, EnvParams(), static_env_params_of_card(card)).space
-    parts: dict[str, Any] = dict(space.spaces) if isinstance(space, Dict) else {"": space}
     for name, part in parts.items():
         value: Any = getattr(observations, name, None) if name else observations
         if not hasattr(value, "shape"):
