@@ -1,14 +1,13 @@
 """Play one episode without a window and say how it ended."""
 
 import dataclasses
-import functools
 import json
 import sys
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from kinetix.cli.attempts import check_attempt
+from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def run(command: Play) -> int:
     document = load_document(command.level)
     player = load_player(command.agent)
     episode = (
-        _attempt(command, player)
+        _attempt(command, player, command.attempt)
         if command.attempt is not None
         else _alone(command, player, document)
     )
@@ -76,16 +75,11 @@ def run(command: Play) -> int:
     return 0
 
 
-def _attempt(command: Play, player: "Player") -> "Episode":
+def _attempt(command: Play, player: "Player", attempt: int) -> "Episode":
     """Play an attempt of an evaluation."""
-    from kinetix.agents.evaluate import NamedLevel, Settings, record
     from kinetix.environment.episode import Episode
 
-    settings = Settings(
-        seed=command.seed, physics=command.physics or "", deterministic=command.deterministic
-    )
-    level = NamedLevel(name=command.level, source=command.level)
-    *_, last = record(player, level, command.attempt or 0, settings)
+    *_, last = steps_of_attempt(command, player, attempt)
     result = last.result
     assert result is not None
     return Episode(
@@ -108,13 +102,10 @@ def _alone(command: Play, player: "Player", document: "LoadedLevel") -> "Episode
     capacity = capacity_for(player.card, capacity, level=document.level.name)
     physics = command.physics or player.card.environment.physics
     env = environment_for(player, capacity, physics=physics)
-    decide = player.policy.decide
-    if command.deterministic:
-        decide = functools.partial(decide, deterministic=True)
     return play_episode(
         env,
         level_state(command.level, env.static_env_params),
-        decide,
+        decide_of(command, player),
         params=player.params,
         carry=player.policy.init_carry(1),
         seed=command.seed,

@@ -1,7 +1,6 @@
 """Draw a level as a picture (PNG), film an episode (GIF, MP4) or make a page of it (HTML)."""
 
 import dataclasses
-import functools
 import itertools
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.attempts import check_attempt
+from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
 from kinetix.level.model import Level
@@ -192,23 +191,14 @@ def _played(
     recorded: dict[str, Any] | None,
 ) -> Iterator[Moment]:
     """Play the recorded solution, an attempt of an evaluation, or an episode of its own."""
-    from kinetix.agents.evaluate import NamedLevel, Settings, record
     from kinetix.environment.episode import rollout
     from kinetix.environment.replay import next_row
 
     if recorded is not None:
         return _told(env, rollout(env, start, next_row, **recorded))
     if command.attempt is not None:
-        settings = Settings(
-            seed=command.seed,
-            physics=command.physics or "",
-            deterministic=command.deterministic,
-        )
-        level = NamedLevel(name=command.level, source=command.level)
-        return _attempted(env, record(player, level, command.attempt, settings))
-    decide = player.policy.decide
-    if command.deterministic:
-        decide = functools.partial(decide, deterministic=True)
+        return _attempted(env, steps_of_attempt(command, player, command.attempt))
+    decide = decide_of(command, player)
     carry = player.policy.init_carry(1)
     played = rollout(env, start, decide, params=player.params, carry=carry, seed=command.seed)
     return _told(env, played)
