@@ -147,7 +147,7 @@ def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
 
 
 _DRAWS: Final = ("seed", "attempt", "deterministic", "digest")
-"""What a trace says of its agent and the draws."""
+"""The fields of a trace that name its agent and the draws."""
 
 
 def _rival(session: Session, trace: Trace) -> Trace | None:

@@ -19,7 +19,7 @@ class View:
     field: str = ""
     """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
     levels_to_measure: str = ""
-    """What the form of an evaluation shall name (`chosen`: in the gallery); the panel clears it."""
+    """Levels for the Evaluate panel to choose (`chosen`: the gallery's); the panel clears it."""
     palette: bool = False
     """The command palette."""
     help: bool = False

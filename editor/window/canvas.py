@@ -83,7 +83,7 @@ class Canvas:
         self._unmeasured: tuple[Tab, Camera, int] | None = None
         """While such a panel is there: the tab, where it looked before, and `_asked` then."""
         self._asked = 0
-        """How often a fit was asked for by anything else."""
+        """Number of fits that something other than the canvas asked for."""
         self._refits = 0
         """For how many frames yet an arena shown whole is fitted to the viewport."""
         self._followed: dict[int, Camera] = {}

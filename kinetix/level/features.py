@@ -1,4 +1,4 @@
-"""What of the engine a level or a compiled world needs: capacity, pairs that may push, features."""
+"""Capacity, pairs that may push and features that a level or a compiled world needs."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""What all widgets share: probe rectangles, lengths, fonts, colours."""
+"""Shared by all widgets: probe rectangles, lengths, fonts, colours."""
 
 import contextlib
 import dataclasses

@@ -1,4 +1,4 @@
-"""Where the attempts of an evaluation go and part."""
+"""Paths of the attempts of an evaluation, and the steps at which they part."""
 
 import dataclasses
 

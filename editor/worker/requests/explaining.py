@@ -1,4 +1,4 @@
-"""What an agent sees, and why it does what it does."""
+"""An agent's observations, and the reasons for its actions."""
 
 import dataclasses
 from typing import Any, Literal, TypeAlias

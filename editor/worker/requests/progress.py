@@ -1,4 +1,4 @@
-"""How a request tells how far it is."""
+"""Progress of a request."""
 
 from typing import Any, Protocol
 
