@@ -10,7 +10,7 @@ import json
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -175,14 +175,13 @@ class Autosaves:
         document = watched.document
         document.autosaved, document.autosaved_at = document.level, None
         watched.first = 0.0
+        if with_origin:
+            discard_all(document.origin)
+            document.origin = ()
         with self._wake:
             watched.wanted, watched.gone = None, True
             self._start()
             self._wake.notify_all()
-        if with_origin:
-            for file in document.origin:
-                discard(file)
-            document.origin = ()
 
     def flush(self) -> None:
         """Wait until everything is on the disk.
@@ -320,6 +319,16 @@ def discard(file: Path) -> None:
     file.unlink(missing_ok=True)
     if file.parent.parent.name == autosave_dir().name and not goes_on(file.parent):
         _tidy(file.parent)
+
+
+def discard_all(files: Sequence[Path]) -> None:
+    """Remove copies that were made one from another, the newest first in `files`.
+
+    The oldest goes first: a run that is killed in between leaves the newest, never a level that
+    newer ones have replaced.
+    """
+    for file in reversed(files):
+        discard(file)
 
 
 def left_behind(base: Path | None = None) -> list[Path]:

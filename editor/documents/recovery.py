@@ -87,8 +87,7 @@ def find(base: Path | None = None) -> Found:
 
 def discard(recovery: Recovery) -> None:
     """Remove a copy for good, and those that it began with."""
-    for file in (recovery.file, *recovery.origin):
-        autosaves.discard(file)
+    autosaves.discard_all((recovery.file, *recovery.origin))
 
 
 def _read(file: Path) -> Recovery:

@@ -9,16 +9,22 @@ from editor.documents.commands.level import ReplaceLevel
 
 
 def edit_for_ever(base: Path, path: Path, told: Connection) -> None:
-    """Edit a level over and over; tell what the screen shows at the moment of every copy."""
+    """Edit a level over and over; tell what the screen shows at the moment of every copy.
+
+    It goes on from the newest of the file and what an earlier run left.
+    """
     autosaves.PAUSE = 0.0
     run = Autosaves(base)
     document = files.open_document(path)
     found = recovery.find(base).recoveries
     number = int(document.level.description or 0)
-    if found:
-        number = int(found[0].level.description)
-        document.commit(ReplaceLevel(level=found[0].level, label="Restore"))
-        document.origin = (found[0].file, *found[0].origin)
+    for each in found:
+        if int(each.level.description) < number:  # killed between saving and removing the copy
+            recovery.discard(each)
+            continue
+        number = int(each.level.description)
+        document.commit(ReplaceLevel(level=each.level, label="Restore"))
+        document.origin = (each.file, *each.origin)
     told.send((number, len(found)))
     while True:
         number += 1
