@@ -56,6 +56,36 @@ def check_env(env: Any) -> None:
         raise KinetixError(f"env: expected an environment, got {_kind(env)}")
 
 
+def check_worlds(arguments: Mapping[str, Any], devices: int) -> None:
+    """Refuse arguments that are not one value per world.
+
+    Args:
+        arguments: Those with a leading axis of worlds, by name; the first tells how many there are.
+        devices: How many devices share the worlds.
+
+    Raises:
+        KinetixError: One is no batch or one of another length, or the worlds cannot be shared.
+    """
+    worlds = 0
+    for name, argument in arguments.items():
+        refuse_what_is_no_array(name, argument)
+        if isinstance(argument, list | tuple):
+            raise KinetixError(f"{name}: expected an array, got a list: jnp.array makes one of it")
+        lengths = {len(leaf) if jnp.ndim(leaf) else 0 for leaf in jax.tree.leaves(argument)}
+        if len(lengths) != 1 or lengths == {0} or (name == "key" and _is_one_raw_key(argument)):
+            hint = ": jax.random.split(key, n)" if name == "key" else ""
+            raise KinetixError(f"{name}: expected one per world, got a single one{hint}")
+        (length,) = lengths
+        worlds = worlds or length
+        if length != worlds:
+            raise KinetixError(f"{name}: expected one per world, {worlds} of them, got {length}")
+    if worlds % devices:
+        more = -(-worlds // devices) * devices
+        raise KinetixError(
+            f"{worlds} worlds: expected a multiple of the {devices} devices, such as {more}"
+        )
+
+
 def check_static_params(static_env_params: Any, order: str) -> None:
     """Refuse what is no `StaticEnvParams`.
 
@@ -248,6 +278,10 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
         lambda x: jax.lax.convert_element_type(jnp.asarray(x), jnp.asarray(x).dtype),
         dataclasses.replace(state, physics=physics),
     )
+
+
+def _is_one_raw_key(value: Any) -> bool:
+    return getattr(value, "dtype", None) == jnp.uint32 and jnp.ndim(value) == 1
 
 
 def _is_array(value: Any) -> bool:

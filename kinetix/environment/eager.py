@@ -6,8 +6,8 @@ Inside of `jit`, `vmap` and their like the caller's program is compiled, as thor
 """
 
 import functools
-from collections.abc import Callable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any, Final
 
 import jax
@@ -44,11 +44,35 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         program = alone if outside and jax.default_backend() == "cpu" else inside
         # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
         compiled = jax.disable_jit(False) if jax.config.values["jax_disable_jit"] else nullcontext()
-        try:
-            with compiled:
-                return program(self, *arguments, **named)
-        except TypeError:
-            refuse_what_is_no_array(method.__name__, (arguments, named))
-            raise
+        with compiled, _naming_what_is_no_array(method, (arguments, named)):
+            return program(self, *arguments, **named)
 
     return call
+
+
+def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a method thoroughly, also for calls from Python: for many worlds at once.
+
+    Args:
+        method: Takes a hashable `self` and pytrees of arrays.
+
+    Returns:
+        The compiled method; it raises a KinetixError where an argument holds no arrays.
+    """
+    program = jax.jit(method, static_argnums=0)
+
+    @functools.wraps(method)
+    def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        with _naming_what_is_no_array(method, (arguments, named)):
+            return program(self, *arguments, **named)
+
+    return call
+
+
+@contextmanager
+def _naming_what_is_no_array(method: Callable[..., Any], arguments: Any) -> Iterator[None]:
+    try:
+        yield
+    except TypeError:
+        refuse_what_is_no_array(method.__name__, arguments)
+        raise

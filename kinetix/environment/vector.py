@@ -1,18 +1,17 @@
 """An environment of many worlds, spread over all devices: `vectorize` in place of `vmap`."""
 
 import dataclasses
-import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from kinetix.environment.checks import check_env
+from kinetix.environment.checks import check_env, check_worlds
 from kinetix.environment.devices import in_shares
+from kinetix.environment.eager import thorough
 from kinetix.environment.state import EnvState
-from kinetix.errors import KinetixError
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -33,7 +32,7 @@ class VectorEnv:
             raise AttributeError(name)
         return getattr(self.env, name)
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @thorough
     def reset(
         self, key: Array, env_params: Any = None, override_reset_state: EnvState | None = None
     ) -> Any:
@@ -49,12 +48,14 @@ class VectorEnv:
             Observations and states.
 
         Raises:
-            KinetixError: The number of worlds is not a multiple of the number of devices.
+            KinetixError: An argument is not one per world, or the number of worlds is not a
+                multiple of the number of devices.
         """
         axes = (0, None, _axis(override_reset_state))
-        return _spread(self.env.reset, axes, (key, env_params, override_reset_state))
+        batch = {"key": key, "env_params": env_params, "override_reset_state": override_reset_state}
+        return _spread(self.env.reset, axes, batch)
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @thorough
     def step(
         self,
         key: Array,
@@ -77,16 +78,23 @@ class VectorEnv:
             Observations, states, rewards, dones and info.
 
         Raises:
-            KinetixError: The number of worlds is not a multiple of the number of devices.
+            KinetixError: An argument is not one per world, or the number of worlds is not a
+                multiple of the number of devices.
         """
         axes = (0, 0, 0, None, _axis(override_reset_state))
-        arguments = (key, state, action, env_params, override_reset_state)
-        return _spread(self.env.step, axes, arguments)
+        batch = {
+            "key": key,
+            "state": state,
+            "action": action,
+            "env_params": env_params,
+            "override_reset_state": override_reset_state,
+        }
+        return _spread(self.env.step, axes, batch)
 
-    @functools.partial(jax.jit, static_argnums=0)
+    @thorough
     def get_obs(self, state: Any) -> Any:
         """Observe every world."""
-        return _spread(self.env.get_obs, (0,), (state,))
+        return _spread(self.env.get_obs, (0,), {"state": state})
 
 
 def vectorize(env: Any) -> VectorEnv:
@@ -110,20 +118,12 @@ def _axis(levels: EnvState | None) -> int | None:
 
 
 def _spread(
-    function: Callable[..., Any], axes: tuple[int | None, ...], arguments: tuple[Any, ...]
+    function: Callable[..., Any], axes: tuple[int | None, ...], arguments: Mapping[str, Any]
 ) -> Any:
-    first = jnp.shape(jax.tree.leaves(arguments[0])[0])
-    if not first:
-        raise KinetixError(
-            "expected a leading axis of worlds, got one: split its key by jax.random.split(key, n)"
-        )
-    worlds = first[0]
-    devices = jax.device_count()
-    if worlds % devices:
-        more = -(-worlds // devices) * devices
-        raise KinetixError(
-            f"{worlds} worlds: expected a multiple of the {devices} devices, such as {more}"
-        )
+    mapped = {
+        name: arguments[name] for name, axis in zip(arguments, axes, strict=True) if axis == 0
+    }
+    check_worlds(mapped, jax.device_count())
     replicated = tuple(index for index, axis in enumerate(axes) if axis is None)
     shares = in_shares(jax.vmap(function, in_axes=axes), replicated=replicated)
-    return shares(*arguments)
+    return shares(*arguments.values())

@@ -230,5 +230,5 @@ def test_pictures_of_what_is_no_state(small_env, small_state, small_static):
 
 
 def test_one_world_where_many_are_expected(small_env, small_state):
-    with pytest.raises(KinetixError, match=r"got one: split its key by jax\.random\.split"):
+    with pytest.raises(KinetixError, match=r"a single one: jax\.random\.split"):
         vectorize(small_env).reset(KEY, None, small_state)
