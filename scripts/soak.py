@@ -27,7 +27,7 @@ from editor.base.events import InputEvent, KeyEvent, Pointer, PointerEvent
 from editor.base.settings import Settings
 from editor.gallery.results import Results
 from editor.hosts.offscreen import OffscreenHost
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.toolkit.thumbnails import SLOTS
 from kinetix.paths import levels_dir

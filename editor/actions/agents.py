@@ -7,7 +7,7 @@ from typing import Final
 
 from editor.agents.viewer import AgentSlot, Compare, SlotName, mismatch
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.recording import Action

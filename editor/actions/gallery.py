@@ -9,7 +9,7 @@ from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan, export_set, refused
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.sets import load_set

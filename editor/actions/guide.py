@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Final
 
 from editor.actions import file
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.level.model import Circle
 

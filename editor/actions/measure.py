@@ -9,7 +9,7 @@ from editor.actions.comparison import present
 from editor.agents.evaluation import Plan
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import (

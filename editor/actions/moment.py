@@ -1,8 +1,8 @@
 """Changing a level in the middle of an episode."""
 
 from editor.documents.commands.level import ReplaceLevel, TakePoses
+from editor.play.mode import Mode
 from editor.play.moment import Moment, moment_of
-from editor.play.playback import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 

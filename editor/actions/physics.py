@@ -2,7 +2,7 @@
 
 from editor.base.physics import PHYSICS
 from editor.base.prompts import Choice, MenuQuestion
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 
 NONE = "none"

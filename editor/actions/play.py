@@ -4,7 +4,7 @@ from editor.actions import agents, moment
 from editor.documents.commands.level import TakePoses
 from editor.documents.document import Document
 from editor.gallery.results import HUMAN
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash

@@ -10,7 +10,7 @@ from editor.base.controls import NOOP
 from editor.base.events import LEFT, MIDDLE, RIGHT, PinchEvent, Pointer, PointerEvent, WheelEvent
 from editor.editing.picking import bodies_at
 from editor.editing.tools.base import DRAG_PIXELS
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.requests import Pull
 from kinetix.level.geometry import to_local

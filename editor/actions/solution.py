@@ -6,7 +6,7 @@ from typing import Any
 
 from editor.documents.commands.level import KeepSolution
 from editor.documents.document import Document
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import PlaySolution

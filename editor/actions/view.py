@@ -8,7 +8,7 @@ from editor.base.camera import ARENA
 from editor.base.prompts import TextQuestion
 from editor.base.settings import DEBUG_FIRST
 from editor.editing.picking import selection_box
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 

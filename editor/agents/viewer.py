@@ -7,8 +7,8 @@ from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
-from editor.play.playback import Simulator
 from editor.play.second_player import Follower
+from editor.play.simulator import Simulator
 from editor.worker.jobs import Job, Worker
 from editor.worker.requests import AgentSummary, AgentView, AttemptPaths, Casting
 from kinetix.level.model import Level

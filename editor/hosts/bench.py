@@ -24,7 +24,7 @@ from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.hosts import first_seconds, gl
 from editor.hosts.offscreen import OffscreenHost
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Worker
 from kinetix.level.codec import load_level, save_level

@@ -23,7 +23,7 @@ from editor.hosts.base import Host
 from editor.hosts.film import Film
 from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.toolkit.keys import IMGUI, MODIFIERS
 from editor.toolkit.widgets import Probe

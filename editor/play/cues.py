@@ -5,7 +5,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from editor.play.playback import Mode, Playback
+from editor.play.mode import Mode
+from editor.play.playback import Playback
 from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.model import Level
 

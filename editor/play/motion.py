@@ -10,7 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from editor.play.playback import Mode, Playback
+from editor.play.mode import Mode
+from editor.play.playback import Playback
 from editor.worker.recording import Snapshot
 
 _MOST_BEHIND: Final = 1.5

@@ -1,23 +1,20 @@
 """Edit, play, pause, step, restart: a state machine without a window."""
 
-import enum
 import math
-from collections.abc import Sequence
-from typing import Final, Protocol
+from typing import Final
 
 from editor.base.controls import NOOP
+from editor.play.mode import Mode
+from editor.play.show import Show
+from editor.play.simulator import Simulator
 from editor.play.states import Editing, Ended, Episode, Live, Paused, Replaying, Starting, State
 from editor.worker.recording import (
-    ENGINE_STEPS_PER_SECOND,
-    FRAME_SKIP,
     Action,
-    Ring,
     Snapshot,
     Trace,
     channels_of,
 )
 from editor.worker.requests import Casting, Pull
-from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -29,69 +26,7 @@ OUTSTANDING_SECONDS: Final = 0.1
 """Time for which steps are asked for in advance: more would delay the keys [s]."""
 
 
-class Mode(enum.Enum):
-    """Mode of the app; the values stand in the record of a `state` event."""
-
-    EDIT = "edit"
-    PLAYING = "playing"
-    PAUSED = "paused"
-    ENDED = "ended"
-    REPLAY = "replay"
-
-
-class Simulator(Protocol):
-    """Interface of the simulation to playback; answers may come in later frames."""
-
-    keep_contacts: bool
-    """True if the snapshots to come carry contact points (debug drawing, plots)."""
-
-    @property
-    def outstanding(self) -> int:
-        """Steps that were asked for and have not arrived."""
-        ...
-
-    def start(
-        self,
-        level: Level,
-        physics: str,
-        casting: Casting | None = None,
-        since: Snapshot | None = None,
-    ) -> None:
-        """Go to a level's first state; its snapshot arrives first.
-
-        With `since` the episode has come so far already: steps and return go on from there.
-        """
-        ...
-
-    def advance(self, actions: tuple[Action | None, ...], pull: Pull | None = None) -> None:
-        """Play one environment step for each action; after the episode's end nothing arrives.
-
-        None in the place of an action leaves the choice to the agent that was cast.
-        """
-        ...
-
-    def restore(self, snapshot: Snapshot) -> None:
-        """Go on from an earlier snapshot of this episode; nothing arrives for it."""
-        ...
-
-    def stop(self) -> None:
-        """Drop everything that was asked for."""
-        ...
-
-    def drop(self) -> None:
-        """Drop the steps that were asked for; the episode stays."""
-        ...
-
-    def take(self) -> Sequence[Snapshot]:
-        """Snapshots that arrived since the last call, in order.
-
-        Raises:
-            KinetixError: The simulation failed; the sentence says why.
-        """
-        ...
-
-
-class Playback:
+class Playback(Show):
     """Owns the state and its episode; reads the level when play starts and never writes it."""
 
     def __init__(self, simulator: Simulator) -> None:
@@ -108,74 +43,6 @@ class Playback:
         self.failure = ""
         """Reason why the last episode could not start or continue; empty while all is well."""
         self._clock = 0.0
-
-    @property
-    def mode(self) -> Mode:
-        """Mode of the app."""
-        match self.state:
-            case Editing():
-                return Mode.EDIT
-            case Starting(paused=paused):
-                return Mode.PAUSED if paused else Mode.PLAYING
-            case Live():
-                return Mode.PLAYING
-            case Paused():
-                return Mode.PAUSED
-            case Ended():
-                return Mode.ENDED
-            case Replaying():
-                return Mode.REPLAY
-
-    @property
-    def current(self) -> Episode | None:
-        """The episode on show or set aside; None while nothing is played."""
-        state = self.state
-        return state.aside if isinstance(state, Editing) else state.episode
-
-    @property
-    def active(self) -> bool:
-        """True if the app plays or replays (the document is not being edited)."""
-        return not isinstance(self.state, Editing)
-
-    @property
-    def suspended(self) -> bool:
-        """True if a paused episode waits while its level is changed."""
-        return isinstance(self.state, Editing) and self.state.aside is not None
-
-    @property
-    def waiting(self) -> bool:
-        """True if play was asked for and the first state has not come (compiling)."""
-        return isinstance(self.state, Starting)
-
-    @property
-    def level(self) -> Level | None:
-        """The level being played."""
-        return self.current.level if self.current else None
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """Snapshot on the screen."""
-        return self.current.snapshot if self.current else None
-
-    @property
-    def casting(self) -> Casting | None:
-        """The agent that plays, or None when a person does."""
-        return self.current.casting if self.current else None
-
-    @property
-    def player(self) -> str:
-        """Name of the agent."""
-        return self.current.player if self.current else ""
-
-    @property
-    def perturbed(self) -> bool:
-        """True if the mouse pulled at a body, or a person drove instead of the agent."""
-        return self.current.perturbed if self.current else False
-
-    @property
-    def ring(self) -> Ring:
-        """The episode's last moments."""
-        return self.current.ring if self.current else Ring()
 
     @property
     def running(self) -> bool:
@@ -196,78 +63,6 @@ class Playback:
     def loop(self, loop: tuple[int, int] | None) -> None:
         if isinstance(self.state, Replaying):
             self.state.loop = loop
-
-    @property
-    def step_count(self) -> int:
-        """Environment steps of the snapshot on show."""
-        return self.snapshot.step if self.snapshot else 0
-
-    @property
-    def outcome(self) -> Outcome | None:
-        """Outcome of the episode, or None."""
-        return self.snapshot.outcome if self.snapshot else None
-
-    @property
-    def frame_skip(self) -> int:
-        """Engine steps in one environment step of this episode."""
-        return self.snapshot.frame_skip if self.snapshot else FRAME_SKIP
-
-    @property
-    def engine_step(self) -> int:
-        """Engine steps of the snapshot on show."""
-        return self.step_count * self.frame_skip
-
-    @property
-    def step_seconds(self) -> float:
-        """Real time of one environment step at the present speed [s]."""
-        return self.frame_skip / ENGINE_STEPS_PER_SECOND / self.speed
-
-    @property
-    def step_share(self) -> float:
-        """Share of the time until the next step that has passed, 0 … 1."""
-        return (
-            self.state.owed / self.step_seconds if isinstance(self.state, Live | Replaying) else 0.0
-        )
-
-    @property
-    def replay_index(self) -> int:
-        """Index of the moment on the screen: the last one unless it is a replay."""
-        if isinstance(self.state, Replaying):
-            return self.state.index
-        return max(len(self.ring) - 1, 0)
-
-    @property
-    def moments(self) -> tuple[Snapshot, ...]:
-        """All moments that can be looked at, oldest first."""
-        if isinstance(self.state, Replaying):
-            return self.state.trace.snapshots
-        return self.ring.snapshots
-
-    @property
-    def can_branch(self) -> bool:
-        """True if the episode can be played on from the moment on show."""
-        state, shown = self.state, self.snapshot
-        lasting = isinstance(state, Replaying) and not state.trace.from_file
-        return lasting and shown is not None and shown.outcome is None
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated time over wall time of the last second."""
-        return self.current.real_time_factor if self.current else 0.0
-
-    @property
-    def actions(self) -> tuple[Action, ...]:
-        """Actions of every step of the episode so far."""
-        if isinstance(self.state, Replaying):
-            return self.state.trace.actions
-        return tuple(self.current.actions) if self.current else ()
-
-    @property
-    def trace(self) -> Trace | None:
-        """The episode so far, as far back as the ring reaches."""
-        if isinstance(self.state, Replaying):
-            return self.state.trace
-        return self.current.trace(self.physics) if self.current else None
 
     def play(self, level: Level, casting: Casting | None = None, *, player: str = "") -> None:
         """Start an episode of a level from its first state.

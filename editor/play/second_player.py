@@ -7,7 +7,7 @@ every moment, so that it follows a timeline back and forth too.
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from editor.play.playback import Simulator
+from editor.play.simulator import Simulator
 from editor.worker.recording import FRAME_SKIP, Action, Snapshot
 from editor.worker.requests import Casting
 from kinetix.errors import KinetixError

@@ -31,8 +31,10 @@ from editor.editing.tools.base import NOTHING, Driver, Tool
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
+from editor.play.mode import Mode
 from editor.play.motion import Motion
-from editor.play.playback import Mode, Playback, Simulator
+from editor.play.playback import Playback
+from editor.play.simulator import Simulator
 from editor.session.clipboard import Clipboard, MemoryClipboard
 from editor.session.hands import Hands
 from editor.session.messages import Kind, Messages, Toast

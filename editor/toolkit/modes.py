@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit.appearance import Icons
 from kinetix.environment.outcome import Outcome
 

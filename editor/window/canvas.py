@@ -28,7 +28,7 @@ from editor.drawing.path_overlay import paint_paths
 from editor.drawing.reasons import paint_legend, paint_places, paint_reasons
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
 from editor.editing import gauges, picking
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.textures import TextureStore

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import RenderState
 from kinetix.engine.spec import Capacity

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 
 from editor.base.camera import ARENA
 from editor.base.language import tr
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, font, px

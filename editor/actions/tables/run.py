@@ -4,7 +4,8 @@ from typing import Final
 
 from editor.actions import moment, physics, play, view
 from editor.actions.base import Action, Context, editing, playing
-from editor.play.playback import SPEEDS, Mode
+from editor.play.mode import Mode
+from editor.play.playback import SPEEDS
 
 EDIT, PLAY = Context.EDIT, Context.PLAY
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.language import tr
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba
 from editor.toolkit.modes import MODE_LOOK

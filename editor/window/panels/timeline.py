@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.base.controls import channel_name
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.keys import label as chord_label

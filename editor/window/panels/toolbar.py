@@ -9,7 +9,7 @@ from editor import actions
 from editor.actions import physics
 from editor.base.language import tr
 from editor.base.physics import PHYSICS
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.toolkit.keys import label as chord_label

@@ -11,7 +11,7 @@ from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
 from editor.base.events import DropEvent, FocusEvent, QuitEvent
 from editor.documents.commands.fields import SetLevelField
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
 from kinetix.level.model import Body, Circle, Level, Limits, Polygon

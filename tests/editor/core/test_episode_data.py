@@ -6,7 +6,7 @@ from editor import actions
 from editor.actions import datasets, run
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.level import ReplaceLevel
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.worker.requests import AddEpisode, Advance, StartEpisode
 from kinetix.datasets.folder import read_dataset
 from kinetix.errors import CommandError, KinetixError

@@ -8,7 +8,8 @@ import time
 import numpy as np
 import pytest
 
-from editor.play.playback import Mode, Playback
+from editor.play.mode import Mode
+from editor.play.playback import Playback
 from editor.worker.jobs import JobState, Worker, WorkerSimulator
 from editor.worker.recording import Snapshot
 from editor.worker.requests import Advance, Cancelled, RandomLevel, Restore, StartEpisode

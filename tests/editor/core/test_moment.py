@@ -7,7 +7,7 @@ from editor.base.prompts import Question
 from editor.documents.commands.bodies import posed
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move, Remove
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from kinetix.level.codec import load_level, save_level
 from tests.editor.core.helpers import a_level, texts
 

@@ -4,8 +4,9 @@ import hashlib
 
 import pytest
 
-from editor.play.playback import FRAME_SKIP, SPEEDS, Mode, Playback
-from editor.worker.recording import RING_STATES
+from editor.play.mode import Mode
+from editor.play.playback import SPEEDS, Playback
+from editor.worker.recording import FRAME_SKIP, RING_STATES
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator, a_level
 

@@ -8,7 +8,7 @@ from editor import actions
 from editor.actions import run
 from editor.base.settings import Settings
 from editor.documents.commands.level import ReplaceLevel
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Worker
 from editor.worker.recording import Trace

@@ -9,7 +9,7 @@ from editor import actions
 from editor.actions import export, run
 from editor.base.events import DropEvent
 from editor.documents.commands.level import ReplaceLevel
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.worker.recording import Mind
 from kinetix.errors import KinetixError

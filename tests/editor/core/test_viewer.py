@@ -18,7 +18,7 @@ from editor.agents.viewer import mismatch
 from editor.base.events import DropEvent
 from editor.base.settings import Settings
 from editor.gallery.results import Results
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.play.second_player import Follower
 from editor.session import Session
 from editor.worker.jobs import Worker

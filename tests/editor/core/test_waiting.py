@@ -12,7 +12,7 @@ from editor.actions import agents
 from editor.agents.evaluation import bare_summary
 from editor.base.settings import Settings
 from editor.documents.document import Document
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.window.waiting import awaited
 from editor.worker.jobs import JobState, Worker

@@ -12,7 +12,7 @@ from editor.actions.comparison import about_comparison, ask_comparison
 from editor.actions.save_table import save_table
 from editor.base import language
 from editor.base.prompts import FileQuestion
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.toolkit import widgets
 from editor.window.browser import nothing_here

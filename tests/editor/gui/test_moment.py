@@ -2,7 +2,7 @@
 
 import pytest
 
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from tests.editor.core.helpers import FakeSimulator, a_level
 
 

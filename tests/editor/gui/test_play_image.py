@@ -4,7 +4,7 @@ import numpy as np
 
 from editor.base.controls import NOOP
 from editor.base.settings import Settings
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.window.play_image import PlayImage
 from editor.worker.jobs import Worker

@@ -13,7 +13,7 @@ from editor.agents.evaluation import Plan
 from editor.base.prompts import FileQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import outlook, paint_futures
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.window import canvas, play_side
 from editor.window.browser import nothing_here
 from editor.window.panels import timeline

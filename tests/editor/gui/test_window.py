@@ -10,7 +10,7 @@ import pytest
 from editor.actions import ACTIONS
 from editor.base.events import KeyEvent
 from editor.base.settings import Settings
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.toolkit.keys import label
 from editor.window.panels.help import rows_of

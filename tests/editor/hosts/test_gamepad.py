@@ -6,7 +6,7 @@ import pytest
 from editor import actions
 from editor.base.events import PadEvent
 from editor.hosts.gamepad import Gamepads
-from editor.play.playback import Mode
+from editor.play.mode import Mode
 from tests.editor.core.helpers import a_session
 
 
