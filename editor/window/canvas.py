@@ -1,4 +1,4 @@
-"""The middle of the window: shows the level, turns the mouse into pointer events.
+"""The middle of the window: the level and everything drawn over it.
 
 Edit draws the document as vectors; Play draws the simulated state the same way, with the picture
 of the JAX renderer over it as soon as there is one.
@@ -9,13 +9,8 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor import actions
-from editor.actions import context
-from editor.actions.view import shows_panels
-from editor.base import events
-from editor.base.camera import ARENA, Camera, Point
+from editor.base.camera import ARENA, Camera
 from editor.base.language import tr
-from editor.base.overlay import Cursor
 from editor.documents.commands.bodies import posed
 from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.drawing.confetti import paint_confetti
@@ -33,6 +28,8 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, 
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import font, probe, px
+from editor.window.framing import Framing
+from editor.window.mouse import Mouse
 from editor.window.play_image import PlayImage
 from editor.window.play_side import paint_side
 from editor.window.waiting import paint_waiting
@@ -43,53 +40,19 @@ from kinetix.render.palette import KINETIX, PALETTES
 from kinetix.render.style import STYLE
 
 if TYPE_CHECKING:
-    from editor.session import Session, Tab
-
-_SETTLED_FRAME: Final = 6
-_MARGIN: Final = 28.0
-"""Room around the arena when it is shown whole [px at 100 %]."""
-_PLAY_MARGIN: Final = 12.0
-_SPLIT_MARGIN: Final = 20.0
-_NOWHERE: Final = (-1e6, -1e6)
-_BUTTONS: Final = {events.LEFT: 0, events.RIGHT: 1, events.MIDDLE: 2}
-"""Our button numbers to Dear ImGui's."""
-
-_CURSORS: Final = {
-    Cursor.ARROW: imgui.MouseCursor_.arrow,
-    Cursor.CROSS: imgui.MouseCursor_.arrow,
-    Cursor.HAND: imgui.MouseCursor_.hand,
-    Cursor.MOVE: imgui.MouseCursor_.resize_all,
-    Cursor.ROTATE: imgui.MouseCursor_.hand,
-    Cursor.RESIZE: imgui.MouseCursor_.resize_nwse,
-    Cursor.REFUSED: imgui.MouseCursor_.not_allowed,
-}
+    from editor.session import Session
 
 
 class Canvas:
-    """Holds only what lasts between frames: which buttons are down and where the pointer was."""
+    """Takes the mouse and paints the level, through the camera that its framing chooses."""
 
     def __init__(self, textures: TextureStore) -> None:
         self.images = PlayImage()
         """The JAX renderer's pictures of what is played."""
         self._textures = textures
         self._minimap = Minimap()
-        self._down: list[int] = []
-        self._mouse = (0.0, 0.0)
-        self._before_split: Camera | None = None
-        self._cause: object = None
-        """Inputs of the fit; when they change, an arena shown whole is fitted anew."""
-        self.measuring = False
-        """True if a panel is on the screen that is looked at together with the level."""
-        self._unmeasured: tuple[Tab, Camera, int] | None = None
-        """While such a panel is there: the tab, where it looked before, and `_asked` then."""
-        self._asked = 0
-        """Number of fits that something other than the canvas asked for."""
-        self._refits = 0
-        """For how many frames yet an arena shown whole is fitted to the viewport."""
-        self._followed: dict[int, Camera] = {}
-        """The camera of each document that shows its arena whole, as the canvas set it last."""
-        self._edit_view: tuple[Tab, Camera, bool] | None = None
-        """While a level is played: its tab, where Edit looked, and whether that was the arena."""
+        self._mouse = Mouse()
+        self.framing = Framing()
         self.area = ((0.0, 0.0), (1.0, 1.0))
         """Upper left corner and size of the canvas [px]."""
         self.hovered = False
@@ -112,172 +75,14 @@ class Canvas:
         probe(session, "canvas")
         self.area = ((origin.x, origin.y), size)
         self.hovered = imgui.is_item_hovered()
-        self._split(session)
-        own = (size[0] / 2, size[1]) if self._before_split is not None else size
-        self._look(session, (origin.x, origin.y), own)
+        self.framing.divide(session)
+        own = (size[0] / 2, size[1]) if self.framing.split else size
+        self.framing.choose(session, (origin.x, origin.y), own)
         mouse = imgui.get_io().mouse_pos
         # A drag that began on the level goes on over the map.
-        free = self.hovered and not self._down
+        free = self.hovered and not self._mouse.dragging
         if not self._minimap.takes(session, (mouse.x, mouse.y), hovered=free):
-            self._mouse_input(session)
-
-    def refit(self) -> None:
-        """Show the arena whole again, if it was, as soon as the panels stand where they stay."""
-        self._refits = _SETTLED_FRAME
-        self._asked += 1
-
-    def _look(self, session: "Session", origin: Point, size: Point) -> None:
-        """Choose the camera for the present viewport.
-
-        An arena that is shown whole follows the window, the layouts, Play, and what is drawn over
-        it on demand, and panels that measure. In Edit, all others that only come and go leave every
-        point of the level where it is on the screen.
-        """
-        io, tab = imgui.get_io(), session.tab
-        cause = (
-            (io.display_size.x, io.display_size.y, px(1)),
-            session.view.interface,
-            not session.editing and shows_panels(session),
-            self._before_split is not None,
-            session.tab.moment is not None,
-            session.viewer.paths is not None,
-            session.view.debug_draw,
-            None if session.editing else size,
-        )
-        if cause != self._cause:
-            self._cause = cause
-            self.refit()
-        self._enter_and_leave(session)
-        self._stand_beside(session)
-        whole = self._follows(tab)
-        if whole and (self._refits or not tab.fitted):
-            camera = session.camera.with_viewport(origin, size)
-            camera = camera.fitted(*ARENA, margin=self._margin(session))
-            session.camera = camera.on_pixels(ARENA_WIDTH)
-            # The layout needs some frames to settle; until then the viewport is not the last one.
-            tab.fitted = tab.fitted or imgui.get_frame_count() > _SETTLED_FRAME
-        else:
-            session.camera = session.camera.moved_viewport(origin, size)
-        if whole:
-            self._followed[tab.document.number] = session.camera
-        self._refits = max(self._refits - 1, 0)
-
-    def _enter_and_leave(self, session: "Session") -> None:
-        """Give Play a view of its own; after it the view of Edit is as it was."""
-        tab = session.tab
-        if not session.editing and self._edit_view is None:
-            self._edit_view = (tab, tab.camera, self._follows(tab))
-            self.refit()
-        elif session.editing and self._edit_view is not None:
-            (played, camera, whole), self._edit_view = self._edit_view, None
-            played.camera, self._refits = camera, 0
-            if played.moment is not None:
-                # The strip over it takes room that the arena had.
-                self.refit()
-            if whole:
-                self._followed[played.document.number] = camera
-
-    def _stand_beside(self, session: "Session") -> None:
-        """Fit the arena beside panels that measure; after them the view is as it was."""
-        tab, before = session.tab, self._unmeasured
-        if not session.editing:
-            return
-        if self.measuring:
-            if before is None or before[0] is not tab:
-                self._unmeasured = (tab, tab.camera, self._asked)
-                self._refits = _SETTLED_FRAME
-            return
-        if before is None:
-            return
-        (measured, camera, asked), self._unmeasured = before, None
-        if measured is not tab or asked != self._asked:
-            self.refit()
-        elif self._follows(tab):
-            tab.camera, self._refits = camera, 0
-            self._followed[tab.document.number] = camera
-
-    def _follows(self, tab: "Tab") -> bool:
-        """Return whether a tab shows its arena whole, and nobody has zoomed or panned since."""
-        return not tab.fitted or tab.camera == self._followed.get(tab.document.number)
-
-    def _margin(self, session: "Session") -> float:
-        if self._before_split is not None:
-            return px(_SPLIT_MARGIN)
-        return px(_MARGIN if session.editing else _PLAY_MARGIN)
-
-    def _split(self, session: "Session") -> None:
-        """Give the left half to one player and the right half to the other, or all to one."""
-        rival = session.viewer.rival
-        wanted = not session.editing and session.viewer.arrangement == "side" and rival.active
-        if wanted and self._before_split is None:
-            self._before_split = session.camera
-            session.tab.fitted = False
-        elif not wanted and self._before_split is not None:
-            session.camera, self._before_split = self._before_split, None
-
-    def _mouse_input(self, session: "Session") -> None:
-        """Make pointer events of Dear ImGui's mouse; a drag goes on outside the canvas."""
-        io = imgui.get_io()
-        mouse = (io.mouse_pos.x, io.mouse_pos.y)
-        inside = self.hovered or bool(self._down)
-        if self.hovered and (io.mouse_wheel or io.mouse_wheel_h):
-            actions.handle(
-                session,
-                events.WheelEvent(
-                    dx=io.mouse_wheel_h,
-                    dy=io.mouse_wheel,
-                    screen=mouse,
-                    modifiers=_modifiers(),
-                ),
-            )
-        if self._on_cap(session, mouse):
-            return
-        if session.editing and not session.driver.active and not self._down:
-            # Every frame, as what lies under a resting pointer may change: handles follow.
-            self._pointer(session, events.Pointer.MOVE, mouse if inside else _NOWHERE, 0)
-        elif inside and mouse != self._mouse:
-            self._pointer(session, events.Pointer.MOVE, mouse, self._down[0] if self._down else 0)
-        for button, theirs in _BUTTONS.items():
-            if imgui.is_mouse_clicked(theirs) and self.hovered:
-                self._down.append(button)
-                self._pointer(session, events.Pointer.PRESS, mouse, button)
-            elif button in self._down and not imgui.is_mouse_down(theirs):
-                self._down.remove(button)
-                self._pointer(session, events.Pointer.RELEASE, mouse, button)
-        if not inside:
-            session.hands.cursor = None
-        self._mouse = mouse
-        if self.hovered and session.editing:
-            imgui.set_mouse_cursor(_CURSORS[session.driver.feedback.cursor].value)
-
-    def _on_cap(self, session: "Session", mouse: Point) -> bool:
-        """Let a click on a key cap choose another key; whether the pointer is on one in Edit."""
-        free = session.editing and session.tool.id == "select" and not session.driver.active
-        if not (free and self.hovered and not self._down and session.settings.key_caps):
-            return False
-        found = next((cap for cap in self.caps if _inside(mouse, cap.low, cap.high)), None)
-        if found is None:
-            return False
-        session.hovered, self._mouse = found.entity, mouse
-        session.hands.cursor = session.camera.to_world(mouse)
-        imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
-        if imgui.is_mouse_clicked(0):
-            entity = found.entity
-            session.queue(lambda: context.ask_key(session, entity, mouse))
-        return not any(imgui.is_mouse_clicked(button) for button in (1, 2))
-
-    def _pointer(
-        self, session: "Session", kind: events.Pointer, mouse: tuple[float, float], button: int
-    ) -> None:
-        event = events.PointerEvent(
-            kind=kind,
-            world=session.camera.to_world(mouse),
-            screen=mouse,
-            button=button,
-            modifiers=_modifiers(),
-            time=session.time,
-        )
-        actions.handle(session, event)
+            self._mouse.take(session, self.caps, hovered=self.hovered)
 
     def paint(self, session: "Session") -> None:
         """Draw level and marks into the current window."""
@@ -308,7 +113,7 @@ class Canvas:
             hidden=session.document.hidden if session.editing else (),
             thrust=snapshot.thruster.tolist() if snapshot is not None else None,
         )
-        split = self._before_split is not None
+        split = self.framing.split
         if settings.renderer_picture and not split:
             self._picture(session, painter)
         if session.view.debug_draw:
@@ -502,7 +307,7 @@ class Canvas:
             r = px(3)
             outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
             draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
-        paint_side(session, draw, self.area, split=self._before_split is not None)
+        paint_side(session, draw, self.area, split=self.framing.split)
         if "numbers" in session.settings.agent_overlay:
             paint_numbers(session, draw, x + width - px(12), y + px(12))
         self._celebrate(session, draw)
@@ -512,12 +317,3 @@ class Canvas:
 
 
 _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)
-
-
-def _inside(point: Point, low: Point, high: Point) -> bool:
-    return low[0] <= point[0] <= high[0] and low[1] <= point[1] <= high[1]
-
-
-def _modifiers() -> events.Modifiers:
-    io = imgui.get_io()
-    return events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)

@@ -13,7 +13,7 @@ from tests.editor.core.helpers import a_level, a_session
 
 def caps(gui):
     gui.frames(2)
-    return {place.entity: place for place in gui.host.ui.canvas.caps}
+    return {place.entity: place for place in gui.host.ui.workplace.canvas.caps}
 
 
 def a_caterpillar():
@@ -132,9 +132,9 @@ def test_the_words_of_an_empty_level_stay_on_its_paper(make_gui, monkeypatch, si
     gui = make_gui(level=Level(name="Nothing"), size=size)
     gui.session.settings.language = "de"
     gui.frames(40)
-    teach = type(gui.host.ui.canvas)._teach
+    teach = type(gui.host.ui.workplace.canvas)._teach
     monkeypatch.setattr(
-        type(gui.host.ui.canvas),
+        type(gui.host.ui.workplace.canvas),
         "_teach",
         lambda canvas, draw, camera: teach(canvas, Pen(), camera),
     )

@@ -358,7 +358,7 @@ def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
     gui = make_gui(session=a_session(), size=size, scale=scale)
     gui.frames(60)
     rows = {}
-    for panel in gui.host.ui.panels:
+    for panel in gui.host.ui.workplace.panels:
         node = imgui.internal.find_window_by_name(panel.window_name).dock_node
         rows[node.id_] = node.tab_bar
     assert len(rows) > 2
@@ -370,4 +370,6 @@ def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
 def test_tabs_have_words_where_there_is_room(make_gui):
     gui = make_gui(session=a_session(), size=(1440, 900))
     gui.frames(60)
-    assert all(gui.host.ui._tab_words.has_words(panel) for panel in gui.host.ui.panels)
+    assert all(
+        gui.host.ui.workplace._tab_words.has_words(panel) for panel in gui.host.ui.workplace.panels
+    )

@@ -65,7 +65,7 @@ def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
         level=LEVEL,
     )
     gui = make_gui(session=session)
-    images = gui.host.ui.canvas.images
+    images = gui.host.ui.workplace.canvas.images
     assert isinstance(images, PlayImage) and not images.enabled
     gui.frames(3)
     assert not simulation.drawn, "nothing may be asked of the worker before Play is prepared"

@@ -18,7 +18,7 @@ STORED = Path(__file__).resolve().parents[1] / "stored" / "layouts"
 def places(gui):
     """Per panel where it is docked (0: nowhere) and its place on the screen."""
     found = {}
-    for panel in gui.host.ui.panels:
+    for panel in gui.host.ui.workplace.panels:
         window = imgui.internal.find_window_by_name(panel.window_name)
         at, size = window.pos, window.size
         found[panel.id] = (window.dock_id, round(at.x), round(at.y), round(size.x), round(size.y))
@@ -40,13 +40,13 @@ def quit_(gui):
 @pytest.mark.parametrize("scale", [1.0, 1.5])
 def test_later_starts_look_like_the_first(make_gui, scale):
     gui = started(make_gui, scale=scale)
-    first, front, canvas = places(gui), set(gui.host.ui._seen), gui.probe("canvas")
+    first, front, canvas = places(gui), set(gui.host.ui.workplace._seen), gui.probe("canvas")
     assert all(dock for dock, *_ in first.values())
     layout = quit_(gui)
     for _ in range(3):
         gui = started(make_gui, layout, scale=scale)
         assert places(gui) == first
-        assert gui.host.ui._seen == front
+        assert gui.host.ui.workplace._seen == front
         assert gui.probe("canvas").low == pytest.approx(canvas.low, abs=1)
         assert gui.probe("canvas").high == pytest.approx(canvas.high, abs=1)
         assert quit_(gui) == layout
@@ -56,12 +56,12 @@ def test_later_starts_look_like_the_first(make_gui, scale):
 @pytest.mark.parametrize("name", ["first", "second"])
 def test_a_layout_of_version_0_1_0_is_whole_again(make_gui, name):
     fresh = started(make_gui, size=(1440, 900))
-    expected, front = places(fresh), set(fresh.host.ui._seen)
+    expected, front = places(fresh), set(fresh.host.ui.workplace._seen)
     stored = (STORED / f"layout_{name}_start_0.1.0.ini").read_text(encoding="utf-8")
     gui = started(make_gui, stored, size=(1440, 900))
     assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in expected.items()}
     assert all(dock for dock, *_ in places(gui).values())
-    assert gui.host.ui._seen == front
+    assert gui.host.ui.workplace._seen == front
 
 
 def test_the_keyboard_is_on_the_canvas_again(make_gui):
@@ -69,12 +69,12 @@ def test_the_keyboard_is_on_the_canvas_again(make_gui):
     gui = started(make_gui, layout)
     gui.key("c")
     assert gui.session.tool.id == "circle"
-    assert not gui.host.ui._panel_focused
+    assert not gui.host.ui.workplace._panel_focused
 
 
 def test_a_panel_that_the_user_took_out_stays_out(make_gui):
     gui = started(make_gui)
-    (history,) = (panel for panel in gui.host.ui.panels if panel.id == "history")
+    (history,) = (panel for panel in gui.host.ui.workplace.panels if panel.id == "history")
     imgui.internal.dock_context_process_undock_window(
         imgui.get_current_context(), imgui.internal.find_window_by_name(history.window_name)
     )
@@ -136,12 +136,12 @@ def test_a_kept_layout_brings_its_own_panels_to_the_front(make_gui):
     shown = places(gui)
     gui.session.view.layout_name = "Mine"
     gui.frames(2)
-    front = set(gui.host.ui._seen)
+    front = set(gui.host.ui.workplace._seen)
     gui.session.view.layout = "edit"
     gui.frames(40)
     gui.session.view.layout = "Mine"
     gui.frames(40)
-    assert gui.host.ui._seen == front
+    assert gui.host.ui.workplace._seen == front
     assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in shown.items()}
 
 

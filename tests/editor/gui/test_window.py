@@ -322,7 +322,7 @@ def test_tabs_switch_documents(make_gui):
 
 def test_a_failing_panel_does_not_end_the_app(make_gui, monkeypatch):
     gui = make_gui(level=BALL)
-    inspector = next(panel for panel in gui.host.ui.panels if panel.id == "inspector")
+    inspector = next(panel for panel in gui.host.ui.workplace.panels if panel.id == "inspector")
 
     def explode(session: object) -> None:
         raise ZeroDivisionError("on purpose")
@@ -378,7 +378,7 @@ def test_edits_and_saves_without_jax(tmp_path: Path):
 def test_a_level_opened_before_the_first_frame_is_shown_whole(make_gui):
     gui = make_gui(level=BALL)
     gui.frames(10)
-    (x, y), (width, height) = gui.host.ui.canvas.area
+    (x, y), (width, height) = gui.host.ui.workplace.canvas.area
     for corner in ((0.0, 0.0), (5.0, 5.0)):
         at = gui.screen(*corner)
         assert x < at[0] < x + width and y < at[1] < y + height
@@ -391,7 +391,7 @@ def test_the_suites_scenes_are_examples(gui):
     document = gui.session.document
     assert document.title == "Car" and document.path is None and not document.dirty
     assert len(gui.level.joints) == 2
-    (low, high) = gui.host.ui.canvas.area
+    (low, high) = gui.host.ui.workplace.canvas.area
     for body in gui.level.bodies[1:]:
         x, y = gui.screen(*body.position)
         assert low[0] < x < low[0] + high[0] and low[1] < y < low[1] + high[1]
@@ -425,8 +425,8 @@ def test_the_map_moves_the_view_and_draws_nothing_in_the_level(make_gui):
     gui.frames(3)
     gui.session.camera = gui.session.camera.zoomed(3.0, gui.screen(2.5, 2.5))
     gui.frames(2)
-    low, size = gui.host.ui.canvas.area
-    side = gui.host.ui.canvas._minimap._side
+    low, size = gui.host.ui.workplace.canvas.area
+    side = gui.host.ui.workplace.canvas._minimap._side
     corner = (low[0] + size[0] - side - 14, low[1] + size[1] - side - 14)
     gui.click_at(corner[0] + side * 0.25, corner[1] + side * 0.25)
     assert gui.session.camera.centre == pytest.approx((1.25, 3.75), abs=0.05)

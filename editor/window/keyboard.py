@@ -1,0 +1,88 @@
+"""The keyboard: keys and text go to the app unless a field, a pop-up or a panel owns them."""
+
+from typing import TYPE_CHECKING, Final
+
+from imgui_bundle import imgui
+
+from editor import actions
+from editor.base import events
+from editor.toolkit import keys
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+_NAVIGATION: Final = frozenset({"left", "right", "up", "down", "space", "return", "tab", "escape"})
+"""Keys that move between the fields of a panel while the keyboard is there."""
+
+
+class Keyboard:
+    """Hands keys on; remembers whether a pop-up was open, whose key Esc was."""
+
+    def __init__(self) -> None:
+        self._popup = False
+        """True if a pop-up was open in the last frame."""
+
+    def take(self, session: "Session", *, submenu: bool, in_panel: bool) -> None:
+        """Hand keys and text on unless a text field or a pop-up owns them.
+
+        Args:
+            session: The session.
+            submenu: True if a menu of the menu bar is open.
+            in_panel: True if the keyboard is in a panel.
+        """
+        io = imgui.get_io()
+        modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
+        popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+        # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
+        closed, self._popup = self._popup and not popup, popup
+        taken = (io.want_text_input or popup) and session.hands.capture is None
+        navigating = _navigation(session, popup=popup, in_panel=in_panel)
+        there = imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+        if submenu and there and imgui.is_key_pressed(imgui.Key.escape, False):
+            # Dear ImGui closes the submenu alone, and the pointer that rests there opens it again.
+            imgui.internal.close_popup_to_level(0, True)
+        for name, key in keys.IMGUI.items():
+            if imgui.is_key_released(key):
+                actions.handle(
+                    session, events.KeyEvent(key=name, pressed=False, modifiers=modifiers)
+                )
+            elif imgui.is_key_pressed(key, True):
+                repeat = not imgui.is_key_pressed(key, False)
+                event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
+                if name == "escape" and (closed or _closes_overlay(session)):
+                    continue
+                moves = name in navigating and not modifiers.ctrl and session.hands.capture is None
+                if not taken and not moves:
+                    actions.handle(session, event)
+        if not taken and session.driver.active:
+            typed = "".join(chr(code) for code in io.input_queue_characters)
+            if typed:
+                actions.handle(session, events.TextEvent(text=typed))
+
+
+def _closes_overlay(session: "Session") -> bool:
+    """Let Esc close the help, the keys' window or the preferences; whether one was open."""
+    shown = session.view
+    if session.hands.capture is not None:
+        return False
+    if not (shown.help or shown.keys or shown.preferences):
+        return False
+    shown.help = shown.keys = shown.preferences = False
+    return True
+
+
+def _navigation(session: "Session", *, popup: bool, in_panel: bool) -> frozenset[str]:
+    """Keys that move between the fields of a panel now, so that they are not the app's.
+
+    The arrows nudge and drive, so they must not start Dear ImGui's navigation: it is only on
+    while a pop-up is open or the keyboard is in a panel already (Tab there, Esc back).
+    """
+    io = imgui.get_io()
+    flag = imgui.ConfigFlags_.nav_enable_keyboard.value
+    inside = io.nav_visible and session.editing and in_panel
+    if popup or inside or io.want_text_input:
+        io.config_flags |= flag
+    else:
+        io.config_flags &= ~flag
+    keys_taken = _NAVIGATION if inside else frozenset()
+    return keys_taken | {"tab"} if in_panel and session.editing else keys_taken
