@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from imgui_bundle import imgui
 
+from editor.base.camera import Point
 from editor.base.controls import Drive, key_caps
 from editor.base.language import tr
 from editor.documents.commands.bodies import posed
 from editor.drawing.futures_overlay import outlook
-from editor.drawing.marks import arrow
+from editor.drawing.strokes import arrow
 from editor.drawing.vectors import Painter, Placement, poses_of
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.toolkit.widgets import broken, font, px
@@ -23,7 +24,6 @@ from kinetix.level.model import MOTOR_BINDINGS, Circle, Level
 if TYPE_CHECKING:
     from editor.session import Session
 
-Point = tuple[float, float]
 
 GHOST_OPACITY: Final = 0.45
 """Of the second player's level in ghost compare."""

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.drawing.marks import Room, arrow, dashed
+from editor.base.camera import Point
+from editor.drawing.strokes import Room, arrow, dashed
 from editor.drawing.vectors import Painter, Placement, pack
 from editor.play.impulses import received_impulses
 from editor.toolkit import draw_list
@@ -19,7 +20,6 @@ from kinetix.level.model import BodyReference, Circle, Joint
 if TYPE_CHECKING:
     from editor.session import Session
 
-Point = tuple[float, float]
 
 LAYERS: Final[dict[str, str]] = {
     "ids": "Names",

@@ -1,15 +1,14 @@
-"""Marks on top of the level: selection, hover, tool marks, handles, key caps."""
+"""Marks on top of the level: selection, hover, tool marks, handles."""
 
 import dataclasses
 import itertools
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from imgui_bundle import imgui
 
-from editor.base.controls import Drive, key_caps
-from editor.base.language import tr
+from editor.base.camera import Point
 from editor.base.overlay import (
     Arc,
     Box,
@@ -24,15 +23,14 @@ from editor.base.overlay import (
     Style,
 )
 from editor.documents.commands.base import EntityId
+from editor.drawing.strokes import arrow, dashed, label_plate
 from editor.drawing.vectors import Painter, Placement
 from editor.editing.gauges import KINDS
 from editor.toolkit import draw_list
-from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
-from editor.toolkit.widgets import draw_key_plate, font, px
+from editor.toolkit.appearance import COLOURS, Rgba, alpha, u32
+from editor.toolkit.widgets import px
 from kinetix.level.geometry import STANDARD_ARENA
-from kinetix.level.model import ARENA_NAMES, MOTOR_BINDINGS, Circle, Joint, Thruster
-
-Point = tuple[float, float]
+from kinetix.level.model import ARENA_NAMES, Circle, Joint, Thruster
 
 _STYLES: Final[dict[Style, Rgba]] = {
     Style.PREVIEW: COLOURS.accent_strong,
@@ -52,93 +50,10 @@ _DASHED: Final = (Style.BODY_B, Style.MARQUEE_TOUCHING)
 _HALO: Final = (1.0, 1.0, 1.0, 0.85)
 """Under thin coloured lines, so that they stand out on bodies of any colour."""
 
-_CAP: Final = 0.16
-"""Height of a key cap [m] …"""
-_CAP_PX: Final = 17.0
-"""… but no more than this [px at 100 %]."""
-_CAP_LEAST_PX: Final = 9.0
-"""Smaller ones could not be read and are not drawn [px]."""
 _ROUND: Final = frozenset({HandleKind.ROTATE, HandleKind.AIM, HandleKind.RADIUS}) | KINDS
 """Handles that turn or lengthen something are round; those of sizes have corners."""
 HANDLE_PX: Final = 4.5
 """Half the side of a handle [px at 100 %]."""
-
-
-def dashed(
-    draw: imgui.ImDrawList, points: Sequence[Point], colour: int, width: float, *, closed: bool
-) -> None:
-    """A dashed line through points [px]."""
-    dash, gap = px(6), px(4)
-    pairs = list(zip(points, [*points[1:], *points[:1]], strict=True))
-    for (ax, ay), (bx, by) in pairs if closed else pairs[:-1]:
-        length = math.hypot(bx - ax, by - ay)
-        if length < 1e-6:
-            continue
-        ux, uy = (bx - ax) / length, (by - ay) / length
-        at = 0.0
-        while at < length:
-            end = min(at + dash, length)
-            draw.add_line(
-                (ax + ux * at, ay + uy * at), (ax + ux * end, ay + uy * end), colour, width
-            )
-            at = end + gap
-
-
-def arrow(
-    draw: imgui.ImDrawList, a: Point, b: Point, colour: int, width: float, head: float
-) -> None:
-    """A line with a head at `b` [px]."""
-    length = math.hypot(b[0] - a[0], b[1] - a[1])
-    if length < 1e-3:
-        return
-    ux, uy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
-    head = min(head, length)
-    base = (b[0] - ux * head, b[1] - uy * head)
-    draw.add_line(a, base, colour, width)
-    wing = head * 0.45
-    draw.add_triangle_filled(
-        b,
-        (base[0] - uy * wing, base[1] + ux * wing),
-        (base[0] + uy * wing, base[1] - ux * wing),
-        colour,
-    )
-
-
-def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba | None = None) -> None:
-    """A short text on a plate, to the lower right of a place [px]."""
-    words = tr(words)
-    with font(FONTS.regular, SMALL):
-        size = imgui.calc_text_size(words)
-        low = (at[0] + px(14), at[1] + px(14))
-        high = (low[0] + size.x + px(12), low[1] + size.y + px(6))
-        draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.94)), px(5))
-        draw.add_rect(low, high, u32(COLOURS.line), px(5))
-        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(colour or COLOURS.text), words)
-
-
-@dataclasses.dataclass(kw_only=True)
-class Room:
-    """The places on the screen that labels have taken, so that none covers another."""
-
-    taken: list[tuple[Point, Point]] = dataclasses.field(default_factory=list)
-
-    def take(self, low: Point, high: Point) -> bool:
-        """Take a rectangle [px] if it is free; returns whether it was."""
-        for other_low, other_high in self.taken:
-            beside = low[0] >= other_high[0] or high[0] <= other_low[0]
-            if not beside and low[1] < other_high[1] and high[1] > other_low[1]:
-                return False
-        self.taken.append((low, high))
-        return True
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class CapPlace:
-    """Place of the key caps of a joint or thruster."""
-
-    entity: int
-    low: Point
-    high: Point
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -319,104 +234,6 @@ class Marker:
                 self.outline(entity, COLOURS.accent, 1.5)
         for entity in selected:
             self.outline(entity, COLOURS.accent_strong, 2.25)
-
-    def key_caps(
-        self,
-        keys: Mapping[str, Drive],
-        held: Collection[str],
-        *,
-        hidden: Collection[EntityId] = (),
-        pointed: Collection[EntityId] = (),
-    ) -> tuple[CapPlace, ...]:
-        """Draw the keys that drive each joint and thruster beside it; held ones are lit.
-
-        They shrink with the level and give way to each other, so that they do not bury it.
-
-        Args:
-            keys: The play keys.
-            held: Those that are down.
-            hidden: Entities whose keys are not drawn.
-            pointed: Entities whose keys are drawn in full size, whatever the zoom.
-
-        Returns:
-            Where they were drawn.
-        """
-        wanted = [(i, at, caps) for i, at, caps in self._driven(keys, held) if i not in hidden]
-        wanted.sort(key=lambda row: row[0] not in pointed)
-        room, places = Room(), []
-        for entity, at, caps in wanted:
-            full = entity in pointed
-            height = px(_CAP_PX) if full else min(px(_CAP_PX), _CAP * self.painter.camera.scale)
-            if height < px(_CAP_PX) * 0.5 and height < _CAP_LEAST_PX:
-                continue
-            place = self._plates(at, caps, height, room, must=full)
-            if place is not None:
-                places.append(CapPlace(entity=entity, low=place[0], high=place[1]))
-        return tuple(places)
-
-    def _driven(
-        self, keys: Mapping[str, Drive], held: Collection[str]
-    ) -> Iterator[tuple[int, Point, list[tuple[str, bool]]]]:
-        """Yield everything that keys drive: its id, its place [px], its keys and which are down."""
-        camera = self.painter.camera
-        for joint in self.where.level.joints:
-            motor = joint.motor
-            if joint.kind == "fixed" or motor is None or not motor.on:
-                continue
-            at = camera.to_screen(self.where.joint_point(joint))
-            caps = _channel_caps(motor.binding, keys, held)
-            yield joint.id, at, [("AUTO", False)] if motor.auto else caps
-        for thruster in self.where.level.thrusters:
-            at = camera.to_screen(self.where.point(thruster.body, thruster.position))
-            caps = _channel_caps(MOTOR_BINDINGS + thruster.binding, keys, held)
-            yield thruster.id, at, caps
-
-    def _plates(
-        self,
-        at: Point,
-        caps: Sequence[tuple[str, bool]],
-        height: float,
-        room: Room,
-        *,
-        must: bool,
-    ) -> tuple[Point, Point] | None:
-        """Draw a row of plates beside a place, where there is room; returns its corners [px]."""
-        share = height / px(_CAP_PX)
-        with font(FONTS.bold, (SMALL - 2) * share):
-            sizes = [imgui.calc_text_size(words) for words, _ in caps]
-            widths = [max(size.x + 8 * height / _CAP_PX, height) for size in sizes]
-            gap = 2 * height / _CAP_PX
-            width = sum(widths) + gap * (len(widths) - 1)
-            away = px(8) * max(share, 0.6)
-            corners = [
-                (at[0] + away, at[1] - away - height),
-                (at[0] - away - width, at[1] - away - height),
-                (at[0] + away, at[1] + away),
-                (at[0] - away - width, at[1] + away),
-                (at[0] - width / 2, at[1] - 3 * away - height),
-                (at[0] - width / 2, at[1] + 3 * away),
-            ]
-            free = (low for low in corners if room.take(low, (low[0] + width, low[1] + height)))
-            low = next(free, corners[0] if must else None)
-            if low is None:
-                return None
-            x, y = low
-            for (words, lit), size, wide in zip(caps, sizes, widths, strict=True):
-                plate = (x, y), (x + wide, y + height)
-                draw_key_plate(self.draw, *plate, lit=lit, opacity=0.92)
-                ink = u32(COLOURS.backdrop if lit else COLOURS.text)
-                spot = (x + (wide - size.x) / 2, y + (height - size.y) / 2)
-                self.draw.add_text(spot, ink, words)
-                x += wide + gap
-            return low, (low[0] + width, low[1] + height)
-
-
-def _channel_caps(
-    channel: int, keys: Mapping[str, Drive], held: Collection[str]
-) -> list[tuple[str, bool]]:
-    driving = sorted((drive.value, key) for key, drive in keys.items() if drive.channel == channel)
-    words = key_caps(channel, keys)
-    return [(cap, key in held) for cap, (_, key) in zip(words, driving, strict=True)]
 
 
 def _grown(points: list[Point], by: float) -> list[Point]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.base.camera import PIXELS_PER_UNIT, Camera
+from editor.base.camera import PIXELS_PER_UNIT, Camera, Point
 from editor.drawing.vectors import Painter, Placement, paint_level
 from editor.toolkit.appearance import COLOURS, alpha, u32
 from editor.toolkit.widgets import px
@@ -14,7 +14,6 @@ from kinetix.level.geometry import ARENA_WIDTH
 if TYPE_CHECKING:
     from editor.session import Session
 
-Point = tuple[float, float]
 
 _SIDE: Final = 132.0
 _GAP: Final = 14.0

@@ -6,7 +6,8 @@ from typing import Final
 from imgui_bundle import imgui
 
 from editor.documents.commands.base import EntityId
-from editor.drawing.marks import CapPlace, Room
+from editor.drawing.key_plates import CapPlace
+from editor.drawing.strokes import Room
 from editor.drawing.vectors import Painter, Placement, Point
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.toolkit.widgets import font, px

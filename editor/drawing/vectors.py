@@ -12,7 +12,7 @@ from typing import Final
 
 from imgui_bundle import imgui
 
-from editor.base.camera import Camera
+from editor.base.camera import Camera, Point
 from editor.toolkit import draw_list
 from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA
 from kinetix.level.model import (
@@ -36,7 +36,6 @@ from kinetix.render.style import (
     glyph_radius,
 )
 
-Point = tuple[float, float]
 Pose = tuple[float, float, float]
 """x [m], y [m], angle [rad] of a body."""
 

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image, ImageDraw
 
+from editor.base.camera import Point
 from kinetix.level.geometry import ARENA_WIDTH, arena_body, referenced_body, to_world
 from kinetix.level.model import ROLES, Body, Circle, Joint, Level, Thruster
 from kinetix.render.palette import KINETIX, Palette, Rgb, ink
@@ -21,8 +22,6 @@ from kinetix.render.style import (
     THRUSTER_NOZZLE,
     glyph_radius,
 )
-
-Point = tuple[float, float]
 
 SIDE: Final = 160
 """Width and height of a stored thumbnail [px]."""

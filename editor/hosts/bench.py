@@ -32,7 +32,7 @@ from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 
-_FRAME: Final = 1 / 60
+FRAME: Final = 1 / 60
 _MANY: Final = 1000
 """Levels in the gallery."""
 _LAUNCH: Final = """
@@ -98,7 +98,7 @@ def crowded_level() -> Level:
     )
 
 
-def _median_ms(action: Callable[[], object], rounds: int = 60) -> float:
+def median_ms(action: Callable[[], object], rounds: int = 60) -> float:
     times = []
     for _ in range(rounds):
         start = time.perf_counter()
@@ -114,14 +114,14 @@ def _moves(host: OffscreenHost, count: int) -> list[float]:
         at = (640 + 200 * math.cos(k / 20), 380 + 150 * math.sin(k / 20))
         event = PointerEvent(kind=Pointer.MOVE, world=(0, 0), screen=at, button=0)
         start = time.perf_counter()
-        host.step([event], _FRAME)
+        host.step([event], FRAME)
         # Software OpenGL draws in a thread of its own and would fall behind unnoticed.
         gl.finish()
         walls.append(1000 * (time.perf_counter() - start))
     return walls
 
 
-def _launch() -> float:
+def launch_seconds() -> float:
     """Seconds from the start of a process to its third frame."""
     start = time.time()
     done = subprocess.run(
@@ -130,7 +130,7 @@ def _launch() -> float:
     return float(done.stdout.strip().splitlines()[-1]) - start
 
 
-def _drawing(size: tuple[int, int]) -> list[Row]:
+def drawing_rows(size: tuple[int, int]) -> list[Row]:
     session = Session(settings=Settings(), level=crowded_level())
     host = OffscreenHost(session, size=size)
     ui_only = host.ui.frame
@@ -177,7 +177,7 @@ def _idle(host: OffscreenHost) -> Row:
     return Row(code="PE4", metric="idle processor time", value=f"{share:.1%}", target="3 %")
 
 
-def _core() -> list[Row]:
+def core_rows() -> list[Row]:
     level = crowded_level()
     body = level.bodies[0]
     # A drag works out what it may snap to once, when it starts.
@@ -191,7 +191,7 @@ def _core() -> list[Row]:
     document = Document(level)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.json"
-        saving = _median_ms(lambda: files.save_document(document, path, "kinetix-level"), 20)
+        saving = median_ms(lambda: files.save_document(document, path, "kinetix-level"), 20)
 
     def undo() -> None:
         document.commit(Move(ids=(1,), shift=(0.1, 0.0)))
@@ -201,15 +201,15 @@ def _core() -> list[Row]:
         Row(
             code="PE2",
             metric="hit test and snap, 50 entities",
-            value=f"{_median_ms(hit):.2f} ms",
+            value=f"{median_ms(hit):.2f} ms",
             target="0.3 ms",
         ),
         Row(code="PE9", metric="save a level", value=f"{saving:.1f} ms", target="20 ms"),
-        Row(code="PE9", metric="edit and undo", value=f"{_median_ms(undo):.2f} ms", target="5 ms"),
+        Row(code="PE9", metric="edit and undo", value=f"{median_ms(undo):.2f} ms", target="5 ms"),
         Row(
             code="PE11",
             metric="validate, 50 entities",
-            value=f"{_median_ms(lambda: validate(level)):.2f} ms",
+            value=f"{median_ms(lambda: validate(level)):.2f} ms",
             target="5 ms",
         ),
     ]
@@ -221,11 +221,11 @@ def _first_frame(host: OffscreenHost, seconds: float = 300) -> float:
     start = time.perf_counter()
     session.queue("run.play_human")
     while session.playback.step_count < 1 and time.perf_counter() - start < seconds:
-        host.step((), _FRAME)
+        host.step((), FRAME)
     return time.perf_counter() - start
 
 
-def _playing() -> list[Row]:
+def playing_rows() -> list[Row]:
     session = Session(settings=Settings(), worker=Worker(), results=Results(stored=False))
     session.play_quickly()
     host = OffscreenHost(session, size=(1280, 1040))
@@ -235,7 +235,7 @@ def _playing() -> list[Row]:
     walls, steps = [], []
     last = time.perf_counter()
     for _ in range(180):
-        host.step((), time.perf_counter() - last if walls else _FRAME)
+        host.step((), time.perf_counter() - last if walls else FRAME)
         now = time.perf_counter()
         walls.append(1000 * (now - last))
         last = now
@@ -244,13 +244,13 @@ def _playing() -> list[Row]:
             steps.append(snapshot.milliseconds)
         if session.mode is Mode.ENDED:
             session.queue("run.reset")
-        time.sleep(max(_FRAME - (time.perf_counter() - last), 0))
+        time.sleep(max(FRAME - (time.perf_counter() - last), 0))
     factor = session.playback.real_time_factor
     session.queue("run.stop")
-    host.step((), _FRAME)
+    host.step((), FRAME)
     warm = _first_frame(host)
     session.queue("run.stop")
-    host.step((), _FRAME)
+    host.step((), FRAME)
     file.open_path(session, paths[1])
     other = _first_frame(host)
     session.worker.stop()
@@ -284,7 +284,7 @@ def _playing() -> list[Row]:
     ]
 
 
-def _watching() -> list[Row]:
+def watching_rows() -> list[Row]:
     """An agent of 0.8 million parameters plays a level of size l."""
     session = Session(settings=Settings(), worker=Worker(), results=Results(stored=False))
     host = OffscreenHost(session, size=(1280, 800))
@@ -293,11 +293,11 @@ def _watching() -> list[Row]:
         path = str(Path(folder) / "agent")
         subprocess.run([sys.executable, "-c", _AGENT, path], check=True)
         agents.load_agent(session, path)
-        _until(host, lambda: session.viewer.slots["a"].summary is not None and session.worker.idle)
+        until(host, lambda: session.viewer.slots["a"].summary is not None and session.worker.idle)
     session.queue("run.play_agent")
-    _until(host, lambda: session.playback.step_count > 0)
+    until(host, lambda: session.playback.step_count > 0)
     walls, steps = [], []
-    before = time.perf_counter() - _FRAME
+    before = time.perf_counter() - FRAME
     for _ in range(300):
         start = time.perf_counter()
         host.step((), start - before)
@@ -309,7 +309,7 @@ def _watching() -> list[Row]:
             steps.append(snapshot.milliseconds)
         if session.mode is Mode.ENDED:
             session.queue("run.reset")
-        time.sleep(max(_FRAME - (time.perf_counter() - start), 0))
+        time.sleep(max(FRAME - (time.perf_counter() - start), 0))
     factor = session.playback.real_time_factor
     session.worker.stop()
     host.close()
@@ -330,7 +330,7 @@ def _watching() -> list[Row]:
     ]
 
 
-def _gallery() -> list[Row]:
+def gallery_rows() -> list[Row]:
     """A thousand levels: the first page with everything cached, and scrolling through them."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -351,21 +351,21 @@ def _gallery() -> list[Row]:
         )
         host = OffscreenHost(session, size=(1280, 800))
         for _ in range(10):
-            host.step((), _FRAME)
+            host.step((), FRAME)
         start = time.perf_counter()
         session.queue("level.gallery")
         while len(session.library.cards) < _MANY:
-            host.step((), _FRAME)
+            host.step((), FRAME)
         gl.finish()
         painted = time.perf_counter() - start
         walls = []
         for _ in range(180):
             wheel = WheelEvent(dy=-0.5, screen=(500.0, 400.0))
             start = time.perf_counter()
-            host.step([wheel], _FRAME)
+            host.step([wheel], FRAME)
             gl.finish()
             walls.append(1000 * (time.perf_counter() - start))
-            time.sleep(max(_FRAME - (time.perf_counter() - start), 0))
+            time.sleep(max(FRAME - (time.perf_counter() - start), 0))
         session.library.stop()
         session.worker.stop()
         host.close()
@@ -386,15 +386,15 @@ def _gallery() -> list[Row]:
     ]
 
 
-def _until(host: OffscreenHost, done: Callable[[], bool], seconds: float = 300) -> None:
+def until(host: OffscreenHost, done: Callable[[], bool], seconds: float = 300) -> None:
     """Run frames until something is so."""
     start = time.perf_counter()
     while not done() and time.perf_counter() - start < seconds:
-        host.step((), _FRAME)
+        host.step((), FRAME)
         time.sleep(0.005)
 
 
-def _first_seconds() -> list[Row]:
+def first_seconds_rows() -> list[Row]:
     """Measure the first seconds with an empty cache, and those of the second start."""
     rows = []
     days = first_seconds.measure()
@@ -434,16 +434,16 @@ def measure(size: tuple[int, int]) -> list[Row]:
     Args:
         size: Size of the window of the drawing measurements [px].
     """
-    launch = statistics.median(_launch() for _ in range(3))
+    launch = statistics.median(launch_seconds() for _ in range(3))
     start = Row(code="PE5", metric="launch to third frame", value=f"{launch:.2f} s", target="1.5 s")
     return [
         start,
-        *_first_seconds(),
-        *_core(),
-        *_drawing(size),
-        *_gallery(),
-        *_playing(),
-        *_watching(),
+        *first_seconds_rows(),
+        *core_rows(),
+        *drawing_rows(size),
+        *gallery_rows(),
+        *playing_rows(),
+        *watching_rows(),
     ]
 
 

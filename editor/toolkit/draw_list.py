@@ -5,7 +5,7 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-Point = tuple[float, float]
+from editor.base.camera import Point
 
 
 def fill(draw: imgui.ImDrawList, points: Sequence[Point], colour: int) -> None:

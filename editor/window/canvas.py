@@ -16,7 +16,8 @@ from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers,
 from editor.drawing.confetti import paint_confetti
 from editor.drawing.debug_draw import paint_debug
 from editor.drawing.futures_overlay import paint_futures
-from editor.drawing.marks import CapPlace, Marker
+from editor.drawing.key_plates import CapPlace, paint_key_caps
+from editor.drawing.marks import Marker
 from editor.drawing.minimap import Minimap
 from editor.drawing.name_tags import paint_names
 from editor.drawing.path_overlay import paint_paths
@@ -120,7 +121,7 @@ class Canvas:
             paint_debug(session, painter, where)
         paint_reasons(session, painter, where)
         if settings.key_caps:
-            self._key_caps(session, marker)
+            self._key_caps(session, painter, where)
         if settings.names:
             hidden = session.document.hidden if session.editing else ()
             caps = self.caps if settings.key_caps else ()
@@ -147,10 +148,12 @@ class Canvas:
             texture = self._textures.texture("play", picture.pixels, picture.stamp)
             painter.draw.add_image(texture, low, high)
 
-    def _key_caps(self, session: "Session", marker: Marker) -> None:
+    def _key_caps(self, session: "Session", painter: Painter, where: Placement) -> None:
         editing = session.editing
         pointed = () if session.hovered is None else (session.hovered,)
-        self.caps = marker.key_caps(
+        self.caps = paint_key_caps(
+            painter,
+            where,
             session.control_keys,
             () if editing else session.hands.held,
             hidden=session.document.hidden if editing else (),

@@ -10,7 +10,7 @@ from editor.actions import context
 from editor.base import events
 from editor.base.camera import Point
 from editor.base.overlay import Cursor
-from editor.drawing.marks import CapPlace
+from editor.drawing.key_plates import CapPlace
 
 if TYPE_CHECKING:
     from editor.session import Session

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.base.camera import ARENA
+from editor.base.camera import ARENA, Point
 from editor.base.language import tr
 from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
@@ -22,7 +22,6 @@ from kinetix.wording import plural
 if TYPE_CHECKING:
     from editor.session import Session
 
-Point = tuple[float, float]
 
 _WIDTH: Final = 250.0
 """Width of the column [px at 100 %]; less where there is less room."""

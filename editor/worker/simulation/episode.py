@@ -9,24 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from editor.base.controls import NOOP
-from editor.documents.commands.rigid import component
 from editor.worker.recording import FRAME_SKIP, Action, Mind, Snapshot, Trace
 from editor.worker.requests import (
     Advance,
     Opened,
     PlaySolution,
     Progress,
-    Pull,
     Restore,
     StartEpisode,
 )
 from editor.worker.simulation.cast import AgentDriver, Step
-from editor.worker.simulation.contacts import (
-    contact_points,
-    deepest,
-    pushing_pairs,
-    touching_bodies,
-)
+from editor.worker.simulation.level_view import LevelView
+from editor.worker.simulation.pull import pulled
 from editor.worker.simulation.stepping import (
     MOVING,
     Stepper,
@@ -36,21 +30,9 @@ from editor.worker.simulation.stepping import (
     on_device,
     own_stepper,
 )
-from kinetix.engine.spec import Capacity
-from kinetix.environment.outcome import Outcome, outcome_of
+from kinetix.environment.outcome import outcome_of
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.geometry import body_mass
-from kinetix.level.model import THRUSTER_BINDINGS, Level
-from kinetix.level.slots import body_slots
-
-PULL_RATE: Final = 8.0
-"""A pulled point wants to close this share of its distance to the mouse per second [1/s]."""
-PULL_SPEED: Final = 15.0
-"""… but never faster than this [m/s]."""
-PULL_SHARE: Final = 0.5
-"""Share of the missing velocity that one step gives: below 1 the spring is soft."""
-
 
 _AT_ONCE: Final = 30
 """Steps of a recorded solution between two reports."""
@@ -228,198 +210,3 @@ def play_solution(request: PlaySolution, progress: Progress) -> Opened:
         actions=actions[: len(snapshots) - 1],
     )
     return Opened(level=level, trace=trace)
-
-
-class LevelView:
-    """Tells states of a level in the order of its entities."""
-
-    def __init__(self, level: Level, capacity: Capacity, slots: np.ndarray | None = None) -> None:
-        """Look at a level.
-
-        Args:
-            level: The level.
-            capacity: Sizes of the states.
-            slots: Where each body is in the states; None: where compiling puts it.
-        """
-        if slots is None:
-            found = body_slots(level, capacity)
-            slots = np.array([found[body.id] for body in level.bodies], np.int32)
-        self.slots = slots
-        self._level = level
-        self._capacity = capacity
-        masses = [body_mass(body, level.inertia_model) for body in level.bodies]
-        self._mass = np.array(masses, np.float64).reshape(-1, 2)
-        self._pushing = pushing_pairs(level)
-        self._free = np.array([not body.fixed for body in level.bodies], bool)
-
-    def first(self, state: EnvState, frame_skip: int) -> Snapshot:
-        """The snapshot of a first state."""
-        unified = np.zeros(len(NOOP), np.float32)
-        told = self._told(state, unified, frame_skip)
-        return dataclasses.replace(
-            told, action=(), distance=goal_distance(self._level, told.position)
-        )
-
-    def after(
-        self,
-        before: Snapshot,
-        step: Step,
-        *,
-        outcome: Outcome | None,
-        mind: Mind | None = None,
-        memory: Any = None,
-        milliseconds: float = 0.0,
-        contacts: bool = False,
-    ) -> Snapshot:
-        """The snapshot after a step."""
-        info = step.info
-        reward = float(info["reward"])
-        told = dataclasses.replace(
-            self._told(step.state, np.asarray(step.unified), before.frame_skip),
-            reward=reward,
-            total_reward=before.total_reward + reward,
-            distance=float(info["distance"]),
-            dropped=before.dropped + bool(info.get("overflow", False)),
-            outcome=outcome,
-            milliseconds=milliseconds,
-            tailored=before.tailored,
-            quick=before.quick,
-            mind=mind,
-            memory=memory,
-        )
-        if not contacts:
-            return told
-        pairs = touching_bodies(
-            self._level,
-            self._capacity,
-            np.asarray(step.state.physics.touching),
-            self._pushing,
-        )
-        points = contact_points(self._level, told, pairs)
-        return dataclasses.replace(
-            told, contacts=points, touching=pairs, penetration=deepest(points)
-        )
-
-    def _told(self, state: EnvState, unified: np.ndarray, frame_skip: int) -> Snapshot:
-        level, physics = self._level, state.physics
-        position = np.asarray(physics.position)[self.slots]
-        velocity = np.asarray(physics.velocity)[self.slots]
-        spin = np.asarray(physics.angular_velocity)[self.slots]
-        return Snapshot(
-            step=int(state.timestep),
-            position=position,
-            angle=np.asarray(physics.rotation)[self.slots],
-            velocity=velocity,
-            angular_velocity=spin,
-            motor=motor_drives(level, unified),
-            thruster=thruster_drives(level, unified),
-            action=tuple(unified.tolist()),
-            frame_skip=frame_skip,
-            state=state,
-            **self._energies(position, velocity, spin),
-        )
-
-    def _energies(
-        self, position: np.ndarray, velocity: np.ndarray, spin: np.ndarray
-    ) -> dict[str, Any]:
-        mass, inertia = self._mass[:, 0] * self._free, self._mass[:, 1] * self._free
-        kinetic = 0.5 * np.sum(mass * np.sum(velocity**2, axis=1)) + 0.5 * np.sum(inertia * spin**2)
-        potential = -np.sum(mass * (position @ np.array(self._level.gravity)))
-        px, py = mass @ velocity
-        return {
-            "kinetic_energy": float(kinetic),
-            "potential_energy": float(potential),
-            "momentum": (float(px), float(py)),
-        }
-
-
-def motor_drives(level: Level, unified: np.ndarray) -> np.ndarray:
-    """Return the drive of each joint's motor, −1 … 1; 0 where there is none."""
-    drives = np.zeros(len(level.joints), np.float32)
-    for k, joint in enumerate(level.joints):
-        if joint.kind == "revolute" and joint.motor is not None and joint.motor.on:
-            drives[k] = 1.0 if joint.motor.auto else unified[joint.motor.binding]
-    return drives
-
-
-def thruster_drives(level: Level, unified: np.ndarray) -> np.ndarray:
-    """Return the drive of each thruster, 0 … 1."""
-    first = len(unified) - THRUSTER_BINDINGS
-    return np.array([unified[first + t.binding] for t in level.thrusters], np.float32)
-
-
-def goal_distance(level: Level, position: np.ndarray) -> float:
-    """Sum over pairs of a green and a blue body of the distance of their positions [m]."""
-    roles = np.array([body.role for body in level.bodies])
-    green, blue = position[roles == "green"], position[roles == "blue"]
-    if not (len(green) and len(blue)):
-        return 0.0
-    return float(np.linalg.norm(green[:, None] - blue[None], axis=-1).sum())
-
-
-def pulled(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvState:
-    """Give the pulled body the impulse that draws the grabbed point to the mouse.
-
-    The point shall move at a speed in proportion to its distance; the impulse is what changes the
-    point's velocity by a share of what is missing, through the body's mass matrix at that point.
-    """
-    rows = [k for k, body in enumerate(level.bodies) if body.id == pull.body]
-    if not rows:
-        return state
-    slot = int(slots[rows[0]])
-    physics = state.physics
-    position = np.asarray(physics.position)[slot]
-    if pull.teleport:
-        return _teleported(state, slots, level, pull)
-    angle = float(physics.rotation[slot])
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = pull.anchor
-    arm = np.array([cos * x - sin * y, sin * x + cos * y])
-    spin = float(physics.angular_velocity[slot])
-    velocity = np.asarray(physics.velocity)[slot].astype(float)
-    point_velocity = velocity + spin * np.array([-arm[1], arm[0]])
-    wanted = (np.array(pull.target) - position - arm) * PULL_RATE
-    speed = float(np.linalg.norm(wanted))
-    wanted *= min(1.0, PULL_SPEED / max(speed, 1e-9))
-    inverse_mass = float(state.world.bodies.inverse_mass[slot])
-    inverse_inertia = float(state.world.bodies.inverse_inertia[slot])
-    across = np.array([-arm[1], arm[0]])
-    compliance = inverse_mass * np.eye(2) + inverse_inertia * np.outer(across, across)
-    if inverse_mass == 0.0:
-        return state
-    impulse = np.linalg.solve(compliance, (wanted - point_velocity) * PULL_SHARE)
-    turned = spin + inverse_inertia * float(arm[0] * impulse[1] - arm[1] * impulse[0])
-    return _with_row(
-        state,
-        slot,
-        velocity=(velocity + inverse_mass * impulse).astype(np.float32),
-        angular_velocity=np.float32(turned),
-    )
-
-
-def _teleported(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvState:
-    """Put a body's origin where the mouse is, with all that hangs on it, at rest."""
-    moved = component(level, (pull.body,))
-    rows = [k for k, body in enumerate(level.bodies) if body.id in moved]
-    held = next(k for k, body in enumerate(level.bodies) if body.id == pull.body)
-    position = np.array(state.physics.position)
-    shift = np.array(pull.target, np.float32) - position[slots[held]]
-    position[slots[rows]] += shift
-    for name in ("velocity", "angular_velocity"):
-        still = np.array(getattr(state.physics, name))
-        still[slots[rows]] = 0.0
-        state = dataclasses.replace(
-            state, physics=dataclasses.replace(state.physics, **{name: jnp.asarray(still)})
-        )
-    return dataclasses.replace(
-        state, physics=dataclasses.replace(state.physics, position=jnp.asarray(position))
-    )
-
-
-def _with_row(state: EnvState, slot: int, **rows: Any) -> EnvState:
-    changed = {}
-    for name, row in rows.items():
-        values = np.array(getattr(state.physics, name))
-        values[slot] = row
-        changed[name] = jnp.asarray(values)
-    return dataclasses.replace(state, physics=dataclasses.replace(state.physics, **changed))

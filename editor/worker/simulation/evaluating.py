@@ -20,7 +20,7 @@ from editor.worker.requests import (
     TracePaths,
 )
 from editor.worker.simulation.cast import Step, mind_of, player_of
-from editor.worker.simulation.episode import LevelView
+from editor.worker.simulation.level_view import LevelView
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.evaluate import (

@@ -5,7 +5,7 @@ import itertools
 import pytest
 from imgui_bundle import imgui
 
-from editor.drawing.marks import Room
+from editor.drawing.strokes import Room
 from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
 from tests.editor.core.helpers import a_level, a_session
