@@ -7,7 +7,7 @@ import numpy as np
 from editor.base.events import Pointer, PointerEvent
 from editor.base.prompts import Choice, MenuQuestion
 from editor.base.settings import Settings
-from editor.hosts.bench import crowded_level
+from editor.hosts.bench.rows import crowded_level
 from editor.hosts.offscreen import OffscreenHost
 from editor.hosts.renderer import GlRenderer, Window
 from editor.session import Session
