@@ -36,14 +36,16 @@ def fails(*_):
     raise ZeroDivisionError("on purpose")
 
 
-@pytest.mark.parametrize("part", ["_workplace", "_bars"])
+@pytest.mark.parametrize("part", ["workplace.draw", "_bars"])
 def test_the_window_goes_on_and_the_work_is_aside(gui, tmp_path, monkeypatch, part):
     session = gui.session
     session.execute(Move(ids=(3,), shift=(0.25, 0.0)))
     session.queue("edit.select_all")
     gui.frames(2)
     with monkeypatch.context() as patched:
-        patched.setattr(gui.host.ui, part, fails)
+        *inner, name = part.split(".")
+        owner = getattr(gui.host.ui, inner[0]) if inner else gui.host.ui
+        patched.setattr(owner, name, fails)
         gui.frames(5)
     gui.frames(10)
     assert gui.shows("outliner.filter")
