@@ -68,6 +68,8 @@ class Library:
         self._found: tuple[tuple[Card, ...], tuple[Path, ...]] | None = None
         self._pictures: collections.OrderedDict[str, Thumbnail] = collections.OrderedDict()
         self._known: dict[str, _Known] | None = None
+        self._unsaved = False
+        """True if files were read that the index on the disk does not have."""
         self.cards: tuple[Card, ...] = ()
         """The levels found so far, in the order of folders and paths."""
         self.sets: tuple[Path, ...] = ()
@@ -217,7 +219,6 @@ class Library:
         """Go through the folders, one file a step; ends what was asked up to `number`."""
         known = self._index()
         seen: dict[str, _Known] = {}
-        fresh = 0
         published = time.monotonic()
         for path, modified_ns, size in _files(folders):
             name = str(path)
@@ -230,8 +231,9 @@ class Library:
             made = self._read(path)
             if made is None:
                 continue
-            seen[name] = made
-            fresh += 1
+            # Another look may take the place of this one: it need not read the file again.
+            seen[name] = known[name] = made
+            self._unsaved = True
             if time.monotonic() - published > _PUBLISH_SECONDS:
                 self._publish(seen)
                 published = time.monotonic()
@@ -244,8 +246,9 @@ class Library:
             if name not in seen and not any(Path(name).is_relative_to(f) for f in folders)
         }
         self._known = others | seen
-        if fresh or len(known) != len(self._known):
+        if self._unsaved or len(known) != len(self._known):
             self._save_index()
+            self._unsaved = False
 
     def _read(self, path: Path) -> _Known | None:
         try:

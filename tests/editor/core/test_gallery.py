@@ -118,6 +118,23 @@ def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkey
     assert set(cards) == {"Rocket", "Nothing", "broken"}
 
 
+def test_a_look_that_another_one_replaces_has_not_read_in_vain(library, folder, monkeypatch):
+    """Asked again before it has ended, on a slow disk or with many levels, it ends all the same."""
+    read = Library._read
+    names = []
+
+    def read_and_ask(self, path):
+        names.append(path.name)
+        if len(names) <= 4:
+            library.look([folder])
+        return read(self, path)
+
+    monkeypatch.setattr(Library, "_read", read_and_ask)
+    look(library, folder)
+    assert len(library.cards) == 4
+    assert sorted(names) == sorted(set(names))
+
+
 def test_thumbnails_come_from_the_cache_the_second_time(library, folder, tmp_path, monkeypatch):
     card = look(library, folder)["Rocket"]
     library.want([card])

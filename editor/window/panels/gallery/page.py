@@ -48,7 +48,8 @@ class GalleryPage:
         appearing = not self._was_open
         self._was_open = True
         self._grid.begin_frame()
-        if session.time - self._looked > _LOOK_SECONDS:
+        due = session.time - self._looked > _LOOK_SECONDS
+        if due and not session.library.busy:
             self._looked = session.time
             doing.look(session)
         viewport = imgui.get_main_viewport()
