@@ -36,6 +36,8 @@ _BACKWARD: Final[Rgba] = (0.13, 0.40, 0.75, 1.0)
 _NEUTRAL: Final[Rgba] = (0.95, 0.95, 0.95, 1.0)
 _AT_REST: Final[Rgba] = (0.45, 0.48, 0.54, 1.0)
 _WIDTH: Final = 214.0
+_LEAST: Final = 128.0
+"""In less room beside the arena the plate stands over it [px at 100 %]."""
 
 
 def lean_colour(value: float) -> Rgba:
@@ -130,14 +132,16 @@ def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snaps
     painter.opacity = before
 
 
-def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top: float) -> None:
+def paint_numbers(
+    session: "Session", draw: imgui.ImDrawList, corner: Point, *, room: float
+) -> None:
     """A plate with who plays, what it expects, how sure it is, and the other player beside it.
 
     Args:
         session: The app.
         draw: Where to draw.
-        right: Right edge of the plate [px].
-        top: Upper edge [px].
+        corner: Upper right corner of the plate [px].
+        room: Width that is free there [px]; the plate is made narrower for it, within reason.
     """
     playback = session.playback
     snapshot = playback.snapshot
@@ -173,7 +177,7 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, right: float, top:
     controls = channels_in_use(level) if level is not None else ()
     peak = max((abs(m.mind.value) for m in playback.moments if m.mind is not None), default=0.0)
     facts = _Facts(controls=controls, keys=session.control_keys, most_value=value_range(peak))
-    _plate(draw, lines, snapshot, facts, (right, top))
+    _plate(draw, lines, snapshot, facts, corner, room)
 
 
 def value_range(peak: float) -> float:
@@ -201,6 +205,7 @@ def _plate(
     snapshot: Snapshot,
     facts: _Facts,
     corner: Point,
+    room: float,
 ) -> None:
     mind = snapshot.mind
     thinks = mind is not None and not mind.scripted
@@ -209,17 +214,19 @@ def _plate(
     by_hand = mind is not None and mind.by_hand
     right, top = corner
     lines = [(tr(words), colour) for words, colour in lines]
+    if by_hand:
+        lines.insert(0, (tr("You drive; the agent only watches"), COLOURS.warn))
     with font(FONTS.regular, SMALL):
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
-        height = (len(lines) + bars + int(by_hand)) * step + px(14)
+        if room >= px(_LEAST):
+            wide = min(wide, room)
+        lines = [(part, c) for words, c in lines for part in broken(words, wide - px(20))]
+        height = (len(lines) + bars) * step + px(14)
         low, high = (right - wide, top), (right, top + height)
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.93)), px(7))
         draw.add_rect(low, high, u32(COLOURS.line), px(7))
         x, y = low[0] + px(10), low[1] + px(8)
-        if by_hand:
-            draw.add_text((x, y), u32(COLOURS.warn), tr("You drive; the agent only watches"))
-            y += step
         for words, colour in lines:
             draw.add_text((x, y), u32(colour), words)
             y += step

@@ -43,6 +43,9 @@ from kinetix.render.style import STYLE
 if TYPE_CHECKING:
     from editor.session import Session
 
+_EDGE: Final = 12.0
+"""Between the canvas's edge and what is written there [px at 100 %]."""
+
 
 class Canvas:
     """Takes the mouse and paints the level, through the camera that its framing chooses."""
@@ -312,7 +315,9 @@ class Canvas:
             draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
         paint_side(session, draw, self.area, split=self.framing.split)
         if "numbers" in session.settings.agent_overlay:
-            paint_numbers(session, draw, x + width - px(12), y + px(12))
+            right = x + width - px(_EDGE)
+            room = right - session.camera.to_screen(ARENA[1])[0] - px(_EDGE)
+            paint_numbers(session, draw, (right, y + px(_EDGE)), room=room)
         self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)

@@ -39,6 +39,8 @@ class _Column:
     x: float
     y: float
     width: float
+    bottom: float
+    """Nothing is written below [px]."""
     plates: bool
     """True if each line gets a plate, as it stands over the level."""
 
@@ -52,6 +54,8 @@ class _Column:
         with font(face or FONTS.regular, size):
             for line in broken(tr(words), self.width):
                 extent = imgui.calc_text_size(line)
+                if self.y + extent.y > self.bottom:
+                    return
                 if self.plates:
                     low = (self.x - px(6), self.y - px(2))
                     high = (self.x + extent.x + px(6), self.y + extent.y + px(2))
@@ -71,19 +75,20 @@ def paint_side(
         area: Upper left corner and size of the canvas [px].
         split: Whether two players share the canvas, so that nothing is free beside the arena.
     """
-    (x, y), (width, _) = area
+    (x, y), (width, height) = area
     left = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))[0] - x
     free = left - 2 * px(_EDGE)
     beside = not split and free >= px(_LEAST)
     wide = min(free, px(_WIDTH)) if beside else min(px(_WIDTH), width - 2 * px(_EDGE))
     at = x + left - px(_EDGE) - wide if beside else x + px(_EDGE)
-    column = _Column(draw=draw, x=at, y=y + px(_EDGE), width=wide, plates=not beside)
+    bottom = y + height - px(_EDGE)
+    column = _Column(draw=draw, x=at, y=y + px(_EDGE), width=wide, bottom=bottom, plates=not beside)
     _badge(session, column)
     _results(session, column, area, split=split)
     _progress(session, column, beside)
     if beside:
         _keys(session, column)
-        _goal(session, column, y + area[1][1])
+        _goal(session, column)
 
 
 def _badge(session: "Session", column: _Column) -> None:
@@ -163,7 +168,7 @@ def _progress(session: "Session", column: _Column, beside: bool) -> None:
     if playback.player:
         column.lines(playback.player, COLOURS.text, SMALL, FONTS.bold)
     column.lines(f"step {playback.step_count} / {total}", COLOURS.text)
-    if beside and total:
+    if beside and total and column.y < column.bottom:
         share = min(playback.step_count / total, 1.0)
         low = (column.x, column.y)
         high = (column.x + column.width, column.y + px(4))
@@ -205,6 +210,8 @@ def _keys(session: "Session", column: _Column) -> None:
     keys = session.control_keys
     side = px(19)
     for channel in channels_in_use(level):
+        if column.y + side > column.bottom:
+            return
         driving = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
         x = column.x
         with font(FONTS.bold, SMALL - 1):
@@ -237,7 +244,7 @@ def _cut(words: str, room: float) -> str:
     return words + "…" if words else ""
 
 
-def _goal(session: "Session", column: _Column, bottom: float) -> None:
+def _goal(session: "Session", column: _Column) -> None:
     """Write what the level says of itself, where there is room under the keys."""
     level = session.playback.level
     words = level.description if level is not None else ""
@@ -245,5 +252,5 @@ def _goal(session: "Session", column: _Column, bottom: float) -> None:
         return
     with font(FONTS.regular, SMALL):
         height = len(broken(words, column.width)) * (imgui.get_text_line_height() + px(4))
-    if column.y + height < bottom - px(_EDGE):
+    if column.y + height < column.bottom:
         column.lines(words, COLOURS.muted)

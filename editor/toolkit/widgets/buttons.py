@@ -111,7 +111,12 @@ def checkbox(
 ) -> tuple[bool, bool]:
     """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what."""
     imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
+    # An empty box has next to no contrast to a panel: its border shows it.
+    imgui.push_style_var(imgui.StyleVar_.frame_border_size, 1.0)
+    imgui.push_style_color(imgui.Col_.border, imgui.ImVec4(*COLOURS.faint))
     changed, value = imgui.checkbox(f"{tr(label)}###{name}", value)
+    imgui.pop_style_color()
+    imgui.pop_style_var()
     imgui.pop_item_flag()
     probe(session, name)
     return changed, value
