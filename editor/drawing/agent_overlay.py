@@ -36,6 +36,7 @@ _BACKWARD: Final[Rgba] = (0.13, 0.40, 0.75, 1.0)
 _NEUTRAL: Final[Rgba] = (0.95, 0.95, 0.95, 1.0)
 _AT_REST: Final[Rgba] = (0.45, 0.48, 0.54, 1.0)
 _WIDTH: Final = 214.0
+_APART: Final = "    "
 _LEAST: Final = 128.0
 """In less room beside the arena the plate stands over it [px at 100 %]."""
 
@@ -160,7 +161,7 @@ def paint_numbers(
         casting = playback.casting
         draws = "likeliest actions" if casting.deterministic else f"attempt {casting.attempt}"
         draws = f"{draws}, seed {casting.seed}"
-    lines.append((f"{who}    return {snapshot.total_reward:+.2f}", COLOURS.text))
+    lines.append((f"{who}{_APART}return {snapshot.total_reward:+.2f}", COLOURS.text))
     if draws:
         lines.append((draws, COLOURS.muted))
     if snapshot.mind is not None and snapshot.mind.futures is not None:
@@ -169,10 +170,10 @@ def paint_numbers(
         difference = snapshot.total_reward - other.total_reward
         sign = Icons.worse if difference > 0.005 else Icons.better if difference < -0.005 else "="
         ended = f"  {other.outcome}" if other.outcome else ""
-        words = f"{rival.player}    return {other.total_reward:+.2f}{ended}   {sign}"
+        words = f"{rival.player}{_APART}return {other.total_reward:+.2f}{ended}   {sign}"
         lines.append((words, COLOURS.info))
     elif rival.waiting:
-        lines.append((f"{rival.player}    preparing …", COLOURS.info))
+        lines.append((f"{rival.player}{_APART}preparing …", COLOURS.info))
     level = playback.level
     controls = channels_in_use(level) if level is not None else ()
     peak = max((abs(m.mind.value) for m in playback.moments if m.mind is not None), default=0.0)
@@ -221,7 +222,7 @@ def _plate(
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
         if room >= px(_LEAST):
             wide = min(wide, room)
-        lines = [(part, c) for words, c in lines for part in broken(words, wide - px(20))]
+        lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
         height = (len(lines) + bars) * step + px(14)
         low, high = (right - wide, top), (right, top + height)
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.93)), px(7))
@@ -241,6 +242,13 @@ def _plate(
             y += step
             caps = " ".join(key_caps(channel, facts.keys))
             _chances(draw, span, y, caps, mind.chances[channel], mind.own_action[channel])
+
+
+def _fitted(words: str, room: float) -> list[str]:
+    """Break a line that is too long [px]: first where its parts stand apart."""
+    if imgui.calc_text_size(words).x <= room:
+        return [words]
+    return broken(words.replace(_APART, "\n"), room)
 
 
 def _chances(
