@@ -214,3 +214,4 @@ class Icons:
     worse = fa.ICON_FA_CARET_DOWN
     beside = fa.ICON_FA_TABLE_COLUMNS
     chip = fa.ICON_FA_MICROCHIP
+    more = fa.ICON_FA_ELLIPSIS

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import PIXELS_PER_UNIT, Camera
-from editor.base.language import tr
 from editor.base.prompts import FileQuestion
 from editor.base.wording import counts
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
@@ -254,9 +253,7 @@ class FileBrowser:
             self._to_name = False
         flags = imgui.InputTextFlags_.enter_returns_true.value
         before = self._name
-        entered, self._name = imgui.input_text_with_hint(
-            "###browser.name", tr(hint), self._name, flags
-        )
+        entered, self._name = widgets.input_line("browser.name", hint, self._name, flags)
         widgets.probe(session, "browser.name")
         if self._name != before:
             self._error, self._overwrite = "", None

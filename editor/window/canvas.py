@@ -287,6 +287,8 @@ class Canvas:
             size = imgui.calc_text_size(word)
             low = (x + px(12), y + px(12))
             high = (low[0] + size.x + px(16), low[1] + size.y + px(8))
+            if width < px(_ROOM_FOR_BADGE) and high[0] > session.camera.to_screen(ARENA[0])[0]:
+                return  # It would cover the level; the line at the bottom says it too.
             draw.add_rect_filled(low, high, u32(colour), px(5))
             draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
 
@@ -324,4 +326,6 @@ class Canvas:
         paint_waiting(session, draw, self.area)
 
 
+_ROOM_FOR_BADGE: Final = 440.0
+"""Width of a canvas that shows the mode's badge over the level [px at 100 %]."""
 _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)

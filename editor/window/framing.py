@@ -16,6 +16,8 @@ _SETTLED_FRAME: Final = 6
 _MARGIN: Final = 28.0
 """Room around the arena when it is shown whole [px at 100 %]."""
 _PLAY_MARGIN: Final = 12.0
+_MOST_MARGIN: Final = 0.05
+"""Of the viewport's smaller side."""
 _SPLIT_MARGIN: Final = 20.0
 
 
@@ -85,7 +87,7 @@ class Framing:
         whole = self._follows(tab)
         if whole and (self._refits or not tab.fitted):
             camera = session.camera.with_viewport(origin, size)
-            camera = camera.fitted(*ARENA, margin=self._margin(session))
+            camera = camera.fitted(*ARENA, margin=self._margin(session, size))
             session.camera = camera.on_pixels(ARENA_WIDTH)
             # The layout needs some frames to settle; until then the viewport is not the last one.
             tab.fitted = tab.fitted or imgui.get_frame_count() > _SETTLED_FRAME
@@ -133,7 +135,7 @@ class Framing:
         """Return whether a tab shows its arena whole, and nobody has zoomed or panned since."""
         return not tab.fitted or tab.camera == self._followed.get(tab.document.number)
 
-    def _margin(self, session: "Session") -> float:
+    def _margin(self, session: "Session", size: Point) -> float:
         if self.split:
             return px(_SPLIT_MARGIN)
-        return px(_MARGIN if session.editing else _PLAY_MARGIN)
+        return min(px(_MARGIN if session.editing else _PLAY_MARGIN), _MOST_MARGIN * min(size))

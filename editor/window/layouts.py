@@ -1,6 +1,7 @@
 """Arrangements of the panels: three that come with the app, and those that users keep."""
 
 import dataclasses
+import enum
 import re
 from collections.abc import Collection, Sequence
 from typing import Final
@@ -27,21 +28,38 @@ class Arrangement:
     """True if the lower row begins as a strip of its tabs."""
     below: frozenset[str] = frozenset({"outliner", "level", "inspector"})
     """Panels that stand below the others at the right where there is no left column."""
+    beside: frozenset[str] = frozenset({"agents", "eye", "inspector"})
+    """Panels at the right of a low window, in one place; all others go to the lower row."""
     front: tuple[str, ...] = ()
 
-    def fitting(self, width: float) -> "Arrangement":
-        """Return it for a window of that width [px at 100 %]: a narrow one has no left column."""
-        if width >= NARROW or not self.folded:
+    def fitting(self, room: "Room") -> "Arrangement":
+        """Return it for a window: one that is not wide has no left column."""
+        if room is Room.WIDE or not self.folded:
             return self
         return dataclasses.replace(self, left=0.0, below=frozenset({"outliner", "level"}))
 
 
 NARROW: Final = 1180.0
 """In a narrower window two columns would take the canvas's place [px at 100 %]."""
+LOW: Final = 440.0
+"""In a narrow window below this height two panels above each other show next to nothing."""
+
+
+class Room(enum.StrEnum):
+    """Room of the window for panels; each has layouts of its own."""
+
+    WIDE = enum.auto()
+    NARROW = enum.auto()
+    LOW = enum.auto()
+    """Narrow as well."""
+
 
 ARRANGEMENTS: Final = {
     "edit": Arrangement(
-        label="Edit", folded=True, front=("level", "outliner", "problems", "inspector")
+        label="Edit",
+        folded=True,
+        beside=frozenset({"outliner", "level", "inspector"}),
+        front=("level", "outliner", "problems", "inspector"),
     ),
     "play": Arrangement(
         label="Play", left=0.0, bottom=230.0, front=("inspector", "timeline", "agents")
@@ -82,7 +100,8 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     """
     node = imgui.internal
     size = _with_room(imgui.get_main_viewport().work_size)
-    plan = plan.fitting(size.x / px(1))
+    room = room_now()
+    plan = plan.fitting(room)
     node.dock_builder_remove_node_child_nodes(space)
     node.dock_builder_set_node_size(space, size)
     rest, left_share = space, 0.0
@@ -96,7 +115,7 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     right_share = min(px(plan.right) / (size.x * (1 - left_share)), 0.34)
     split = node.dock_builder_split_node(rest, imgui.Dir.right, right_share)
     places["right"], middle = split.id_at_dir, split.id_at_opposite_dir
-    if not plan.left:
+    if not plan.left and room is not Room.LOW:
         split = node.dock_builder_split_node(places["right"], imgui.Dir.down, 0.4)
         places["lower right"], places["right"] = split.id_at_dir, split.id_at_opposite_dir
     bottom_share = min(px(plan.bottom), plan.most * size.y) / size.y
@@ -106,7 +125,9 @@ def arrange(space: int, panels: Sequence[Panel], plan: Arrangement) -> None:
     bottom = split.id_at_dir
     for panel in panels:
         column = _COLUMNS.get(panel.id)
-        if not plan.left and panel.id in plan.below:
+        if room is Room.LOW:
+            column = "right" if panel.id in plan.beside else None
+        elif not plan.left and panel.id in plan.below:
             column = "lower right"
         spare = bottom if panel.id in _ELSE_BELOW else places["right"]
         place = bottom if column is None else places.get(column, spare)
@@ -119,9 +140,12 @@ def _with_room(size: imgui.ImVec2) -> imgui.ImVec2:
     return imgui.ImVec2(max(size.x, 1.0), max(size.y, 1.0))
 
 
-def is_narrow() -> bool:
-    """Return whether the window is too narrow for two columns of panels."""
-    return imgui.get_main_viewport().work_size.x / px(1) < NARROW
+def room_now() -> Room:
+    """Return the room that the window has for panels."""
+    size = imgui.get_main_viewport().size
+    if size.x / px(1) >= NARROW:
+        return Room.WIDE
+    return Room.LOW if size.y / px(1) < LOW else Room.NARROW
 
 
 def strip() -> float:
@@ -206,7 +230,6 @@ def _canvas_node(node: imgui.internal.DockNode) -> imgui.internal.DockNode | Non
 
 _HEADER: Final = "; kinetix-editor layout 2"
 """First line of a stored layout; one without it may have lost its docks."""
-_NARROW_MARK: Final = ", narrow"
 _FRONT_MARK: Final = ", in front: "
 _NODE: Final = re.compile(r"^ *Dock(?:Node|Space) +ID=(0x[0-9A-F]+)", re.MULTILINE)
 _WINDOW: Final = re.compile(r"^\[Window\]\[(?:.*###)?panel-(\w+)\]\n((?:\w+=.*\n)*)", re.MULTILINE)
@@ -220,8 +243,9 @@ def snapshot(front: Collection[str]) -> str:
     Args:
         front: Ids of the panels that are on the screen.
     """
-    width = _NARROW_MARK if is_narrow() else ""
-    first = f"{_HEADER}{width}{_FRONT_MARK}{' '.join(sorted(front))}"
+    room = room_now()
+    mark = "" if room is Room.WIDE else f", {room}"
+    first = f"{_HEADER}{mark}{_FRONT_MARK}{' '.join(sorted(front))}"
     return f"{first}\n{imgui.save_ini_settings_to_memory()}"
 
 
@@ -231,9 +255,10 @@ def front_of(stored: str) -> tuple[str, ...]:
     return tuple(front.split()) if is_current(header) else ARRANGEMENTS["edit"].front
 
 
-def of_narrow(stored: str) -> bool:
-    """Return whether a stored layout is that of a narrow window."""
-    return stored.partition("\n")[0].partition(_FRONT_MARK)[0].endswith(_NARROW_MARK)
+def room_of(stored: str) -> Room:
+    """Return the room of the window that a stored layout is for."""
+    header = stored.partition("\n")[0].partition(_FRONT_MARK)[0]
+    return next((room for room in Room if header.endswith(f", {room}")), Room.WIDE)
 
 
 def is_current(stored: str) -> bool:

@@ -74,10 +74,10 @@ class Workplace:
             LogPanel(),
         )
         self._laid_out = False
-        self._narrow: bool | None = None
-        """True if the layout is that of a narrow window; None: a stored one has been taken."""
-        self._other_widths: dict[bool, str] = {}
-        """Layouts of this run for wide (False) and narrow (True) windows."""
+        self._room: layouts.Room | None = None
+        """The room that the layout is for; None: not known yet."""
+        self._other_rooms: dict[layouts.Room, str] = {}
+        """Layouts of this run for windows with other room."""
         self._rescaled = ""
         """The layout for another scale, to be taken before the next frame."""
         self._in_front: list[str] = []
@@ -117,7 +117,7 @@ class Workplace:
             known = layouts.is_current(settings.layout)
             self._laid_out = known and self._restore(settings.layout)
             if self._laid_out:
-                self._narrow = layouts.of_narrow(settings.layout)
+                self._room = layouts.room_of(settings.layout)
         elif asked.layout in settings.layouts and not self.session.gallery.open:
             if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True
@@ -131,7 +131,7 @@ class Workplace:
         Args:
             ratio: New scale over old; 1 where only the text's size changed.
         """
-        self._other_widths.clear()
+        self._other_rooms.clear()
         if self._laid_out and ratio != 1.0:
             self._rescaled = layouts.scaled(layouts.snapshot(self._seen), ratio)
 
@@ -145,7 +145,8 @@ class Workplace:
         now = {"debug": asked.debug_draw, "plots": asked.plots}
         for panel, on in now.items():
             # The debug drawing alone needs no panel; plots are nothing without theirs.
-            shown = panel == "plots" or view.shows_panels(self.session)
+            spare = layouts.room_now() is not layouts.Room.LOW
+            shown = panel == "plots" or (spare and view.shows_panels(self.session))
             if on and shown and not self._switches.get(panel, False):
                 asked.front = panel
         self._switches = now
@@ -159,10 +160,10 @@ class Workplace:
         """Draw the canvas and, if wanted, the panels around it."""
         if not self._laid_out or self.session.view.layout:
             self._lay_out(space)
-        elif self._narrow is None:
-            self._narrow = layouts.is_narrow()
-        elif layouts.is_narrow() is not self._narrow:
-            self._change_width(space, self._narrow)
+        elif self._room is None:
+            self._room = layouts.room_now()
+        elif layouts.room_now() is not self._room:
+            self._change_room(space, self._room)
         self._canvas(space, bars)
         self._keep_layout()
         if bars != self._had_bars:
@@ -199,11 +200,11 @@ class Workplace:
         layouts.arrange(space, self.panels, plan)
         self._in_front = list(plan.front)
 
-    def _change_width(self, space: int, before: bool) -> None:
-        """Take the layout for a narrow or a wide window: the one that it had then, or the first."""
-        self._narrow = layouts.is_narrow()
-        self._other_widths[before] = layouts.snapshot(self._seen)
-        kept = self._other_widths.get(self._narrow)
+    def _change_room(self, space: int, before: layouts.Room) -> None:
+        """Take the layout for the room that the window has now: the one from then, or the first."""
+        self._room = layouts.room_now()
+        self._other_rooms[before] = layouts.snapshot(self._seen)
+        kept = self._other_rooms.get(self._room)
         if kept is not None:
             self._rescaled = kept
         else:

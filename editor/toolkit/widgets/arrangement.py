@@ -85,10 +85,15 @@ def beside(width: float, *, gap: float = 14) -> None:
         width: Of the next item [px at 100 %].
         gap: Before it, likewise.
     """
-    right = imgui.get_window_pos().x + imgui.get_window_width()
-    edge = right - imgui.get_style().window_padding.x
-    if imgui.get_item_rect_max().x + px(gap + width) < edge:
+    edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    if imgui.get_item_rect_max().x + px(gap + width) <= edge:
         imgui.same_line(0, px(gap))
+
+
+def beside_words(words: str, *, gap: float = 8) -> None:
+    """Go on in the same line where a button with these words has room, else in the next line."""
+    padding = 2 * imgui.get_style().frame_padding.x
+    beside((imgui.calc_text_size(tr(words)).x + padding) / px(1), gap=gap)
 
 
 def separator_gap(width: float = 8.0) -> None:

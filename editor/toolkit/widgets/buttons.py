@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, Icons, Rgba, alpha
 from editor.toolkit.widgets.base import coloured, disabled, probe, px
-from editor.toolkit.widgets.words import MIXED
+from editor.toolkit.widgets.words import MIXED, wrapped
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -109,15 +109,30 @@ def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> 
 def checkbox(
     session: "Session", name: str, label: str, value: bool, *, mixed: bool = False
 ) -> tuple[bool, bool]:
-    """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what."""
+    """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
+
+    Words that have no room beside the box are broken.
+    """
+    words = tr(label)
+    gap = imgui.get_style().item_inner_spacing.x
+    room = imgui.get_content_region_avail().x - imgui.get_frame_height() - gap
+    fits = imgui.calc_text_size(words).x <= room
+    imgui.begin_group()
     imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
     # An empty box has next to no contrast to a panel: its border shows it.
     imgui.push_style_var(imgui.StyleVar_.frame_border_size, 1.0)
     imgui.push_style_color(imgui.Col_.border, imgui.ImVec4(*COLOURS.faint))
-    changed, value = imgui.checkbox(f"{tr(label)}###{name}", value)
+    changed, value = imgui.checkbox(f"{words if fits else ''}###{name}", value)
     imgui.pop_style_color()
     imgui.pop_style_var()
     imgui.pop_item_flag()
+    if not fits:
+        imgui.same_line(0, gap)
+        imgui.align_text_to_frame_padding()
+        wrapped(label)
+        if imgui.is_item_clicked():
+            changed, value = True, not value
+    imgui.end_group()
     probe(session, name)
     return changed, value
 

@@ -122,6 +122,35 @@ def broken(words: str, width: float) -> list[str]:
     return lines
 
 
+def fitted(words: str, room: float) -> str:
+    """Return a line cut to a width [px], with an ellipsis where something is missing."""
+    if imgui.calc_text_size(words).x <= room:
+        return words
+    while words and imgui.calc_text_size(words + "…").x > room:
+        words = words[:-1]
+    return words.rstrip() + "…" if words else ""
+
+
+def input_line(identity: str, hint: str, typed: str, flags: int = 0) -> tuple[bool, str]:
+    """Draw a field for a line of text; an empty one shows as much of its hint as has room.
+
+    Args:
+        identity: Stable id.
+        hint: What an empty field shows.
+        typed: The text in it.
+        flags: Of `imgui.InputTextFlags_`.
+
+    Returns:
+        What Dear ImGui says of the field, and its text now.
+    """
+    whole = tr(hint)
+    shown = fitted(whole, imgui.calc_item_width() - 2 * imgui.get_style().frame_padding.x)
+    told, now = imgui.input_text_with_hint(f"###{identity}", shown, typed, flags)
+    if shown != whole and not now and not imgui.is_item_active():
+        tooltip(hint)
+    return told, now
+
+
 def kind_colour(kind: str) -> Rgba:
     """Return the colour of a message of a kind."""
     c = COLOURS

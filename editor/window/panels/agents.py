@@ -156,14 +156,15 @@ class AgentsPanel(Panel):
         return known[1]
 
     def _play(self, session: "Session") -> None:
-        imgui.same_line()
+        label = f"{Icons.play}  Let it play"
+        widgets.beside_words(label)
         keys = chord_label("f6")
         summary = session.viewer.slots["a"].summary
         playback = session.playback
         level = playback.level if playback.active else session.document.level
         able = summary is None or level is None or summary.any_size or not mismatch(summary, level)
         with widgets.disabled(not able):
-            pressed = widgets.primary_button(session, "agents.play", f"{Icons.play}  Let it play")
+            pressed = widgets.primary_button(session, "agents.play", label)
         if pressed and able:
             session.queue("run.play_agent")
         widgets.tooltip("Let the agent play", actions.BY_ID["run.play_agent"].tooltip, keys)
@@ -235,7 +236,7 @@ class AgentsPanel(Panel):
         run = session.viewer.run
         if widgets.button(session, "agents.evaluate", "Evaluate…"):
             session.queue("level.evaluate")
-        imgui.same_line()
+        widgets.beside_words("Watch a training run…")
         if widgets.button(session, "agents.watch", "Watch a training run…"):
             session.queue("agent.watch_run")
         if run.path:

@@ -107,9 +107,7 @@ class EvaluatePanel(Panel):
     def _head(self, session: "Session") -> None:
         """Filter and means."""
         imgui.set_next_item_width(px(210))
-        _, self._form.wanted = imgui.input_text_with_hint(
-            "###wanted", tr("Filter levels"), self._form.wanted
-        )
+        _, self._form.wanted = widgets.input_line("wanted", "Filter levels", self._form.wanted)
         widgets.probe(session, "evaluate.filter")
         self._summary(session)
 
@@ -173,7 +171,7 @@ class EvaluatePanel(Panel):
             session.queue(lambda: measure.ask_contender(session))
         widgets.tooltip("Measure too", "Another agent, or every checkpoint of a training run.")
         if viewer.contenders:
-            imgui.same_line(0, px(4))
+            widgets.beside_words("Only A and B", gap=4)
             if widgets.button(session, "evaluate.fewer", "Only A and B"):
                 viewer.contenders = ()
 
@@ -234,12 +232,12 @@ class EvaluatePanel(Panel):
                 )
             )
             self._table.chosen = None
-        imgui.same_line()
+        widgets.beside_words("Open…")
         if widgets.button(session, "evaluate.open", "Open…"):
             session.queue(lambda: comparison.ask_comparison(session))
         widgets.tooltip("Open a comparison", "A .json that was saved here or by kinetix compare.")
         if evaluation.standing is not None:
-            imgui.same_line()
+            widgets.beside_words("Save the table…")
             if widgets.button(session, "evaluate.save", "Save the table…"):
                 session.queue(lambda: ask_save(session))
             widgets.tooltip("Save the table", "CSV, or the lines of kinetix eval --json.")

@@ -67,7 +67,7 @@ class KeysWindow:
             session.view.keys = False
         imgui.set_next_item_width(px(300))
         hint = f"{Icons.search}  Command or key"
-        _, self._typed = imgui.input_text_with_hint("###keys.search", tr(hint), self._typed)
+        _, self._typed = widgets.input_line("keys.search", hint, self._typed)
         widgets.probe(session, "keys.search")
         imgui.same_line(0, px(10))
         with widgets.disabled(not rebinding.any_changed(session)):

@@ -1,5 +1,7 @@
 """The menu bar, made from the action table; recent files, examples and looks besides."""
 
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -32,6 +34,8 @@ MENUS: Final = (
 _WITHOUT_A_LEVEL: Final = frozenset({"Edit", "Tools", "Arrange", "Run"})
 """Menus that have nothing to do while the gallery is in front."""
 
+_MORE: Final = f"{Icons.more}###more"
+
 
 class MenuBar:
     """One menu a name in `MENUS`; what cannot be used for want of a level is not shown."""
@@ -48,19 +52,29 @@ class MenuBar:
             with widgets.font(FONTS.bold, 0.0):
                 widgets.text(f"{Icons.level}  Kinetix", COLOURS.accent)
             imgui.same_line(0, px(14))
-            for menu in MENUS:
-                if menu == "Gallery" and not session.gallery.open:
-                    continue
-                if menu in _WITHOUT_A_LEVEL and session.gallery.open:
-                    continue
-                opened = imgui.begin_menu(tr(menu))
-                widgets.probe(session, f"menu.{menu.lower()}")
+            room = imgui.get_window_width() - imgui.get_cursor_pos_x()
+            shown = _shown(session)
+            fitting = _fitting(shown, room)
+            self._row(session, shown[:fitting])
+            if fitting < len(shown):
+                opened = imgui.begin_menu(_MORE)
+                widgets.probe(session, "menu.more")
                 if opened:
                     self.opened = True
-                    self._menu(session, menu)
+                    self._row(session, shown[fitting:])
                     imgui.end_menu()
             imgui.end_main_menu_bar()
         imgui.pop_style_var()
+
+    def _row(self, session: "Session", menus: Sequence[str]) -> None:
+        """Draw menus, in the bar or in the one that holds what the bar has no room for."""
+        for menu in menus:
+            opened = imgui.begin_menu(tr(menu))
+            widgets.probe(session, f"menu.{menu.lower()}")
+            if opened:
+                self.opened = True
+                self._menu(session, menu)
+                imgui.end_menu()
 
     def _menu(self, session: "Session", menu: str) -> None:
         for action in actions.ACTIONS:
@@ -153,6 +167,27 @@ class MenuBar:
                     session.queue(lambda name=name: view.forget_layout(session, name))
             imgui.end_menu()
         imgui.end_menu()
+
+
+def _shown(session: "Session") -> list[str]:
+    """Return the menus that are of use now."""
+    passed = _WITHOUT_A_LEVEL if session.gallery.open else {"Gallery"}
+    return [menu for menu in MENUS if menu not in passed]
+
+
+def _fitting(menus: Sequence[str], room: float) -> int:
+    """Return how many menus the bar has room for; where not for all, one more holds the rest.
+
+    Args:
+        menus: Their names.
+        room: Width that is left in the bar [px].
+    """
+    gap = 2 * imgui.get_style().item_spacing.x
+    ends = list(itertools.accumulate(imgui.calc_text_size(tr(menu)).x + gap for menu in menus))
+    if not ends or ends[-1] <= room:
+        return len(ends)
+    room -= imgui.calc_text_size(Icons.more).x + gap
+    return sum(end <= room for end in ends)
 
 
 def _open(session: "Session", path: str | Path) -> None:

@@ -38,8 +38,8 @@ class Outliner(Panel):
         """Draw the filter and the tree."""
         level = session.document.shown
         imgui.set_next_item_width(-1)
-        _, self._filter = imgui.input_text_with_hint(
-            "###outliner.filter", tr(f"{Icons.search}  Filter"), self._filter
+        _, self._filter = widgets.input_line(
+            "outliner.filter", f"{Icons.search}  Filter", self._filter
         )
         widgets.probe(session, "outliner.filter")
         # The rows scroll under the filter, which stays; padding leaves them their round corners.

@@ -81,9 +81,9 @@ class CommandPalette:
 
     def _contents(self, session: "Session") -> None:
         imgui.set_next_item_width(-1)
-        changed, self._typed = imgui.input_text_with_hint(
-            "###palette.text",
-            tr(f"{Icons.search}  Command, setting, field, level, scene or agent"),
+        changed, self._typed = widgets.input_line(
+            "palette.text",
+            f"{Icons.search}  Command, setting, field, level, scene or agent",
             self._typed,
         )
         widgets.probe(session, "palette.text")

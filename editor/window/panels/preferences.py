@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import physics
-from editor.base.language import languages, tr
+from editor.base.language import languages
 from editor.base.physics import PHYSICS
 from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings, settings_path
 from editor.toolkit import widgets
@@ -116,6 +116,10 @@ PAGES: Final[dict[str, tuple[Row, ...]]] = {
 """Pages and their rows."""
 
 
+_RESET: Final = 34.0
+"""Width of the arrow that sets a row back [px at 100 %]."""
+
+
 class PreferencesWindow:
     """A window over everything while `session.view.preferences` is on."""
 
@@ -148,7 +152,7 @@ class PreferencesWindow:
             session.view.preferences = False
         for index, page in enumerate((*PAGES, "Files", "Keys")):
             if index:
-                widgets.beside(imgui.calc_text_size(tr(page)).x / px(1) + 20, gap=4)
+                widgets.beside_words(page, gap=4)
             name = f"preferences.{page}"
             chosen = page == self._page
             draw = widgets.primary_button if chosen else widgets.button
@@ -178,7 +182,7 @@ def _row(session: "Session", row: Row) -> None:
         space = imgui.get_window_width()
         imgui.same_line(min(px(250), 0.5 * space))
         room = imgui.get_content_region_avail().x
-        imgui.set_next_item_width(min(px(220), room - imgui.get_frame_height() - px(12)))
+        imgui.set_next_item_width(min(px(220), room - px(_RESET + 8)))
         options = [(str(value), label) for value, label in row.options]
         known = dict(options).get(str(current), str(current))
         picked = widgets.choice(session, name, str(current), options, preview=known)
@@ -187,12 +191,12 @@ def _row(session: "Session", row: Row) -> None:
             session.queue(lambda: choose(session, row, value))
     default = getattr(_DEFAULTS, row.name)
     if current != default:
-        imgui.same_line(0, px(6))
+        widgets.beside(_RESET, gap=6)
         if widgets.icon_button(session, f"{name}.reset", Icons.reset, tint=COLOURS.faint):
             session.queue(lambda: choose(session, row, default))
         widgets.tooltip("Reset to default")
     if row.detail:
-        widgets.beside(130, gap=12)
+        widgets.beside_words(row.detail, gap=12)
         widgets.muted(row.detail)
 
 

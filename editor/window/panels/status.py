@@ -37,7 +37,7 @@ class StatusBar:
                 del right[0]
             width = self._width(right)
             room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
-            widgets.raw(self._fitted(tr(self._hint(session)), room), COLOURS.muted)
+            widgets.raw(widgets.fitted(tr(self._hint(session)), room), COLOURS.muted)
             x = imgui.get_window_width() - width
             for words, tint in right:
                 imgui.same_line(x)
@@ -76,13 +76,6 @@ class StatusBar:
         if session.playback.casting is not None:
             return f"{space}   T takes over   N next attempt   Backspace restarts   Esc edits"
         return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
-
-    def _fitted(self, words: str, room: float) -> str:
-        if imgui.calc_text_size(words).x <= room:
-            return words
-        while words and imgui.calc_text_size(words + "…").x > room:
-            words = words[:-4]
-        return words + "…" if words else ""
 
     def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
         """Return the words at the right and their colours, from left to right."""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from editor.base.language import tr
 from editor.toolkit import widgets
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ class TextFields:
             session.view.field = ""
             imgui.set_keyboard_focus_here()
         imgui.set_next_item_width(-1)
-        changed, new = imgui.input_text_with_hint(f"###{name}", tr(hint), shown)
+        changed, new = widgets.input_line(name, hint, shown)
         widgets.probe(session, name)
         if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:
             widgets.tooltip(value)

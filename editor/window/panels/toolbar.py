@@ -84,6 +84,7 @@ PLANS: Final = (
     Plan(labels=False, physics=False),
     Plan(labels=False, physics=False, files=False),
     Plan(labels=False, physics=False, files=False, history=False),
+    Plan(labels=False, physics=False, files=False, view=False),
     Plan(labels=False, physics=False, files=False, history=False, view=False),
 )
 """The widest first; the first one that fits is taken. What goes is in the menus."""

@@ -352,7 +352,13 @@ def test_a_window_without_room_for_its_panels_goes_on(make_gui, panel):
 
 @pytest.mark.parametrize(
     ("size", "scale"),
-    [((1440, 900), 1.5), ((2560, 1440), 2.0), ((1024, 640), 1.0), ((1024, 640), 1.5)],
+    [
+        ((1440, 900), 1.5),
+        ((2560, 1440), 2.0),
+        ((1024, 640), 1.0),
+        ((1024, 640), 1.5),
+        ((1024, 640), 2.0),
+    ],
 )
 def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
     gui = make_gui(session=a_session(), size=size, scale=scale)
@@ -361,7 +367,7 @@ def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
     for panel in gui.host.ui.workplace.panels:
         node = imgui.internal.find_window_by_name(panel.window_name).dock_node
         rows[node.id_] = node.tab_bar
-    assert len(rows) > 2
+    assert len(rows) >= 2
     for bar in rows.values():
         cut = [tab.content_width - tab.width for tab in bar.tabs]
         assert max(cut) <= 1

@@ -46,7 +46,7 @@ def draw_head(session: "Session", count: int) -> None:
     room = free - close - order - px(60)
     imgui.set_next_item_width(max(min(room, px(420)), px(80)))
     hint = f"{Icons.search}  Name, tag or word of the description"
-    changed, typed = imgui.input_text_with_hint("###gallery.search", tr(hint), wish.words)
+    changed, typed = widgets.input_line("gallery.search", hint, wish.words)
     widgets.probe(session, "gallery.search")
     if changed:
         gallery.wish = dataclasses.replace(wish, words=typed)
