@@ -15,6 +15,7 @@ from editor.gallery.results import HUMAN, Results
 from editor.hosts.headless import HeadlessHost
 from editor.session import Session
 from editor.worker.jobs import Worker
+from editor.worker.requests import Progress, Request
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Level
 
@@ -23,6 +24,11 @@ DAYS = (FIRST, SECOND)
 OLD = Path(__file__).resolve().parent / "stored" / "0.1.0"
 """Folders of version 0.1.0 after two starts: its settings have lost their docks."""
 FOLDERS = ("state", "config", "cache", "data", "documents")
+
+
+def refuse(request: Request, progress: Progress) -> None:
+    """No simulation here: JAX must not be imported."""
+    raise AssertionError(f"{request} was asked of the worker by {progress}")
 
 
 def folders(home: Path) -> dict[str, str]:

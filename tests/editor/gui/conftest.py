@@ -12,17 +12,11 @@ from editor.hosts.headless import HeadlessHost
 from editor.session import Session
 from editor.toolkit.widgets import Probe
 from editor.worker.jobs import Worker
-from editor.worker.requests import Progress, Request
 from kinetix.level.model import Level
 from tests.editor import days
 from tests.editor.gui.viewing import viewer_gui, with_agent
 
 __all__ = ["viewer_gui", "with_agent"]
-
-
-def refuse(request: Request, progress: Progress) -> None:
-    """No simulation in these tests: JAX must not be imported."""
-    raise AssertionError(f"{request} was asked of the worker by {progress}")
 
 
 @pytest.fixture(autouse=True)
@@ -137,7 +131,7 @@ class Factory:
     ) -> Gui:
         self.close()
         if session is None:
-            session = days.a_session(Worker(perform=refuse), level)
+            session = days.a_session(Worker(perform=days.refuse), level)
         self.current = Gui(session, **options)
         return self.current
 
@@ -147,16 +141,6 @@ class Factory:
             self.current.session.library.stop()
             self.current.host.close()
             self.current = None
-
-
-@pytest.fixture(scope="session")
-def yesterday(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the user's folders after a day with the app."""
-    home = tmp_path_factory.mktemp("yesterday")
-    worker = Worker(perform=refuse)
-    days.live_through(home, worker)
-    worker.stop()
-    return home
 
 
 @pytest.fixture(params=days.DAYS)

@@ -10,7 +10,7 @@ from editor.documents.commands.group import Move
 from editor.session import Session
 from editor.worker.jobs import Worker
 from tests.editor.core.helpers import a_level
-from tests.editor.gui.conftest import refuse
+from tests.editor.days import refuse
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from editor.session import Session
 from editor.worker.jobs import Worker
 from kinetix.level.codec import save_level
 from kinetix.level.model import Level
-from tests.editor.gui.conftest import refuse
+from tests.editor.days import refuse
 
 
 def a_session(**settings):

@@ -9,7 +9,7 @@ from editor.worker.requests import CheckDynamics, DynamicsReport
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from tests.editor.core.helpers import a_level
-from tests.editor.gui.conftest import refuse
+from tests.editor.days import refuse
 
 
 def test_a_level_is_tried_out_and_its_findings_go_with_a_change(make_gui):

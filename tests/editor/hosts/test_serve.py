@@ -12,6 +12,7 @@ import pytest
 
 from kinetix.level.codec import save_level
 from kinetix.level.model import Level
+from tests.editor import days
 from tests.editor.hosts.serving import Served, bodies, eventually
 
 pytestmark = [pytest.mark.gl, pytest.mark.usefixtures("software_gl")]
@@ -31,7 +32,17 @@ def level(tmp_path):
 
 
 @pytest.fixture
-def served(home, ends, level):
+def day(request, tmp_path):
+    """The first day, or the second where a test asks for it: the state of yesterday is there."""
+    day = getattr(request, "param", days.FIRST)
+    if day == days.SECOND:
+        days.put(request.getfixturevalue("yesterday"), tmp_path)
+    return day
+
+
+@pytest.fixture
+def served(home, ends, level, day):
+    del day
     return Served(home, ends, "--scale", "1", str(level))
 
 
@@ -83,13 +94,18 @@ def test_one_user_at_a_time(served):
     assert third.answer.status == 200
 
 
-def test_input_draws_and_a_later_page_goes_on(served, level):
+@pytest.mark.parametrize("day", days.DAYS, indirect=True)
+def test_input_draws_and_a_later_page_goes_on(served, level, day):
     first = Stream(served, "one")
     served.say("one", ["size", 1200, 800, 1.0], ["focus", True])
     press = [["key", "KeyC", "c", True], ["key", "KeyC", "c", False]]
     drag = [["move", 600, 300], ["down", 600, 300, 0], ["move", 640, 300], ["up", 640, 300, 0]]
     # The window needs some frames before its canvas takes the pointer.
     time.sleep(3)
+    if day == days.SECOND:
+        # Yesterday's unsaved work is asked about: not now.
+        served.say("one", ["key", "Escape", "Escape", True], ["key", "Escape", "Escape", False])
+        time.sleep(0.5)
     for message in (*press, *drag):
         assert served.say("one", message)[0] == 204
         time.sleep(0.1)

@@ -83,14 +83,22 @@ class Desktop:
         raise AssertionError("timed out")
 
 
-@pytest.fixture(params=["first day", "after version 0.1.0"])
-def desktop(request, home, tmp_path):
-    if request.param != "first day":
+@pytest.fixture(params=[*days.DAYS, "after version 0.1.0"])
+def desktop(request, home, tmp_path, yesterday):
+    if request.param == days.SECOND:
+        days.put(yesterday, tmp_path)
+    elif request.param != days.FIRST:
         days.put_old(tmp_path)
     level = tmp_path / "mine.json"
     shutil.copy(levels_dir() / "l" / "rover_ridge.json", level)
     with contextlib.ExitStack() as ends:
-        yield Desktop(level, home, ends)
+        desktop = Desktop(level, home, ends)
+        if request.param == days.SECOND:
+            # Yesterday's unsaved work is asked about: not now.
+            desktop.do("windowfocus", "--sync", desktop.window())
+            time.sleep(1.0)
+            desktop.do("key", "Escape")
+        yield desktop
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of a parent's end")
