@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _WIDTH: Final = 250.0
 """Width of the column [px at 100 %]; less where there is less room."""
-_LEAST: Final = 132.0
+_LEAST: Final = 112.0
 """In less room it stands over the arena."""
 _EDGE: Final = 14.0
 _GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}

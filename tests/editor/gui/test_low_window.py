@@ -5,6 +5,7 @@ from imgui_bundle import imgui
 
 from editor.toolkit import widgets
 from editor.toolkit.widgets import buttons
+from editor.window import play_side
 from editor.window.panels.menu import MENUS
 from editor.window.panels.preferences import PAGES
 from tests.editor.core.helpers import a_session
@@ -129,6 +130,21 @@ def test_no_button_is_cut_off(low, monkeypatch):
     low.key("tab")
     low.frames(20)
     assert sorted(set(cut)) == []
+
+
+def test_what_is_said_of_the_episode_stands_beside_the_level(low, monkeypatch):
+    columns = []
+    column = play_side._Column
+
+    def made(**parts):
+        columns.append(column(**parts))
+        return columns[-1]
+
+    monkeypatch.setattr(play_side, "_Column", made)
+    low.key("space")
+    low.frames(20)
+    assert not columns[-1].plates
+    assert columns[-1].x + columns[-1].width <= low.screen(0.0, 5.0)[0]
 
 
 def test_the_arrow_that_sets_back_stands_beside_its_field(low):
