@@ -126,14 +126,21 @@ class Workplace:
             asked.layout = ""
 
     def rescale(self, ratio: float) -> None:
-        """Keep the panels where they are, in pixels of another scale.
+        """Keep the panels where they are, in pixels of another scale, where there is room still.
 
         Args:
             ratio: New scale over old; 1 where only the text's size changed.
         """
-        self._other_rooms.clear()
-        if self._laid_out and ratio != 1.0:
-            self._rescaled = layouts.scaled(layouts.snapshot(self._seen), ratio)
+        others = {room: layouts.scaled(kept, ratio) for room, kept in self._other_rooms.items()}
+        self._other_rooms = others
+        if not self._laid_out or ratio == 1.0:
+            return
+        scaled = layouts.scaled(layouts.snapshot(self._seen), ratio)
+        if self._room in (None, layouts.room_now()):
+            self._rescaled = scaled
+        else:
+            # At the new scale the window has room for other columns.
+            others[self._room] = scaled
 
     def hidden(self) -> None:
         """Note that the gallery stands in front of the panels."""
@@ -203,8 +210,8 @@ class Workplace:
     def _change_room(self, space: int, before: layouts.Room) -> None:
         """Take the layout for the room that the window has now: the one from then, or the first."""
         self._room = layouts.room_now()
-        self._other_rooms[before] = layouts.snapshot(self._seen)
-        kept = self._other_rooms.get(self._room)
+        self._other_rooms.setdefault(before, layouts.snapshot(self._seen))
+        kept = self._other_rooms.pop(self._room, None)
         if kept is not None:
             self._rescaled = kept
         else:

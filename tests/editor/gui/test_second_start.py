@@ -37,14 +37,16 @@ def quit_(gui):
     return gui.session.settings.layout
 
 
-@pytest.mark.parametrize("scale", [1.0, 1.5])
-def test_later_starts_look_like_the_first(make_gui, scale):
-    gui = started(make_gui, scale=scale)
+@pytest.mark.parametrize(
+    ("size", "scale"), [((1280, 800), 1.0), ((1280, 800), 1.5), ((1024, 640), 2.0)]
+)
+def test_later_starts_look_like_the_first(make_gui, size, scale):
+    gui = started(make_gui, size=size, scale=scale)
     first, front, canvas = places(gui), set(gui.host.ui.workplace._seen), gui.probe("canvas")
     assert all(dock for dock, *_ in first.values())
     layout = quit_(gui)
     for _ in range(3):
-        gui = started(make_gui, layout, scale=scale)
+        gui = started(make_gui, layout, size=size, scale=scale)
         assert places(gui) == first
         assert gui.host.ui.workplace._seen == front
         assert gui.probe("canvas").low == pytest.approx(canvas.low, abs=1)
@@ -102,7 +104,7 @@ def test_quitting_before_the_panels_stood_keeps_what_was_stored(make_gui):
 
 
 def test_another_scale_keeps_the_panels_docked_and_grows_them(make_gui):
-    gui = started(make_gui, size=(1440, 900))
+    gui = started(make_gui, size=(1600, 1000))
     before = places(gui)
     gui.session.settings.ui_scale = 1.25
     gui.frames(50)
@@ -110,6 +112,19 @@ def test_another_scale_keeps_the_panels_docked_and_grows_them(make_gui):
     assert [dock for dock, *_ in after.values()] == [dock for dock, *_ in before.values()]
     assert after["inspector"][3] == pytest.approx(1.25 * before["inspector"][3], abs=3)
     assert gui.session.log.lines == ()
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 640)])
+@pytest.mark.parametrize(("before", "after"), [(1.0, 2.0), (2.0, 1.0)])
+def test_a_scale_with_room_for_other_columns_has_the_layout_for_it(make_gui, size, before, after):
+    expected = places(started(make_gui, size=size, scale=after))
+    gui = started(make_gui, size=size, scale=before)
+    first = places(gui)
+    for scale, wanted in ((after, expected), (before, first), (after, expected)):
+        gui.session.settings.ui_scale = scale
+        gui.frames(60)
+        for panel, place in places(gui).items():
+            assert place[1:] == pytest.approx(wanted[panel][1:], abs=4), (scale, panel)
 
 
 @pytest.mark.parametrize(
@@ -145,11 +160,19 @@ def test_a_kept_layout_brings_its_own_panels_to_the_front(make_gui):
     assert {k: v[1:] for k, v in places(gui).items()} == {k: v[1:] for k, v in shown.items()}
 
 
-@pytest.mark.parametrize(("before", "after"), [(1440, 1000), (1000, 1440)])
-def test_a_window_of_another_width_has_the_layout_for_it(make_gui, before, after):
-    expected = started(make_gui, size=(after, 800)).probe("canvas")
-    layout = quit_(started(make_gui, size=(before, 800)))
-    canvas = started(make_gui, layout, size=(after, 800)).probe("canvas")
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ((1440, 800), (1000, 800)),
+        ((1000, 800), (1440, 800)),
+        ((1000, 400), (1440, 800)),
+        ((1000, 800), (1000, 400)),
+    ],
+)
+def test_a_window_with_other_room_has_the_layout_for_it(make_gui, before, after):
+    expected = started(make_gui, size=after).probe("canvas")
+    layout = quit_(started(make_gui, size=before))
+    canvas = started(make_gui, layout, size=after).probe("canvas")
     assert canvas.low == pytest.approx(expected.low, abs=2)
     assert canvas.high == pytest.approx(expected.high, abs=2)
 
