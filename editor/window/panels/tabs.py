@@ -16,7 +16,7 @@ from editor.toolkit.widgets import px
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
-    from editor.session import Session
+    from editor.session import Session, Tab
 
 
 _MOMENT: Final = {
@@ -31,7 +31,8 @@ class DocumentTabs:
     """A tab bar; a click brings to the front, the cross closes (and asks first)."""
 
     def __init__(self) -> None:
-        self._front = -1
+        self._front: Tab | None = None
+        """The tab in front in the last frame; another may have taken its place since."""
 
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the canvas's window."""
@@ -54,7 +55,7 @@ class DocumentTabs:
         self._warnings(session)
 
     def _tabs(self, session: "Session") -> None:
-        brought = self._front != session.tabs.index_in_front
+        brought = self._front is not session.tab
         front = session.tabs.index_in_front
         for index, tab in enumerate(list(session.tabs)):
             document = tab.document
@@ -72,7 +73,7 @@ class DocumentTabs:
                 imgui.end_tab_item()
             if not kept:
                 session.queue(lambda tab=tab: file.close_tab(session, tab))
-        self._front = session.tabs.index_in_front
+        self._front = session.tab
         if front != session.tabs.index_in_front:
             session.queue(lambda: session.show_tab(front))
 

@@ -1,0 +1,54 @@
+"""The tabs of documents: what was opened, made or chosen last is in front."""
+
+import pytest
+
+from editor.actions import file
+from kinetix.paths import levels_dir
+
+
+def titles(gui):
+    return [tab.document.title for tab in gui.session.tabs]
+
+
+def draw(gui):
+    gui.key("r")
+    gui.drag((1.0, 1.0), (2.0, 2.0))
+    assert gui.session.document.dirty
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (640, 400)])
+def test_a_file_that_takes_the_place_of_an_untouched_level_is_in_front(make_gui, size):
+    gui = make_gui(size=size)
+    gui.frames(10)
+    draw(gui)
+    gui.key("ctrl+n")
+    gui.frames(6)
+    gui.open(levels_dir() / "l" / "rover_ridge.json")
+    gui.frames(10)
+    assert titles(gui) == ["Untitled", "rover_ridge.json"]
+    assert gui.session.document.title == "rover_ridge.json"
+    gui.key("ctrl+a")
+    gui.key("delete")
+    assert gui.session.document.dirty, "keys went to another level"
+
+
+def test_closing_a_tab_leaves_the_one_in_front_that_took_its_place(gui):
+    for name in ("chimes", "cogs", "delivery"):
+        gui.open(levels_dir() / "l" / f"{name}.json")
+    gui.click("tabs.1")
+    gui.frames(4)
+    assert gui.session.document.title == "cogs.json"
+    file.close_tab(gui.session, gui.session.tab)
+    chosen = gui.session.document
+    gui.frames(10)
+    assert titles(gui) == ["chimes.json", "delivery.json"]
+    assert gui.session.document is chosen
+
+
+def test_a_click_still_brings_a_tab_to_the_front(gui):
+    for name in ("chimes", "cogs"):
+        gui.open(levels_dir() / "l" / f"{name}.json")
+    for number in (0, 1, 0):
+        gui.click(f"tabs.{number}")
+        gui.frames(4)
+        assert gui.session.tabs.index_in_front == number
