@@ -137,9 +137,12 @@ def skip(session: Session) -> None:
 
 
 def follow(session: Session) -> None:
-    """Go on when what is to be done has been done."""
+    """Go on when what is to be done has been done, by hand: a level as it was opened counts not."""
     step = current(session)
-    if step is not None and not session.gallery.open and step.done(session):
+    if step is None or session.gallery.open:
+        return
+    built = session.document.history.undo_label is not None
+    if (built or not step.action.startswith("tool.")) and step.done(session):
         skip(session)
         session.keeper.save()
 

@@ -68,6 +68,8 @@ class Language:
         found = self._exact.get(inner)
         if found is None:
             found = self._filled(inner, depth)
+        if found is None and "\n" in inner:
+            found = "\n".join(self._translated(line, depth) for line in inner.split("\n"))
         if found is None:
             self.missing.add(inner)
             return words

@@ -11,11 +11,14 @@ from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, alpha, u32
 from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
+from editor.window import layouts
 
 if TYPE_CHECKING:
     from editor.session import Session
 
 _WIDTH: Final = 320.0
+_WIDTH_BESIDE: Final = 236.0
+"""In a low window: beside the level, not over it."""
 _MARGIN: Final = 14.0
 _ABOVE_STATUS: Final = 34.0
 
@@ -33,7 +36,8 @@ class GuideCard:
         right = viewport.work_pos.x + viewport.work_size.x - px(_MARGIN)
         bottom = viewport.work_pos.y + viewport.work_size.y - px(_ABOVE_STATUS + _MARGIN)
         imgui.set_next_window_pos((right, bottom), imgui.Cond_.appearing.value, (1.0, 1.0))
-        imgui.set_next_window_size((px(_WIDTH), 0.0))
+        low = layouts.room_now() is layouts.Room.LOW
+        imgui.set_next_window_size((px(_WIDTH_BESIDE if low else _WIDTH), 0.0))
         flags = (
             imgui.WindowFlags_.no_docking.value
             | imgui.WindowFlags_.no_saved_settings.value

@@ -49,6 +49,7 @@ def english():
         ("Unknown words", "Unknown words"),
         ("", ""),
         ("12.5", "12.5"),
+        ("Save\nMy car\n\nStep 2", "Speichern\nMy car\n\nSchritt 2"),
         ("Name of 100 % (a+b)", "Name von 100 % (a+b)"),
     ],
 )

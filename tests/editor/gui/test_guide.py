@@ -8,6 +8,7 @@ from editor.actions import guide
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
+from kinetix.paths import levels_dir
 
 
 @pytest.fixture
@@ -124,6 +125,14 @@ def test_a_level_that_is_open_stays_open(gui):
     gui.frames(4)
     assert not gui.level.bodies
     assert level in [tab.document.level for tab in gui.session.tabs]
+
+
+def test_a_level_that_is_looked_at_meanwhile_does_no_step(gui, step):
+    gui.session.queue("app.guide")
+    gui.frames(4)
+    gui.open(levels_dir() / "l" / "rover_ridge.json")
+    gui.frames(10)
+    assert step() == 0
 
 
 def test_every_step_names_an_action_that_exists():

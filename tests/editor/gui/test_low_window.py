@@ -132,6 +132,18 @@ def test_no_button_is_cut_off(low, monkeypatch):
     assert sorted(set(cut)) == []
 
 
+@pytest.mark.parametrize("step", [0, 1, 6, 8])
+def test_the_guide_stands_beside_the_level(low, step):
+    low.session.queue("app.guide")
+    low.frames(4)
+    low.session.settings.guide_step = step
+    low.frames(10)
+    card = imgui.internal.find_window_by_name("###guide")
+    assert card.pos.x >= low.screen(5.0, 0.0)[0]
+    assert card.pos.y >= 0 and card.pos.y + card.size.y <= SIZE[1]
+    assert inside(low, "guide.next") and inside(low, "guide.close")
+
+
 def test_what_is_said_of_the_episode_stands_beside_the_level(low, monkeypatch):
     columns = []
     column = play_side._Column
