@@ -21,6 +21,7 @@ from editor.toolkit.widgets.buttons import (
     checkbox,
     choice,
     icon_button,
+    icon_width,
     primary_button,
     sign,
 )
@@ -63,6 +64,7 @@ __all__ = [
     "fitted",
     "font",
     "icon_button",
+    "icon_width",
     "input_line",
     "key_cap",
     "key_caps",

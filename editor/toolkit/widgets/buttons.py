@@ -44,7 +44,7 @@ def icon_button(  # noqa: PLR0913 - one button has that many looks
     words = f"{icon}  {tr(label)}" if label else icon
     size = imgui.calc_text_size(words)
     height = height or imgui.get_frame_height()
-    width = max(size.x + 2 * px(8), height)
+    width = icon_width(words, height)
     with (
         disabled(not enabled),
         coloured(
@@ -61,6 +61,16 @@ def icon_button(  # noqa: PLR0913 - one button has that many looks
         _enlarged(imgui.get_window_draw_list(), sign_at, ink, icon)
     probe(session, name, enabled=enabled)
     return pressed
+
+
+def icon_width(words: str, height: float = 0.0) -> float:
+    """Return the width of an icon button [px].
+
+    Args:
+        words: Its sign, and perhaps a word.
+        height: Its height [px]; 0 for a field's.
+    """
+    return max(imgui.calc_text_size(words).x + 2 * px(8), height or imgui.get_frame_height())
 
 
 def sign(draw: imgui.ImDrawList, at: tuple[float, float], colour: int, icon: str) -> None:

@@ -121,7 +121,7 @@ class Editor(NumberEditor):
             words: What it says.
         """
         room = imgui.get_content_region_avail().x
-        yield room - (imgui.get_frame_height() + widgets.px(2) if command else 0.0)
+        yield room - (widgets.icon_width(Icons.reset) + widgets.px(2) if command else 0.0)
         if command is None:
             return
         imgui.same_line(0, widgets.px(2))

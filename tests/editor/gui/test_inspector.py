@@ -5,12 +5,13 @@ import statistics
 import time
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
-from tests.editor.core.helpers import a_level
+from tests.editor.core.helpers import a_level, a_session
 
 
 def type_into(gui, name, words):
@@ -374,3 +375,15 @@ def test_many_selected_things_cost_in_proportion(make_gui):
 
     few, many = frame(120), frame(480)
     assert many < 8 * few, (few, many)
+
+
+def test_the_arrow_back_is_in_sight_with_larger_text(make_gui):
+    session = a_session()
+    session.settings.text_scale = 1.3
+    gui = make_gui(session=session, size=(1280, 800), scale=1.5)
+    gui.frames(40)
+    session.selection = (1,)
+    gui.session.queue(SetField(ids=(1,), field="angle", value=0.3))
+    gui.frames(6)
+    room = imgui.internal.find_window_by_name("###panel-inspector").work_rect
+    assert gui.probe("reset.angle").high[0] <= room.max.x + 0.5
