@@ -49,21 +49,43 @@ class Solve:
 def run(command: Solve) -> int:
     """Search, tell what was found, and record it when asked to.
 
+    Of several levels, one that is no task is left out with a sentence, and the others are searched.
+
     Returns:
         0 when every level was won, 1 otherwise.
 
     Raises:
-        LevelError: A level is bad, cannot be played, or its format cannot hold a solution.
+        LevelError: A level is bad; none can be played, or its format cannot hold a solution.
     """
     if not command.levels:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
-    chosen = gather_levels(command.levels)
-    for each in chosen:
-        _check(each, write=command.write)
+    given = gather_levels(command.levels)
+    chosen = list(_tasks(given, write=command.write))
+    complete = len(chosen) == len(given)
     if command.unsolved:
         chosen = [each for each in chosen if not _proven(each.level)]
     found = [_solve(each, command, env) for each, env in _with_environments(chosen, command)]
-    return 0 if all(found) else 1
+    return 0 if complete and all(found) else 1
+
+
+def _tasks(given: list[SetLevel], *, write: bool) -> Iterator[SetLevel]:
+    """Yield the levels that can be searched; tell why others cannot.
+
+    Raises:
+        LevelError: None of them can.
+    """
+    refused: list[LevelError] = []
+    for each in given:
+        try:
+            _check(each, write=write)
+        except LevelError as error:
+            refused.append(error)
+        else:
+            yield each
+    if len(refused) == len(given):
+        raise refused[0]
+    for error in refused:
+        print(f"left out: {error}", file=sys.stderr)
 
 
 def _check(each: SetLevel, *, write: bool) -> None:

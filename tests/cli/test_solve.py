@@ -97,3 +97,17 @@ def test_what_is_over_at_the_start_is_refused(search, folder, capsys):
     assert main(["solve", str(folder / "10.json")]) == 1
     assert "10.json: $" in capsys.readouterr().err
     assert search.levels == []
+
+
+def test_of_a_folder_what_is_no_task_is_left_out_with_a_sentence(search, folder, capsys):
+    level = load_level(folder / "10.json")
+    green = next(body for body in level.bodies if body.role == "green")
+    blue = next(body for body in level.bodies if body.role == "blue")
+    over = tuple(
+        body.replace(position=green.position) if body is blue else body for body in level.bodies
+    )
+    save_level(level.replace(bodies=over), folder / "10.json")
+    assert main(["solve", str(folder)]) == 1
+    assert search.levels == [11, 12, 14]
+    told = capsys.readouterr().err
+    assert f"left out: {folder / '10.json'}: " in told and "touches blue at the start" in told
