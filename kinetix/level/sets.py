@@ -337,11 +337,7 @@ def build_set(
     """
     kept = {each.sha256: each for each in reversed(levels)}
     chosen = [each for each in levels if kept.get(each.sha256) is each]
-    for each in chosen:
-        errors = [issue for issue in validate(each.level) if issue.severity == "error"]
-        if errors:
-            where = each.path or each.name
-            raise LevelError(f"{where}: {errors[0].path}: {errors[0].code} {errors[0].message}")
+    _refuse_errors(chosen)
     made = LoadedSet(
         manifest=LevelSet(name=name, size=size, seed=seed, engine_version=engine_version()),
         levels=tuple(chosen),
@@ -350,6 +346,30 @@ def build_set(
         if not made.capacity.covers(needed_capacity(each.level)):
             raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
     return _with_split(made, split, seed, folder)
+
+
+_NAMED: Final = 3
+"""Levels with errors that one sentence names."""
+
+
+def _refuse_errors(levels: Sequence[SetLevel]) -> None:
+    """Refuse levels with errors, and name them at once.
+
+    Raises:
+        LevelError: Some have.
+    """
+    wrong = []
+    for each in levels:
+        errors = [issue for issue in validate(each.level) if issue.severity == "error"]
+        if errors:
+            first = errors[0]
+            wrong.append(f"{each.path or each.name}: {first.path}: {first.code} {first.message}")
+    if len(wrong) == 1:
+        raise LevelError(wrong[0])
+    if wrong:
+        more = [f"and {len(wrong) - _NAMED} more"] if len(wrong) > _NAMED else []
+        listed = "; ".join([*wrong[:_NAMED], *more])
+        raise LevelError(f"{len(wrong)} of {len(levels)} levels have errors: {listed}")
 
 
 def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:

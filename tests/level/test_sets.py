@@ -99,6 +99,10 @@ def test_levels_with_an_error_are_refused(folder):
     save_level(Level(name="empty"), folder / "bad.json")
     with pytest.raises(LevelError, match=r"bad\.json: \$: E101 No green"):
         build_set(gather_levels([folder]), name="games", folder=folder)
+    save_level(Level(name="nothing either", gravity=(0.0, 1.0)), folder / "worse.json")
+    with pytest.raises(LevelError, match="2 of 9 levels have errors") as told:
+        build_set(gather_levels([folder]), name="games", folder=folder)
+    assert "bad.json: $: E101" in str(told.value) and "worse.json: $: E101" in str(told.value)
 
 
 def test_the_common_size_must_fit(folder):
