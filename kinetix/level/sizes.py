@@ -82,7 +82,7 @@ def parse_capacity(text: str) -> Capacity:
     Raises:
         LevelError: The text is neither.
     """
-    if text in SIZES:
+    if isinstance(text, str) and text in SIZES:
         return SIZES[text]
     parts = str(text).split(",")
     limits = (ARENA_BODIES, 0, 0, 0)

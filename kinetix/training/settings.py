@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import msgspec
 
@@ -75,6 +75,7 @@ def make_config(
         # One level, say, may be named without making a list of it.
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
+    _check_sources(fields)
     _complete(fields)
     observation = fields.get("observation_type", "symbolic_entity")
     network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))
@@ -106,6 +107,30 @@ def _sources(
         yield _preset(preset), f"preset {preset!r}"
     if file is not None:
         yield _parse(_read(file), str(file)), str(file)
+
+
+_SOURCES: Final = ("levels", "eval_levels", "data")
+"""Fields that name files, folders and bundled levels."""
+
+
+def _check_sources(fields: dict[str, Any]) -> None:
+    """Turn paths into texts.
+
+    Raises:
+        KinetixError: One is neither.
+    """
+    for name in _SOURCES:
+        given = fields.get(name)
+        if given is None:
+            continue
+        listed = given if isinstance(given, list | tuple) else [given]
+        wrong = [each for each in listed if not isinstance(each, str | Path)]
+        if wrong:
+            raise KinetixError(
+                f"training configuration: {name}: expected names of levels, files or folders, got "
+                f"{wrong[0]!r:.60}"
+            )
+        fields[name] = [str(each) for each in listed]
 
 
 def _complete(fields: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """Configurations: where values come from, what is refused, and back to TOML."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -52,6 +53,8 @@ def test_levels_bring_the_mode_and_the_size():
     assert config.level_mode == "list"
     assert make_config("ppo", values={"levels": "s/goalkeeper"}).levels == ("s/goalkeeper",)
     assert len(config.size.split(",")) == 4
+    named = Path("levels") / "s" / "goalkeeper.json"
+    assert make_config("ppo", values={"eval_levels": [named]}).eval_levels == (str(named),)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +88,10 @@ def test_levels_bring_the_mode_and_the_size():
         ({"seed": -1}, "seed: expected 0 … 4294967295, got -1"),
         ({"levels": "s/goalkeper"}, "did you mean 's/goalkeeper'"),
         ({"eval_levels": ("s/goalkeper",)}, "did you mean 's/goalkeeper'"),
+        ({"eval_levels": [math.inf]}, "eval_levels: expected names of levels, files .*, got inf"),
+        ({"levels": [["s/goalkeeper"]]}, r"levels: expected names of levels, files .*, got \["),
+        ({"levels": 3}, "levels: expected names of levels, files .*, got 3"),
+        ({"size": ["s"]}, r"size \['s'\]: expected s, m, l"),
         ({"size": "xl"}, "size 'xl': expected s, m, l"),
         ({"num_heads": 6}, "num_heads: expected a multiple of 4"),
     ],
