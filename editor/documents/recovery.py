@@ -71,14 +71,15 @@ def find(base: Path | None = None) -> Found:
     read, unreadable = [], []
     for file in autosaves.left_behind(base):
         try:
-            recovery = _read(file)
+            read.append(_read(file))
         except KinetixError as error:
-            unreadable.append(f"A copy of unsaved work cannot be read. {error}")
-            continue
-        if _saved(recovery):
-            discard(recovery)
-        else:
-            read.append(recovery)
+            if file.exists():  # else another run that starts has removed it
+                unreadable.append(f"A copy of unsaved work cannot be read. {error}")
+    saved = [recovery for recovery in read if _saved(recovery)]
+    gone = {file for recovery in saved for file in (recovery.file, *recovery.origin)}
+    read = [recovery for recovery in read if recovery.file not in gone]
+    for recovery in saved:
+        discard(recovery)
     begun_with = {file for recovery in read for file in recovery.origin}
     offered = [recovery for recovery in read if recovery.file not in begun_with]
     offered.sort(key=lambda recovery: recovery.time, reverse=True)

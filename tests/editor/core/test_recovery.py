@@ -217,6 +217,21 @@ def test_of_a_chain_of_copies_the_oldest_goes_first(start, clock, path, monkeypa
     assert times == sorted(times)
 
 
+def test_a_chain_that_was_saved_goes_whatever_its_folders_are_called(start, clock, path):
+    """The newest copy may be read before those that it began with."""
+    for _ in range(4):
+        session = start(path)
+        for prompt in tuple(session.prompts):
+            session.answer(prompt, "restore")
+        session.execute(MOVE)
+        later(session, clock, PAUSE + 1)
+        kill(session)
+    save_level(session.document.level, path)
+    found = recovery.find()
+    assert found == recovery.Found(recoveries=(), unreadable=())
+    assert copies() == []
+
+
 def test_restored_work_can_be_undone_to_the_file(start, clock, path):
     left(start, clock, path)
     session = start()
