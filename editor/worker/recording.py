@@ -205,10 +205,12 @@ class Trace:
             for name in ("total_reward", "kinetic_energy", "potential_energy", "momentum")
         }
         minds = [None if s.mind is None or s.mind.scripted else s.mind for s in self.snapshots]
-        width = max((len(s.action) for s in self.snapshots), default=0)
+        acted = [s.action for s in self.snapshots]
+        intended = [() if mind is None else mind.intention for mind in minds]
+        width = max(map(len, (*acted, *intended)), default=0)
         stack |= {
-            "unified": _rows([s.action for s in self.snapshots], width),
-            "intention": _rows([() if mind is None else mind.intention for mind in minds], width),
+            "unified": _rows(acted, width),
+            "intention": _rows(intended, width),
             "value": np.array([np.nan if mind is None else mind.value for mind in minds]),
             "entropy": np.array([np.nan if mind is None else mind.entropy for mind in minds]),
         }

@@ -15,7 +15,7 @@ from kinetix.bundled import named_levels
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
-from kinetix.level.sets import is_set_file, load_set
+from kinetix.level.sets import is_set_file, json_files, load_set
 from kinetix.level.validate import Issue, has_errors, validate
 
 
@@ -64,11 +64,11 @@ def run(command: Validate) -> int:
 
 
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
-    """The files that the command line means: folders stand for every JSON file below them."""
+    """The files that the command line means: folders stand for the JSON files below them."""
     for file in files:
         folder = Path(file) if os.path.exists(file) else named_levels(file)
         if folder is not None and os.path.isdir(folder):
-            yield from map(str, sorted(folder.rglob("*.json")))
+            yield from map(str, json_files(folder))
         else:
             yield file
 

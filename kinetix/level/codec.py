@@ -68,8 +68,9 @@ def resolve_path(name: str | Path) -> Path:
     Raises:
         LevelError: There is no such file.
     """
+    name = name or "."
     plain = Path(_PERMUTATION.sub("", str(name)))
-    for path in (plain, plain.with_name(f"{plain.name}.json"), named_levels(name)):
+    for path in (plain, Path(f"{plain}.json"), named_levels(name)):
         # Not Path.is_file, which raises where a name is too long for the file system.
         if path is not None and os.path.isfile(path):
             return path

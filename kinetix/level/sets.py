@@ -261,11 +261,26 @@ def _without_level(
 def level_files(folder: Path) -> Iterator[Path]:
     """Yield everything below a folder that is called a level, in the order of names.
 
-    Level sets and folders are left out; links that lead nowhere are not, so that they are told.
+    Level sets are left out; links that lead nowhere are not, so that they are told.
     """
-    for path in sorted(folder.rglob("*.json")):
+    for path in json_files(folder):
         if not os.path.isdir(path) and not (os.path.isfile(path) and is_set_file(path)):
             yield path
+
+
+def json_files(folder: Path) -> list[Path]:
+    """Return what is called JSON below a folder, in the order of names.
+
+    Folders that are hidden, or hold an agent or a training run, are left out.
+    """
+    found: list[Path] = []
+    for place, inner, names in os.walk(folder):
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        if "agent.json" in names or ("config.toml" in names and "checkpoints" in inner):
+            inner.clear()
+        else:
+            found += [Path(place) / name for name in names if name.endswith(".json")]
+    return sorted(found)
 
 
 def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:

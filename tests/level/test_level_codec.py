@@ -324,6 +324,9 @@ def test_names_of_files(tmp_path, monkeypatch):
             resolve_path(name)
     with pytest.raises(LevelError, match="got a folder"):
         resolve_path(bundled)
+    for nowhere in ("", ".", "..", "/"):
+        with pytest.raises(LevelError, match="got a folder"):
+            resolve_path(nowhere)
     (tmp_path / "s").mkdir()
     (tmp_path / "s" / "cart.json").write_text(EVERYTHING)
     assert resolve_path("s/cart") == Path("s/cart.json")

@@ -95,6 +95,19 @@ def test_equal_levels_go_in_once(folder):
     assert [each.name for each in made.levels if each.sha256 == level_hash(renamed)] == ["s/g2"]
 
 
+def test_agents_runs_and_hidden_folders_among_levels_are_left_out(folder):
+    before = [each.path for each in gather_levels([folder])]
+    for place in ("agent", "run/checkpoints/128", ".venv/lib"):
+        (folder / place).mkdir(parents=True)
+        (folder / place / "agent.json").write_text('{"format": "kinetix-agent"}')
+        (folder / place / "progress.json").write_text("{}")
+    (folder / "run" / "config.toml").write_text("")
+    (folder / ".venv" / "lib" / "odd.json").write_text("{}")
+    assert [each.path for each in gather_levels([folder])] == before
+    with pytest.raises(LevelError, match="found none"):
+        gather_levels([folder / "agent"])
+
+
 def test_levels_with_an_error_are_refused(folder):
     save_level(Level(name="empty"), folder / "bad.json")
     with pytest.raises(LevelError, match=r"bad\.json: \$: E101 No green"):

@@ -80,6 +80,21 @@ def test_an_agents_thoughts_are_kept(played, tmp_path):
     assert found.snapshots[0].mind is None
 
 
+def test_thoughts_without_actions_are_kept_too(played, tmp_path):
+    """As a file says whose actions are damaged."""
+    trace = played.playback.trace
+    mind = Mind(intention=(0.5,) * 6, own_action=(), value=0.25, entropy=1.5)
+    snapshots = [dataclasses.replace(each, mind=mind, action=()) for each in trace.snapshots]
+    write_trace(
+        dataclasses.replace(trace, snapshots=tuple(snapshots)),
+        played.playback.level,
+        tmp_path / "episode.npz",
+    )
+    found = read_trace(tmp_path / "episode.npz").trace
+    assert all(each.action == () for each in found.snapshots)
+    assert found.snapshots[0].mind.intention == (0.5,) * 6
+
+
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b'{"format": "kinetix-level"}'])
 def test_what_is_no_episode_is_said_in_a_sentence(session, tmp_path, content):
     path = tmp_path / "bad.npz"
