@@ -20,6 +20,8 @@ from typing import Annotated, Any, ClassVar, Final, Literal, Self
 import msgspec
 from msgspec import Meta
 
+from kinetix.wording import plural
+
 Role = Literal["none", "green", "blue", "red"]
 Collision = Literal["normal", "always", "ghost"]
 JointKind = Literal["revolute", "fixed"]
@@ -409,9 +411,11 @@ class Level(Record, frozen=True, kw_only=True):
     def __repr__(self) -> str:
         """Name, and how much there is."""
         counts = (
-            f"{len(self.bodies)} bodies, {len(self.joints)} joints, {len(self.thrusters)} thrusters"
+            plural(len(self.bodies), "body", "bodies"),
+            plural(len(self.joints), "joint"),
+            plural(len(self.thrusters), "thruster"),
         )
-        return f"Level({self.name!r}: {counts})"
+        return f"Level({self.name!r}: {', '.join(counts)})"
 
     def entities(self) -> Iterator[Entity]:
         """Bodies, then joints, then thrusters, each in list order."""

@@ -96,7 +96,7 @@ def test_texts_of_records_are_short(small_env, small_state):
     assert repr(LogWrapper(small_env)) == f"<LogWrapper of {env}>"
     assert repr(small_env.observation_type.layout) == "<Layout: size s>"
     assert repr(small_env.physics_engine).startswith("<PhysicsEngine: size s, ")
-    assert repr(small_level()) == "Level('small': 3 bodies, 1 joints, 1 thrusters)"
+    assert repr(small_level()) == "Level('small': 3 bodies, 1 joint, 1 thruster)"
 
 
 def test_keys_and_what_is_no_array(small_env, small_state):
