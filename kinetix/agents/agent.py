@@ -17,9 +17,9 @@ from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import (
     newest_checkpoint,
     read_checkpoint,
-    surviving,
     write_checkpoint,
 )
+from kinetix.agents.directories import surviving
 from kinetix.agents.feeding import check_observations, parts_of_observation
 from kinetix.agents.identity import name_in_run
 from kinetix.agents.kinetix_env import (

@@ -1,8 +1,5 @@
 """Our checkpoints: a directory with `agent.json` and `params/`. Nothing in it can execute."""
 
-import glob
-import os
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,14 +14,13 @@ from kinetix.agents.arrays import (
     write_arrays,
 )
 from kinetix.agents.card import AgentCard, EnvironmentCard, Inventory, read_card, write_card
+from kinetix.agents.directories import replacing_directory
 from kinetix.agents.shapes import normalised_widths, parameter_shapes
 from kinetix.engine.presets import solver_named
 from kinetix.errors import CheckpointError, KinetixError
 
 CARD = "agent.json"
 PARAMS = "params"
-_OLD = ".old"
-"""Ends the name of a checkpoint while another takes its place."""
 RUN_CHECKPOINTS = "checkpoints"
 """Folder of a training run's checkpoints, one directory per step."""
 
@@ -55,67 +51,11 @@ def write_checkpoint(
     if directory.exists() and any(directory.iterdir()) and not (directory / CARD).is_file():
         raise CheckpointError(f"{directory}: is not empty and holds no agent; choose another place")
     shapes = {name: tuple(leaf.shape) for name, leaf in flatten(params)}
-    temporary = directory.with_name(f".{directory.name}.{os.getpid()}.tmp")
-    try:
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        bring_back(directory)
-        shutil.rmtree(temporary, ignore_errors=True)
-        temporary.mkdir()
+    with replacing_directory(directory) as temporary:
         write_arrays(temporary / PARAMS, params)
         if extra is not None:
             extra(temporary)
         write_card(temporary / CARD, card, Inventory(shapes=shapes, digest=digest(params)))
-        replace_directory(temporary, directory)
-    except OSError as error:
-        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
-def replace_directory(source: Path, target: Path) -> None:
-    """Put a finished directory in its place and make that durable.
-
-    Args:
-        source: The finished directory, on the same file system.
-        target: Its place; what is there is removed.
-    """
-    for path in source.rglob("*"):
-        if path.is_file():
-            _sync(path)
-    if target.exists():
-        # A directory cannot be replaced in one step; whoever dies in between leaves the old one
-        # under this name, where `surviving` finds it.
-        old = target.with_name(f".{target.name}.{os.getpid()}{_OLD}")
-        target.rename(old)
-        source.rename(target)
-        shutil.rmtree(old, ignore_errors=True)
-    else:
-        source.rename(target)
-    _sync(target.parent)
-
-
-def surviving(directory: Path) -> Path:
-    """Return the directory, or its former content where a kill came between the two renames.
-
-    Args:
-        directory: Where a checkpoint should be.
-    """
-    if os.path.exists(directory):
-        return directory
-    pattern = f".{glob.escape(directory.name)}.*{_OLD}"
-    former = [path for path in sorted(directory.parent.glob(pattern)) if path.is_dir()]
-    return former[-1] if former else directory
-
-
-def bring_back(directory: Path) -> None:
-    """Give a checkpoint that a kill left under another name its own again.
-
-    Args:
-        directory: Where it should be.
-    """
-    former = surviving(directory)
-    if former != directory:
-        former.rename(directory)
 
 
 def read_checkpoint(
@@ -239,11 +179,3 @@ def newest_checkpoint(directory: Path) -> Path:
         f"{directory}: expected an agent: {CARD} with {PARAMS}/, or params.safetensors with "
         "config.json, or a training run with checkpoints/"
     )
-
-
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -20,6 +20,7 @@ from kinetix.agents.card import (
     read_json_object,
 )
 from kinetix.agents.checkpoint import check_environment, expected_shapes
+from kinetix.agents.directories import replacing_directory
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import observations_of_card, static_env_params_of_card
 from kinetix.environment.params import EnvParams
@@ -88,7 +89,7 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
     """Write an agent in kinetix-env's form.
 
     Args:
-        directory: Made if need be; the two files in it are replaced.
+        directory: Made if need be; the two files in it are replaced, both or neither.
         card: The agent's description.
         params: Its parameters (the tree below "params").
 
@@ -109,13 +110,10 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
         "results": card.results,
     }
     arrays = {_ROOT + name: np.ascontiguousarray(leaf) for name, leaf in flatten(params)}
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        save_file(arrays, directory / TENSORS)
-        text = json.dumps(config, indent=1, ensure_ascii=False, allow_nan=False)
-        (directory / CONFIG).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
+    text = json.dumps(config, indent=1, ensure_ascii=False, allow_nan=False)
+    with replacing_directory(directory, keep=True) as folder:
+        save_file(arrays, folder / TENSORS)
+        (folder / CONFIG).write_text(text, encoding="utf-8")
 
 
 def _card(path: Path, shapes: Mapping[str, tuple[int, ...]]) -> AgentCard:

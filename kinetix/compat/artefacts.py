@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from kinetix.agents.directories import replacing_directory
 from kinetix.compat.config import get_tags
 from kinetix.compat.saving import load_params, save_params
 from kinetix.errors import CheckpointError, KinetixError
@@ -112,9 +113,9 @@ def save_model(
     folder = (
         Path(config.get("save_path") or _FOLDER) / run / ("final" if is_final else str(timesteps))
     )
-    folder.mkdir(parents=True, exist_ok=True)
-    save_params(train_state.params if params is None else params, folder / WEIGHTS)
-    (folder / CONFIG).write_text(json.dumps(dict(extra or {}), default=str), encoding="utf-8")
+    with replacing_directory(folder, keep=True) as inside:
+        save_params(train_state.params if params is None else params, inside / WEIGHTS)
+        (inside / CONFIG).write_text(json.dumps(dict(extra or {}), default=str), encoding="utf-8")
     if save_to_wandb:
         wandb = _wandb()
         artefact = wandb.Artifact(

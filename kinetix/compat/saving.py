@@ -13,6 +13,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
 from kinetix.agents.arrays import flatten, unflatten
+from kinetix.agents.directories import replacing_directory
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import (
     EnvParams,
@@ -26,7 +27,7 @@ from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import CheckpointError, KinetixError
 from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
-from kinetix.level.atomic import write_atomically
+from kinetix.level.atomic import replacing
 from kinetix.level.codec import loads_document, resolve_path, save_level
 from kinetix.level.compile import Scene
 from kinetix.level.decompile import level_from_scene
@@ -178,7 +179,8 @@ def stack_list_of_pytrees(list_of_pytrees: Sequence[Any]) -> Any:
 def save_params(params: Mapping[str, Any], filename: str | Path) -> None:
     """Write a tree of parameters as safetensors, whatever the file's name."""
     arrays = {name: np.ascontiguousarray(leaf) for name, leaf in flatten(params)}
-    save_file(arrays, filename)
+    with replacing(Path(filename)) as path:
+        save_file(arrays, path)
 
 
 def load_params(filename: str | Path) -> dict[str, Any]:
@@ -200,11 +202,10 @@ def save_pretrained_checkpoint(
     params: Mapping[str, Any], config: Mapping[str, Any], checkpoint_dir: str | Path
 ) -> None:
     """Write `params.safetensors` and `config.json`, which `kinetix.load_agent` reads."""
-    directory = Path(checkpoint_dir)
-    directory.mkdir(parents=True, exist_ok=True)
-    save_params(params, directory / _WEIGHTS)
     text = json.dumps(dict(config), indent=1, default=str)
-    write_atomically(directory / _CONFIG, text.encode())
+    with replacing_directory(Path(checkpoint_dir), keep=True) as folder:
+        save_params(params, folder / _WEIGHTS)
+        (folder / _CONFIG).write_text(text, encoding="utf-8")
 
 
 def load_pretrained_checkpoint(checkpoint_dir: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -7,7 +7,8 @@ from typing import Any, Final
 
 import msgspec
 
-from kinetix.agents.checkpoint import CARD, RUN_CHECKPOINTS, bring_back, steps_of_run
+from kinetix.agents.checkpoint import CARD, RUN_CHECKPOINTS, steps_of_run
+from kinetix.agents.directories import bring_back
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
 from kinetix.training.state import STATE, load_state, save_state

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import time
+from pathlib import Path
 
 import jax
 import numpy as np
@@ -379,3 +380,25 @@ def test_unknown_options_of_published_agents_are_ignored(foreign):
     config["model"] |= {"something_new": 1, "override_model_depth": 1}
     path.write_text(json.dumps(config | {"more": [1, 2]}))
     assert load_agent(foreign).card.network == NETWORK
+
+
+def test_the_form_of_kinetix_env_is_replaced_whole_or_not_at_all(agent, tmp_path, monkeypatch):
+    folder = tmp_path / "peer"
+    save_agent(agent, folder, format="kinetix-env")
+    (folder / "README.md").write_text("mine")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    other = Agent(agent.card.replace(description="newer"), agent.params["params"])
+    write = Path.write_text
+
+    def dies(path, *arguments, **named):
+        write(path, "", encoding="utf-8")
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(Path, "write_text", dies)
+        save_agent(other, folder, format="kinetix-env")
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    save_agent(other, folder, format="kinetix-env")
+    assert load_agent(folder).card.description == "newer"
+    assert (folder / "README.md").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["peer"]

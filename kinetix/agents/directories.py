@@ -1,0 +1,98 @@
+"""The one writer of folders: a folder always holds the old or the new content, whatever happens."""
+
+import contextlib
+import glob
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from kinetix.errors import CheckpointError
+
+_OLD = ".old"
+"""Ends the name of a checkpoint while another takes its place."""
+
+
+@contextlib.contextmanager
+def replacing_directory(directory: Path, *, keep: bool = False) -> Iterator[Path]:
+    """Give a folder to fill that takes the place of `directory` when the block ends well.
+
+    Args:
+        directory: Made if need be; what is there is replaced.
+        keep: Whether the folder to fill begins with what is there, for files that stay.
+
+    Yields:
+        Path of a folder beside it.
+
+    Raises:
+        CheckpointError: It cannot be written.
+    """
+    temporary = directory.with_name(f".{directory.name}.{os.getpid()}.tmp")
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        bring_back(directory)
+        shutil.rmtree(temporary, ignore_errors=True)
+        if keep and directory.exists():
+            shutil.copytree(directory, temporary, symlinks=True)
+        else:
+            temporary.mkdir()
+        yield temporary
+        _replace(temporary, directory)
+    except OSError as error:
+        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _replace(source: Path, target: Path) -> None:
+    """Put a finished directory in its place and make that durable.
+
+    Args:
+        source: The finished directory, on the same file system.
+        target: Its place; what is there is removed.
+    """
+    for path in source.rglob("*"):
+        if path.is_file():
+            _sync(path)
+    if target.exists():
+        # A directory cannot be replaced in one step; whoever dies in between leaves the old one
+        # under this name, where `surviving` finds it.
+        old = target.with_name(f".{target.name}.{os.getpid()}{_OLD}")
+        target.rename(old)
+        source.rename(target)
+        shutil.rmtree(old, ignore_errors=True)
+    else:
+        source.rename(target)
+    _sync(target.parent)
+
+
+def surviving(directory: Path) -> Path:
+    """Return the directory, or its former content where a kill came between the two renames.
+
+    Args:
+        directory: Where a checkpoint should be.
+    """
+    if os.path.exists(directory):
+        return directory
+    pattern = f".{glob.escape(directory.name)}.*{_OLD}"
+    former = [path for path in sorted(directory.parent.glob(pattern)) if path.is_dir()]
+    return former[-1] if former else directory
+
+
+def bring_back(directory: Path) -> None:
+    """Give a checkpoint that a kill left under another name its own again.
+
+    Args:
+        directory: Where it should be.
+    """
+    former = surviving(directory)
+    if former != directory:
+        former.rename(directory)
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
