@@ -134,7 +134,7 @@ def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snaps
 
 
 def paint_numbers(
-    session: "Session", draw: imgui.ImDrawList, corner: Point, *, room: float
+    session: "Session", draw: imgui.ImDrawList, corner: Point, *, room: Point
 ) -> None:
     """A plate with who plays, what it expects, how sure it is, and the other player beside it.
 
@@ -142,7 +142,9 @@ def paint_numbers(
         session: The app.
         draw: Where to draw.
         corner: Upper right corner of the plate [px].
-        room: Width that is free there [px]; the plate is made narrower for it, within reason.
+        room: Width that is free beside the arena, and height of the canvas below the corner [px].
+            The plate is made narrower for the width, within reason; where it would have to stand
+            over an arena that is hardly higher than the plate, it is left out.
     """
     playback = session.playback
     snapshot = playback.snapshot
@@ -206,7 +208,7 @@ def _plate(
     snapshot: Snapshot,
     facts: _Facts,
     corner: Point,
-    room: float,
+    room: Point,
 ) -> None:
     mind = snapshot.mind
     thinks = mind is not None and not mind.scripted
@@ -220,10 +222,13 @@ def _plate(
     with font(FONTS.regular, SMALL):
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
-        if room >= px(_LEAST):
-            wide = min(wide, room)
+        beside = room[0] >= px(_LEAST)
+        if beside:
+            wide = min(wide, room[0])
         lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
         height = (len(lines) + bars) * step + px(14)
+        if not beside and height > 0.6 * room[1]:
+            return
         low, high = (right - wide, top), (right, top + height)
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.93)), px(7))
         draw.add_rect(low, high, u32(COLOURS.line), px(7))

@@ -307,7 +307,7 @@ class Canvas:
 
     def _episode(self, session: "Session", draw: imgui.ImDrawList) -> None:
         """Draw what is to be said of the episode beside the arena."""
-        (x, y), (width, _) = self.area
+        (x, y), (width, height) = self.area
         playback = session.playback
         ended = playback.outcome if session.mode is Mode.ENDED else None
         if ended is not None:
@@ -319,7 +319,7 @@ class Canvas:
         if "numbers" in session.settings.agent_overlay:
             right = x + width - px(_EDGE)
             room = right - session.camera.to_screen(ARENA[1])[0] - px(_EDGE)
-            paint_numbers(session, draw, (right, y + px(_EDGE)), room=room)
+            paint_numbers(session, draw, (right, y + px(_EDGE)), room=(room, height - px(_EDGE)))
         self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)
