@@ -11,7 +11,7 @@ from editor.hosts.replay import Replayer
 from editor.session import Session
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator
-from tests.editor.gui.conftest import day, make_gui, yesterday  # noqa: F401 - fixtures
+from tests.editor.gui.conftest import day, make_gui  # noqa: F401 - fixtures
 
 
 def a_session():
