@@ -11,16 +11,8 @@ from tyro.conf import Positional
 
 from kinetix.cli.validate import issue_tree
 from kinetix.level.codec import load_document
-from kinetix.level.sets import (
-    DEFAULT_SPLIT,
-    LoadedSet,
-    SetLevel,
-    build_set,
-    gather_levels,
-    load_set,
-    save_set,
-    split_set,
-)
+from kinetix.level.set_building import build_set, split_set
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, gather_levels, load_set, save_set
 from kinetix.level.validate import Issue, has_errors, validate
 from kinetix.wording import plural
 

@@ -5,7 +5,6 @@ README.md describes the file. Free of JAX.
 
 import contextlib
 import dataclasses
-import hashlib
 import importlib.metadata
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,8 +31,7 @@ from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
 from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
 from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
 from kinetix.level.schema import check_tree
-from kinetix.level.sizes import SIZES, capacity_of, needed_capacity
-from kinetix.level.validate import validate
+from kinetix.level.sizes import SIZES, capacity_of
 
 Split = Literal["train", "eval"]
 
@@ -328,108 +326,6 @@ def _from_file(path: Path, name: Path) -> SetLevel:
     )
 
 
-def build_set(
-    levels: Sequence[SetLevel],
-    *,
-    name: str,
-    folder: Path,
-    size: SizeName | SizeHint | None = None,
-    split: float = DEFAULT_SPLIT,
-    seed: int = 0,
-) -> LoadedSet:
-    """A set of levels: equal ones once, none with an error, split by the seed.
-
-    Args:
-        levels: What goes in; of equal levels (by hash) the first stays.
-        name: Name of the set.
-        folder: Where the set will be saved; paths are relative to it.
-        size: Common capacity, when it shall be other than the largest of each.
-        split: Share of the levels that go to training, 0 … 1.
-        seed: What the split is drawn from.
-
-    Raises:
-        LevelError: A level has an error, or does not fit the common capacity.
-    """
-    kept = {each.sha256: each for each in reversed(levels)}
-    chosen = [each for each in levels if kept.get(each.sha256) is each]
-    _refuse_errors(chosen)
-    made = LoadedSet(
-        manifest=LevelSet(name=name, size=size, seed=seed, engine_version=engine_version()),
-        levels=tuple(chosen),
-    )
-    for each in chosen:
-        if not made.capacity.covers(needed_capacity(each.level)):
-            raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
-    return _with_split(made, split, seed, folder)
-
-
-_NAMED: Final = 3
-"""Levels with errors that one sentence names."""
-
-
-def _refuse_errors(levels: Sequence[SetLevel]) -> None:
-    """Refuse levels with errors, and name them at once.
-
-    Raises:
-        LevelError: Some have.
-    """
-    wrong = []
-    for each in levels:
-        errors = [issue for issue in validate(each.level) if issue.severity == "error"]
-        if errors:
-            first = errors[0]
-            wrong.append(f"{each.path or each.name}: {first.path}: {first.code} {first.message}")
-    if len(wrong) == 1:
-        raise LevelError(wrong[0])
-    if wrong:
-        more = [f"and {len(wrong) - _NAMED} more"] if len(wrong) > _NAMED else []
-        listed = "; ".join([*wrong[:_NAMED], *more])
-        raise LevelError(f"{len(wrong)} of {len(levels)} levels have errors: {listed}")
-
-
-def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:
-    """The same set with a split that is drawn anew.
-
-    Raises:
-        LevelError: The share is not between 0 and 1.
-    """
-    return _with_split(loaded, split, seed, folder)
-
-
-def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> LoadedSet:
-    chosen = draw_split([each.sha256 for each in loaded.levels], share=split, seed=seed)
-    levels = tuple(dataclasses.replace(each, split=chosen[each.sha256]) for each in loaded.levels)
-    entries = tuple(
-        SetEntry(
-            path=None if each.path is None else _path_in_set(each.path, folder),
-            sha256=each.sha256,
-            tags=each.tags,
-            weight=each.weight,
-            split=each.split,
-        )
-        for each in levels
-    )
-    manifest = loaded.manifest.replace(seed=seed, levels=entries)
-    return dataclasses.replace(loaded, manifest=manifest, levels=levels)
-
-
-def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, Split]:
-    """Return the levels for training; the split depends on hashes and seed alone.
-
-    Both parts get a level where there are two or more and the share is neither 0 nor 1.
-
-    Raises:
-        LevelError: The share is not between 0 and 1.
-    """
-    if not 0.0 <= share <= 1.0:
-        raise LevelError(f"split {share}: expected 0 ≤ x ≤ 1")
-    ranked = sorted(hashes, key=lambda one: hashlib.sha256(f"{seed}:{one}".encode()).digest())
-    count = round(share * len(ranked))
-    if 0.0 < share < 1.0 and len(ranked) > 1:
-        count = min(max(count, 1), len(ranked) - 1)
-    return {one: "train" if k < count else "eval" for k, one in enumerate(ranked)}
-
-
 def within_reach(path: str) -> bool:
     """Return whether a set may name a file by this path: relative, and at most one folder up.
 
@@ -442,7 +338,7 @@ def within_reach(path: str) -> bool:
     return not f"{os.path.normpath(plain_path)}/".startswith("../../")
 
 
-def _path_in_set(path: Path, folder: Path) -> str | None:
+def path_in_set(path: Path, folder: Path) -> str | None:
     """Return how a set names a level; None where it is out of reach and must stand in the set."""
     name = relative_path(path, folder)
     return name if within_reach(name) else None

@@ -9,10 +9,9 @@ import pytest
 from kinetix.errors import LevelError
 from kinetix.level.codec import level_hash, load_level, loads, save_level
 from kinetix.level.model import Body, Circle, Level, Thruster
+from kinetix.level.set_building import build_set, draw_split, split_set
 from kinetix.level.sets import (
-    build_set,
     common_capacity,
-    draw_split,
     dumps_set,
     gather_levels,
     is_set_file,
@@ -20,7 +19,6 @@ from kinetix.level.sets import (
     load_set,
     part_of,
     save_set,
-    split_set,
 )
 from kinetix.level.sizes import SIZES
 
