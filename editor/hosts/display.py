@@ -1,5 +1,7 @@
 """Displays on which windows can be seen: SDL draws into memory by itself where none answers."""
 
+import os
+import tempfile
 from typing import Final
 
 import pygame
@@ -22,9 +24,27 @@ def seen() -> bool:
 def has_display() -> bool:
     """Return whether a window could open: DISPLAY may name a server that is gone."""
     try:
-        pygame.display.init()
+        start_display()
         return seen()
     except pygame.error:
         return False
     finally:
         pygame.display.quit()
+
+
+def start_display() -> None:
+    """Start pygame's display.
+
+    Raises:
+        pygame.error: There is none.
+    """
+    # Where this is not set, Wayland's library writes an error, though all that follows works.
+    name = "XDG_RUNTIME_DIR"
+    unset = not os.environ.get(name)
+    if unset:
+        os.environ[name] = tempfile.gettempdir()
+    try:
+        pygame.display.init()
+    finally:
+        if unset:
+            del os.environ[name]

@@ -15,7 +15,7 @@ from PIL import Image
 from editor.base import events
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
-from editor.hosts.display import NO_DISPLAY, seen
+from editor.hosts.display import NO_DISPLAY, seen, start_display
 from editor.hosts.gamepad import Gamepads
 from editor.hosts.pygame_events import translate
 from editor.hosts.renderer import GlRenderer
@@ -104,7 +104,7 @@ class PygameHost(Host):
 
     def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
         try:
-            pygame.display.init()
+            start_display()
             if self.needs_display and not seen():
                 pygame.display.quit()
                 raise KinetixError(NO_DISPLAY)
