@@ -1,4 +1,4 @@
-"""The one writer of folders: a folder always holds the old or the new content, whatever happens."""
+"""The writer of checkpoint folders: one always holds the old or the new content."""
 
 import contextlib
 import glob
@@ -14,12 +14,11 @@ _OLD = ".old"
 
 
 @contextlib.contextmanager
-def replacing_directory(directory: Path, *, keep: bool = False) -> Iterator[Path]:
+def replacing_directory(directory: Path) -> Iterator[Path]:
     """Give a folder to fill that takes the place of `directory` when the block ends well.
 
     Args:
         directory: Made if need be; what is there is replaced.
-        keep: Whether the folder to fill begins with what is there, for files that stay.
 
     Yields:
         Path of a folder beside it.
@@ -32,10 +31,7 @@ def replacing_directory(directory: Path, *, keep: bool = False) -> Iterator[Path
         directory.parent.mkdir(parents=True, exist_ok=True)
         bring_back(directory)
         shutil.rmtree(temporary, ignore_errors=True)
-        if keep and directory.exists():
-            shutil.copytree(directory, temporary, symlinks=True)
-        else:
-            temporary.mkdir()
+        temporary.mkdir()
         yield temporary
         _replace(temporary, directory)
     except OSError as error:

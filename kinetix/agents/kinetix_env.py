@@ -20,13 +20,13 @@ from kinetix.agents.card import (
     read_json_object,
 )
 from kinetix.agents.checkpoint import check_environment, expected_shapes
-from kinetix.agents.directories import replacing_directory
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import observations_of_card, static_env_params_of_card
 from kinetix.environment.params import EnvParams
-from kinetix.errors import CheckpointError
+from kinetix.errors import CheckpointError, LevelError
 from kinetix.files.arrays import read_tensors, tensor_shapes
 from kinetix.files.regular import FileError
+from kinetix.level.atomic import replacing
 from kinetix.level.sizes import SIZES
 
 TENSORS = "params.safetensors"
@@ -89,7 +89,7 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
     """Write an agent in kinetix-env's form.
 
     Args:
-        directory: Made if need be; the two files in it are replaced, both or neither.
+        directory: Made if need be; the two files in it are replaced.
         card: The agent's description.
         params: Its parameters (the tree below "params").
 
@@ -111,9 +111,32 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
     }
     arrays = {_ROOT + name: np.ascontiguousarray(leaf) for name, leaf in flatten(params)}
     text = json.dumps(config, indent=1, ensure_ascii=False, allow_nan=False)
-    with replacing_directory(directory, keep=True) as folder:
-        save_file(arrays, folder / TENSORS)
-        (folder / CONFIG).write_text(text, encoding="utf-8")
+    write_files(directory, arrays, text)
+
+
+def write_files(directory: Path, arrays: Mapping[str, np.ndarray], config: str) -> None:
+    """Write the two files of an agent of kinetix-env; each holds its old or its new content.
+
+    Other files of the folder stay, whichever folder it is.
+
+    Args:
+        directory: Made if need be.
+        arrays: The parameters by name.
+        config: The configuration as JSON.
+
+    Raises:
+        CheckpointError: They cannot be written.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with (
+            replacing(directory / TENSORS) as tensors,
+            replacing(directory / CONFIG) as text,
+        ):
+            save_file(dict(arrays), tensors)
+            text.write_text(config, encoding="utf-8")
+    except (OSError, LevelError) as error:
+        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
 
 
 def _card(path: Path, shapes: Mapping[str, tuple[int, ...]]) -> AgentCard:

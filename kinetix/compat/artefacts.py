@@ -10,9 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.agents.directories import replacing_directory
 from kinetix.compat.config import get_tags
-from kinetix.compat.saving import load_params, save_params
+from kinetix.compat.saving import load_params, save_pretrained_checkpoint
 from kinetix.errors import CheckpointError, KinetixError
 
 WEIGHTS: Final = "params.safetensors"
@@ -113,9 +112,8 @@ def save_model(
     folder = (
         Path(config.get("save_path") or _FOLDER) / run / ("final" if is_final else str(timesteps))
     )
-    with replacing_directory(folder, keep=True) as inside:
-        save_params(train_state.params if params is None else params, inside / WEIGHTS)
-        (inside / CONFIG).write_text(json.dumps(dict(extra or {}), default=str), encoding="utf-8")
+    chosen = train_state.params if params is None else params
+    save_pretrained_checkpoint(chosen, extra or {}, folder)
     if save_to_wandb:
         wandb = _wandb()
         artefact = wandb.Artifact(

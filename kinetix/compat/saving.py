@@ -13,7 +13,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
 from kinetix.agents.arrays import flatten, unflatten
-from kinetix.agents.directories import replacing_directory
+from kinetix.agents.kinetix_env import write_files
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import (
     EnvParams,
@@ -178,9 +178,12 @@ def stack_list_of_pytrees(list_of_pytrees: Sequence[Any]) -> Any:
 
 def save_params(params: Mapping[str, Any], filename: str | Path) -> None:
     """Write a tree of parameters as safetensors, whatever the file's name."""
-    arrays = {name: np.ascontiguousarray(leaf) for name, leaf in flatten(params)}
     with replacing(Path(filename)) as path:
-        save_file(arrays, path)
+        save_file(_arrays(params), path)
+
+
+def _arrays(params: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    return {name: np.ascontiguousarray(leaf) for name, leaf in flatten(params)}
 
 
 def load_params(filename: str | Path) -> dict[str, Any]:
@@ -203,9 +206,7 @@ def save_pretrained_checkpoint(
 ) -> None:
     """Write `params.safetensors` and `config.json`, which `kinetix.load_agent` reads."""
     text = json.dumps(dict(config), indent=1, default=str)
-    with replacing_directory(Path(checkpoint_dir), keep=True) as folder:
-        save_params(params, folder / _WEIGHTS)
-        (folder / _CONFIG).write_text(text, encoding="utf-8")
+    write_files(Path(checkpoint_dir), _arrays(params), text)
 
 
 def load_pretrained_checkpoint(checkpoint_dir: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:

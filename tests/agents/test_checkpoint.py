@@ -402,3 +402,11 @@ def test_the_form_of_kinetix_env_is_replaced_whole_or_not_at_all(agent, tmp_path
     assert load_agent(folder).card.description == "newer"
     assert (folder / "README.md").read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["peer"]
+
+
+def test_the_form_of_kinetix_env_can_be_saved_where_one_stands(agent, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes.txt").write_text("mine")
+    save_agent(agent, ".", format="kinetix-env")
+    assert load_agent(".").card == agent.card
+    assert Path.cwd() == tmp_path and (tmp_path / "notes.txt").read_text() == "mine"
