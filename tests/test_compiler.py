@@ -37,7 +37,7 @@ def test_own_options_of_a_person_stay() -> None:
 
 
 def loops_are_small(imports: str) -> str:
-    """Whether a new process makes one routine of a loop."""
+    """Return "True" where a new process compiles a loop into one routine, else "False"."""
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.format(imports=imports)],
         capture_output=True,

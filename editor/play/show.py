@@ -16,7 +16,7 @@ from kinetix.level.model import Level
 
 
 class Show:
-    """What can be asked of playback; nothing here moves it on."""
+    """Read-only view of the state of playback."""
 
     state: State
     physics: str

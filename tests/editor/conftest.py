@@ -1,4 +1,4 @@
-"""What an earlier run of the app has left, for all of its tests."""
+"""Fixtures of all editor tests: the state that an earlier run of the app has left."""
 
 from pathlib import Path
 

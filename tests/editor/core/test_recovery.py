@@ -198,15 +198,21 @@ def test_a_chain_of_killed_runs_offers_the_last_state_once(start, clock, path):
     assert copies() == []
 
 
-def test_of_a_chain_of_copies_the_oldest_goes_first(start, clock, path, monkeypatch):
-    """So that a kill in between leaves the newest."""
-    for _ in range(3):
+def chain_of_runs(count, start, clock, path):
+    """Kill runs that each go on with what the one before left; returns the last."""
+    for _ in range(count):
         session = start(path)
         for prompt in tuple(session.prompts):
             session.answer(prompt, "restore")
         session.execute(MOVE)
         later(session, clock, PAUSE + 1)
         kill(session)
+    return session
+
+
+def test_of_a_chain_of_copies_the_oldest_goes_first(start, clock, path, monkeypatch):
+    """So that a kill in between leaves the newest."""
+    chain_of_runs(3, start, clock, path)
     (chain,) = recovery.find().recoveries
     assert len(chain.origin) == 2
     removed = []
@@ -219,13 +225,7 @@ def test_of_a_chain_of_copies_the_oldest_goes_first(start, clock, path, monkeypa
 
 def test_a_chain_that_was_saved_goes_whatever_its_folders_are_called(start, clock, path):
     """The newest copy may be read before those that it began with."""
-    for _ in range(4):
-        session = start(path)
-        for prompt in tuple(session.prompts):
-            session.answer(prompt, "restore")
-        session.execute(MOVE)
-        later(session, clock, PAUSE + 1)
-        kill(session)
+    session = chain_of_runs(4, start, clock, path)
     save_level(session.document.level, path)
     found = recovery.find()
     assert found == recovery.Found(recoveries=(), unreadable=())
