@@ -19,10 +19,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--worlds", type=int, default=16)
     parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
 
     env_params = EnvParams()
-    static_env_params = static_env_params_from_size("s")
+    static_env_params = static_env_params_from_size("s", physics=arguments.physics)
     env = LogWrapper(
         make_kinetix_env(
             action_type="continuous",

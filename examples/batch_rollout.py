@@ -20,13 +20,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--worlds", type=int, default=512)
     parser.add_argument("--steps", type=int, default=128)
+    parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
     use_all_cores()  # before the first array: one CPU device does little work in parallel
     devices = jax.local_device_count()
     worlds = -(-arguments.worlds // devices) * devices
 
     env_params = EnvParams()
-    static_env_params = static_env_params_from_size("s")
+    static_env_params = static_env_params_from_size("s", physics=arguments.physics)
     env = make_kinetix_env(
         action_type="multi_discrete",
         observation_type="symbolic_entity",

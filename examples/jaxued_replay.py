@@ -28,9 +28,10 @@ def main() -> None:
     parser.add_argument("--levels", type=int, default=64)
     parser.add_argument("--attempts", type=int, default=8)
     parser.add_argument("--steps", type=int, default=256)
+    parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
 
-    params, static = EnvParams(), static_env_params_from_size("s")
+    params, static = EnvParams(), static_env_params_from_size("s", physics=arguments.physics)
     env = as_underspecified_env(
         make_kinetix_env("multi_discrete", "symbolic_flat", None, params, static)
     )

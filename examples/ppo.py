@@ -111,10 +111,10 @@ class Transition(NamedTuple):
     info: dict[str, jax.Array]
 
 
-def make_env(size: str, levels: list[str]) -> tuple[Any, EnvParams]:
+def make_env(size: str, levels: list[str], physics: str) -> tuple[Any, EnvParams]:
     """The environment on random levels of a size, or on listed levels that fit it."""
     env_params = EnvParams(dense_reward_scale=0.2)
-    static = static_env_params_from_size(size)
+    static = static_env_params_from_size(size, physics=physics)
     if levels:
         reset_fn = make_reset_fn_list_of_levels(levels, static)
     else:
@@ -224,6 +224,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--size", default="s")
     parser.add_argument("--levels", nargs="*", default=[])
+    parser.add_argument("--physics", default="balanced")
     parser.add_argument("--steps", type=int, default=Config.steps)
     parser.add_argument("--envs", type=int, default=Config.envs)
     parser.add_argument("--seeds", type=int, default=1)
@@ -231,7 +232,8 @@ def main() -> None:
     arguments = parser.parse_args()
 
     config = Config(steps=arguments.steps, envs=arguments.envs)
-    train = make_train(config, *make_env(arguments.size, arguments.levels))
+    env = make_env(arguments.size, arguments.levels, arguments.physics)
+    train = make_train(config, *env)
     began = time.perf_counter()
     keys = jax.random.split(jax.random.key(0), arguments.seeds)
     # On a GPU jax.vmap(train) takes all seeds at once; a processor is as fast one after the other.

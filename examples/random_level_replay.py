@@ -23,10 +23,11 @@ def main() -> None:
     parser.add_argument("--out", default="random_level.gif")
     parser.add_argument("--steps", type=int, default=128)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
 
     env_params = EnvParams()
-    static_env_params = static_env_params_from_size("m")
+    static_env_params = static_env_params_from_size("m", physics=arguments.physics)
     env = make_kinetix_env(
         action_type="multi_discrete",
         observation_type="symbolic_flat",

@@ -21,9 +21,10 @@ def main() -> None:
     parser.add_argument("--level", default="s/goalkeeper")
     parser.add_argument("--worlds", type=int, default=64)
     parser.add_argument("--steps", type=int, default=512)
+    parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
 
-    _, static, params = load_from_json_file(arguments.level)
+    _, static, params = load_from_json_file(arguments.level, physics=arguments.physics)
     reset_fn = make_reset_fn_list_of_levels([arguments.level], static)
     alone = as_stoa_env(
         make_kinetix_env("multi_discrete", "symbolic_flat", reset_fn, params, static)

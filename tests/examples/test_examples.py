@@ -16,47 +16,24 @@ NEEDS = {"sb3_ppo": "stable_baselines3"}
 FETCHED = {"jaxued_replay": ("jaxued", "six"), "stoa_rollout": ("stoa-env",)}
 """Packages of examples that are no dependency: each gets an environment of its own."""
 
+CHEAP = ["--physics", "jax2d"]
+"""Compiles in half the time; the default physics has tests of its own."""
+TRAINING = ["--num-train-envs", "8", "--num-steps", "16"]
+TRAINING += ["--num-minibatches", "2", "--total-timesteps", "256"]
+
 RUNS = {
-    "stoa_rollout": ["--worlds", "4", "--steps", "300"],
-    "jaxued_replay": ["--levels", "8", "--attempts", "2", "--steps", "4"],
-    "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper"],
+    "stoa_rollout": ["--worlds", "4", "--steps", "300", *CHEAP],
+    "jaxued_replay": ["--levels", "8", "--attempts", "2", "--steps", "4", *CHEAP],
+    "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper", *CHEAP],
     "sb3_ppo": ["--steps", "4096", "--envs", "8"],
-    "random_level_replay": ["--steps", "8", "--out", "film.gif"],
-    "handmade_level_replay": [],
-    "auto_reset": ["--worlds", "4", "--steps", "20"],
+    "random_level_replay": ["--steps", "8", "--out", "film.gif", *CHEAP],
+    "handmade_level_replay": CHEAP,
+    "auto_reset": ["--worlds", "4", "--steps", "20", *CHEAP],
     "inverse_render": ["--out", "seen.png"],
     "domino": ["--dominoes", "12"],
-    "batch_rollout": ["--worlds", "8", "--steps", "8"],
-    "custom_level_to_training": [
-        "--out",
-        "trained",
-        "--",
-        "--num-train-envs",
-        "8",
-        "--num-steps",
-        "16",
-        "--num-minibatches",
-        "2",
-        "--total-timesteps",
-        "256",
-        "--physics",
-        "fast",
-    ],
-    "fine_tune": [
-        "--out",
-        "tuned",
-        "--",
-        "--num-train-envs",
-        "8",
-        "--num-steps",
-        "16",
-        "--num-minibatches",
-        "2",
-        "--total-timesteps",
-        "256",
-        "--physics",
-        "fast",
-    ],
+    "batch_rollout": ["--worlds", "8", "--steps", "8", *CHEAP],
+    "custom_level_to_training": ["--out", "trained", "--", *TRAINING, *CHEAP],
+    "fine_tune": ["--out", "tuned", "--", *TRAINING, *CHEAP],
 }
 
 
