@@ -19,7 +19,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
 
-_ROWS: Final = 256
+_ROWS: Final = 512
 """Actions are padded to a multiple of this, so that solutions of any length share compilations."""
 
 
@@ -53,8 +53,10 @@ def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:
     Raises:
         KinetixError: The physics preset does not exist.
     """
+    env, start = _stage(level, physics, LEVEL_FRAME_SKIP)
     steps = max(level.max_timesteps, 1)
-    return play_actions(level, [(0,) * 6] * steps, physics=physics).outcome
+    # Without a row of its own for each step it plays in the program that short solutions have.
+    return play_episode(env, start, next_row, limit=steps, **recorded_rows(())).outcome
 
 
 def play_actions(
