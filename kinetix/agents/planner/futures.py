@@ -1,6 +1,6 @@
 """Futures: groups of plans played on the simulator, each from a state, on all devices at once.
 
-Half of a group's plans are played as they are. The other half is a beam: after every stretch its
+The first plans of a group are played as they are. The others are a beam: after every stretch its
 attempts go on from where the best of the group are, each in its own way. So what takes many small
 things to go right is found by the beam, and what takes few by whole plans.
 """
@@ -74,6 +74,7 @@ def play_futures(
     states: EnvState,
     plans: Int[Array, "g n t 6"],
     noise: Float[Array, "g n s"],
+    wholes: Int[Array, " g"],
     stretches: Int[Array, ""],
 ) -> Futures:
     """Play groups of plans, each group until one of it has won.
@@ -83,12 +84,13 @@ def play_futures(
         states: Where the plans of each group begin.
         plans: Proposals; the length is a multiple of `STRETCH`.
         noise: Added to the distances by which the beam chooses, per stretch [m].
+        wholes: Plans of each group before its beam begins.
         stretches: How many stretches of the plans are played.
     """
     run = functools.partial(_run, env)
     alone = bool(jax.sharding.get_abstract_mesh().manual_axes)
     devices = jax.local_devices()[:1] if alone else devices_for(plans.shape[0])
-    return in_shares(run, replicated=(3,), devices=devices)(states, plans, noise, stretches)
+    return in_shares(run, replicated=(4,), devices=devices)(states, plans, noise, wholes, stretches)
 
 
 def best_first(score: Float[Array, " n"]) -> Int[Array, " n"]:
@@ -107,6 +109,7 @@ def _run(
     states: EnvState,
     plans: Int[Array, "g n t 6"],
     noise: Float[Array, "g n s"],
+    wholes: Int[Array, " g"],
     stretches: Int[Array, ""],
 ) -> Futures:
     groups, count = plans.shape[:2]
@@ -137,7 +140,7 @@ def _run(
 
     def stretch(loop: tuple[Array, _Attempts]) -> tuple[Array, _Attempts]:
         index, attempts = loop
-        attempts = _chosen(attempts, index, noise)
+        attempts = _chosen(attempts, index, noise, wholes)
         advance = functools.partial(_advance, env, states, index * STRETCH)
         return index + 1, jax.lax.fori_loop(0, STRETCH, advance, attempts)
 
@@ -201,14 +204,16 @@ def _shown(states: EnvState, position: Float[Array, "g n b 2"]) -> Float[Array, 
     return jnp.sum(position * first[:, None, :, None], axis=2)
 
 
-def _chosen(attempts: _Attempts, index: Array, noise: Float[Array, "g n s"]) -> _Attempts:
+def _chosen(
+    attempts: _Attempts, index: Array, noise: Float[Array, "g n s"], wholes: Int[Array, " g"]
+) -> _Attempts:
     """The attempts that go on: in the beam, those of the group that are nearest to the goal."""
     count, length = attempts.plans.shape[1:3]
-    whole, kept = count // 2, max(count // 8, 1)
+    kept = max(count // 8, 1)
     column = jnp.arange(count)
     past = jnp.arange(length)[:, None] < index * STRETCH
 
-    def one(group: _Attempts, noise: Float[Array, " n"]) -> _Attempts:
+    def one(group: _Attempts, noise: Float[Array, " n"], whole: Int[Array, ""]) -> _Attempts:
         rank = best_first(jnp.where(group.over, jnp.inf, group.distance + noise))
         beam = (column >= whole) & (index > 0) & ~jnp.all(group.over)
         alive = jnp.maximum(jnp.minimum(jnp.sum(~group.over), kept), 1)
@@ -217,4 +222,4 @@ def _chosen(attempts: _Attempts, index: Array, noise: Float[Array, "g n s"]) -> 
         return dataclasses.replace(taken, plans=jnp.where(past, taken.plans, group.plans))
 
     now = jax.lax.dynamic_index_in_dim(noise, index, axis=2, keepdims=False)
-    return jax.vmap(one)(attempts, now)
+    return jax.vmap(one)(attempts, now, wholes)

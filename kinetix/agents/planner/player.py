@@ -11,8 +11,8 @@ from kinetix.agents.player import PLANNER, Decision
 
 ROUNDS: Final = 2
 """Rounds whenever it plans again."""
-FIRST: Final = 8
-"""Rounds before its first move."""
+FIRST: Final = 64
+"""Most rounds before its first move: it stops at the first plan that wins."""
 DESCRIPTION: Final = (
     "Plans with the simulator itself: it tries many futures and plays the best. It learnt nothing "
     "and knows what no trained agent knows, so its wins are no measure of theirs."

@@ -14,9 +14,11 @@ from kinetix.agents.player import Decision
 from kinetix.environment.env import KinetixEnv
 from kinetix.pytree import pytree
 
-GROUPS: Final = 2
 PLANS: Final = 32
 """Plans of a group."""
+WHOLES: Final = (PLANS, PLANS // 2)
+"""Plans of each group that are played as they are; the others are its beam."""
+GROUPS: Final = len(WHOLES)
 ELITE: Final = 4
 """Plans of a group that a round keeps."""
 CHILDREN: Final = 9
@@ -167,7 +169,7 @@ def _round(
     # Distributed as gumbel numbers are: the beam draws its parents with odds, not by rank alone.
     noise = -NOISE * jnp.log(-jnp.log(chance[:, :, 1 : 1 + LENGTH // STRETCH, 0] + 1e-9))
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (GROUPS, *jnp.shape(x))), state)
-    futures = play_futures(env, states, plans, noise, stretches)
+    futures = play_futures(env, states, plans, noise, jnp.array(WHOLES), stretches)
     return _kept(mind, futures)
 
 

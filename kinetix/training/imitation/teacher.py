@@ -64,7 +64,8 @@ def search_round(
 
     plans = jax.vmap(propose)(states, elite, chance)
     noise = -NOISE * jnp.log(-jnp.log(chance[:, :, 1 : 1 + LENGTH // STRETCH, 0] + 1e-9))
-    futures = play_futures(env, states, plans, noise, jnp.int32(LENGTH // STRETCH))
+    wholes = jnp.full(levels, PLANS // 2)
+    futures = play_futures(env, states, plans, noise, wholes, jnp.int32(LENGTH // STRETCH))
     order = jax.vmap(best_first)(futures.score)[:, :ELITE]
     best = order[:, :1]
     return Searched(
