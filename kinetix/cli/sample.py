@@ -44,6 +44,7 @@ def run(command: Sample) -> int:
     from kinetix.environment.generators.documents import random_levels
     from kinetix.level.codec import dumps
     from kinetix.level.sizes import SIZES, parse_capacity
+    from kinetix.level.validate import has_errors, validate
 
     if command.count < 1:
         raise KinetixError(f"count {command.count!r}: expected at least 1")
@@ -51,10 +52,15 @@ def run(command: Sample) -> int:
     label = command.size.replace(",", "_")
     command.target.mkdir(parents=True, exist_ok=True)
     width = max(4, len(str(command.count - 1)))
+    decided = 0
     for index, level in enumerate(random_levels(command.seed, size, command.count)):
         name = f"random_{label}_{command.seed}_{index:0{width}d}.json"
         _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
-    print(f"{command.target}: {plural(command.count, 'level')}", file=sys.stderr)
+        decided += has_errors(validate(level))
+    told = f"{command.target}: {plural(command.count, 'level')}"
+    if decided:
+        told += f", {decided} of them over as they begin (`kinetix validate` names them)"
+    print(told, file=sys.stderr)
     return 0
 
 

@@ -40,3 +40,18 @@ def test_a_level_that_was_edited_is_kept(sample, tmp_path, capsys):
     assert sample("--overwrite") == 0
     assert load_level(edited).name == "random 7 1"
     assert load_level(edited.with_name(f"{NAMES[1]}.bak")).name == "mine"
+
+
+def test_levels_that_are_over_as_they_begin_are_counted(sample, tmp_path, capsys, monkeypatch):
+    assert sample() == 0
+    assert capsys.readouterr().err == f"{tmp_path}: 3 levels\n"
+    fair = load_level("s/first_flight")
+    (blue,) = (body for body in fair.bodies if body.role == "blue")
+    bodies = [
+        body.replace(position=blue.position) if body.role == "green" else body
+        for body in fair.bodies
+    ]
+    decided = fair.replace(bodies=tuple(bodies))
+    monkeypatch.setattr(documents, "random_levels", lambda *_: iter([fair, decided, fair]))
+    assert sample("--overwrite") == 0
+    assert ", 1 of them over as they begin" in capsys.readouterr().err
