@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any
 
-from kinetix.agents.card import AgentCard
+from kinetix.agents.card import AgentCard, read_card
 from kinetix.agents.planner.simulator import SimulatorObservations
 from kinetix.agents.player import Player
 from kinetix.agents.shapes import observations_of_card
@@ -12,6 +12,8 @@ from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.observations import Layout
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.errors import CheckpointError
+from kinetix.paths import checkpoints_dir
+from kinetix.wording import plural
 
 
 def environment_for(
@@ -74,10 +76,21 @@ def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity
     if not fixed.covers(capacity):
         raise CheckpointError(
             f"agent {card.name!r} sees exactly {_sizes(fixed)}, which is too small for "
-            f"{level} with {_sizes(capacity)}"
+            f"{level} with {_sizes(capacity)}{_others(capacity)}"
         )
     return fixed
 
 
 def _sizes(capacity: Capacity) -> str:
-    return ", ".join(f"{value} {name}" for name, value in dataclasses.asdict(capacity).items())
+    sizes = dataclasses.asdict(capacity).items()
+    return ", ".join(plural(value, name.removesuffix("s")) for name, value in sizes)
+
+
+def _others(capacity: Capacity) -> str:
+    """Return a hint at the bundled agents that see as much as a level has."""
+    able = []
+    for path in sorted(checkpoints_dir().glob("*/agent.json")):
+        own = read_card(path)[0].capacity
+        if own is None or own.sizes.covers(capacity):
+            able.append(path.parent.name)
+    return f"; of the bundled agents {', '.join(able)} can" if able else ""
