@@ -1,9 +1,9 @@
 """Measure how often players win the bundled levels: `python -m scripts.played [NAME …]`.
 
-The planner, the bundled general agent of the level's size and random play, each with as many attempts as `ATTEMPTS`
-says, under `balanced`. Results go to scripts/library/played.json after every batch of levels, and
-from there into docs/levels.md (`python -m scripts.reference_docs`). Without names, all levels are
-played that have not been as they are.
+The planner, the bundled general agent of the level's size and random play, each with as many
+attempts as `ATTEMPTS` says, under `balanced`. Results go to scripts/library/played.json after every
+batch of levels, and from there into docs/levels.md (`python -m scripts.reference_docs`). Without
+names, all levels are played that have not been as they are.
 """
 
 import argparse

@@ -9,7 +9,7 @@ from kinetix.agents.environments import environment_for
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.named import BUILT_IN, load_player
 from kinetix.agents.planner.budget import Budget
-from kinetix.agents.planner.futures import best_first
+from kinetix.agents.planner.futures import STRETCH, WAY, _Attempts, _chosen, best_first
 from kinetix.agents.planner.player import Planner
 from kinetix.agents.planner.policy import ELITE, GROUPS, LENGTH
 from kinetix.agents.planner.proposals import CHANNELS, SHIFT, fresh_plans, varied_plans
@@ -110,6 +110,31 @@ def test_variations_are_the_parents_up_to_where_they_differ():
 def test_the_best_come_first_and_ties_keep_their_order():
     score = jnp.array([3.0, 1.0, jnp.inf, 1.0, -2.0])
     assert best_first(score).tolist() == [4, 1, 3, 0, 2]
+
+
+def test_a_group_of_whole_plans_has_no_beam():
+    """What is nearest now is taken up by the beam alone: a swing begins by going away."""
+    shape = groups, count = (2, 8)
+    number = jnp.broadcast_to(jnp.arange(count), shape)
+    no = jnp.zeros(shape, bool)
+    attempts = _Attempts(
+        plans=jnp.broadcast_to(number[..., None, None], (*shape, 2 * STRETCH, CHANNELS)),
+        moving={"number": number},
+        over=no,
+        won=no,
+        lost=no,
+        steps=number,
+        distance=number.astype(jnp.float32),
+        least=number.astype(jnp.float32),
+        ways=jnp.zeros((*shape, WAY, 2)),
+    )
+    wholes = jnp.array([count, 4])
+    chosen = _chosen(attempts, jnp.int32(1), jnp.zeros((groups, count, 2)), wholes)
+    assert chosen.moving["number"].tolist() == [[*range(8)], [0, 1, 2, 3, 0, 0, 0, 0]]
+    # Those that are taken up keep their own plan from here on.
+    plans = np.asarray(chosen.plans)[1, :, :, 0]
+    assert (plans[4:, :STRETCH] == 0).all()
+    assert plans[:, STRETCH:].tolist() == [[k] * STRETCH for k in range(count)]
 
 
 def test_its_memory_has_one_plan_a_group_and_begins_with_nothing():
