@@ -78,8 +78,9 @@ def read_newest(
     if not folders:
         return None
     raise KinetixError(
-        f"{out}: none of its training states can be read, and a new start would overwrite the run; "
-        f"choose another directory, with --from {out} to start from its newest agent"
+        f"{out}: none of its training states can be read, being damaged or of another version of "
+        "Kinetix, and a new start would overwrite the run; choose another directory, with "
+        f"--from {out} to start from its newest agent"
     )
 
 
