@@ -12,7 +12,7 @@ from tests.editor.core.helpers import FakeSimulator, a_level
 PANELS = ("outliner", "inspector", "level", "problems", "history", "controls", "plots", "timeline")
 ALLOWED = re.compile(
     r"[/~].*|[\w+]{1,3}|Alt.*|Tab|Enter|Esc.*|F\d+.*|Deutsch|Kinetix|Mono|Test|[\d.,]+ .*|"
-    r"[a-z0-9_+]+|\S+\+\S+.*|[sml]/.*|.*\.json"
+    r"General.*|[a-z0-9_+]+|\S+\+\S+.*|[sml]/.*|.*\.json"
 )
 """Numbers with units, keys, names of physics, agents and levels, paths."""
 
