@@ -105,7 +105,9 @@ from gymnasium.wrappers import RecordVideo
 from kinetix.gymnasium import KinetixGymEnv
 
 env = RecordVideo(
-    KinetixGymEnv(level="s/goalkeeper", render_mode="rgb_array"), sys.argv[1], video_length=4
+    KinetixGymEnv(level="s/goalkeeper", physics="jax2d", render_mode="rgb_array"),
+    sys.argv[1],
+    video_length=4,
 )
 env.reset(seed=0)
 for _ in range(5):
