@@ -124,6 +124,8 @@ def test_a_look_that_another_one_replaces_has_not_read_in_vain(library, folder, 
     names = []
 
     def read_and_ask(self, path):
+        if self is not library:  # of another test, whose thread has not ended yet
+            return read(self, path)
         names.append(path.name)
         if len(names) <= 4:
             library.look([folder])
