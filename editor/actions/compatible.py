@@ -20,7 +20,7 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
     found = []
     for path, label in known_agents(session):
         card = None if path in BUILT_IN else _card_of(Path(path))
-        if card is not None and _plays(card, level):
+        if card is not None and card.sees(capacity_of(level)):
             found.append(card.name or label)
     for summary in session.viewer.agents:
         able = summary.any_size or not mismatch(summary, level)
@@ -44,9 +44,3 @@ def _card(path: Path, stamp: int) -> AgentCard | None:
         return read_card(path)[0]
     except CheckpointError:
         return None
-
-
-def _plays(card: AgentCard, level: Level) -> bool:
-    if card.plays_any_capacity or card.capacity is None:
-        return True
-    return card.capacity.sizes.covers(capacity_of(level))

@@ -121,6 +121,11 @@ class AgentCard(_Part, frozen=True, kw_only=True):
         """True if what the agent sees has one form for all capacities (else it plays just one)."""
         return self.observation.type in ("symbolic_entity", "pixels", "blind", "simulator")
 
+    def sees(self, capacity: Capacity) -> bool:
+        """Return whether the agent has room for all that a level of this capacity has."""
+        own = self.capacity
+        return self.plays_any_capacity or own is None or own.sizes.covers(capacity)
+
 
 class _File(AgentCard, frozen=True, kw_only=True):
     """An `agent.json`: the card, its format and what its parameters must be."""

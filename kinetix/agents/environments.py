@@ -4,9 +4,11 @@ import dataclasses
 from typing import Any
 
 from kinetix.agents.card import AgentCard, read_card
+from kinetix.agents.checkpoint import CARD
 from kinetix.agents.planner.simulator import SimulatorObservations
 from kinetix.agents.player import Player
 from kinetix.agents.shapes import observations_of_card
+from kinetix.bundled import agent_names
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.observations import Layout
@@ -72,13 +74,12 @@ def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity
     own = card.capacity
     if own is None or card.plays_any_capacity:
         return capacity
-    fixed = own.sizes
-    if not fixed.covers(capacity):
+    if not card.sees(capacity):
         raise CheckpointError(
-            f"agent {card.name!r} sees exactly {_sizes(fixed)}, which is too small for "
+            f"agent {card.name!r} sees exactly {_sizes(own.sizes)}, which is too small for "
             f"{level} with {_sizes(capacity)}{_others(capacity)}"
         )
-    return fixed
+    return own.sizes
 
 
 def _sizes(capacity: Capacity) -> str:
@@ -88,9 +89,6 @@ def _sizes(capacity: Capacity) -> str:
 
 def _others(capacity: Capacity) -> str:
     """Return a hint at the bundled agents that see as much as a level has."""
-    able = []
-    for path in sorted(checkpoints_dir().glob("*/agent.json")):
-        own = read_card(path)[0].capacity
-        if own is None or own.sizes.covers(capacity):
-            able.append(path.parent.name)
+    cards = {name: read_card(checkpoints_dir() / name / CARD)[0] for name in agent_names()}
+    able = [name for name, card in cards.items() if card.sees(capacity)]
     return f"; of the bundled agents {', '.join(able)} can" if able else ""

@@ -113,7 +113,7 @@ def test_the_best_come_first_and_ties_keep_their_order():
 
 
 def test_a_group_of_whole_plans_has_no_beam():
-    """What is nearest now is taken up by the beam alone: a swing begins by going away."""
+    """Only the beam goes on from the nearest attempt: a swing must first move away."""
     shape = groups, count = (2, 8)
     number = jnp.broadcast_to(jnp.arange(count), shape)
     no = jnp.zeros(shape, bool)
