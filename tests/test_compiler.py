@@ -3,9 +3,10 @@
 import subprocess
 import sys
 
+import jax
 import pytest
 
-from kinetix.compiler import ask_for_options
+from kinetix.compiler import ask_for_options, quick_options
 
 OPTION = "xla_cpu_small_while_loop_byte_threshold="
 PROGRAM = """
@@ -63,3 +64,10 @@ def test_they_can_be_declined():
     variables["KINETIX_COMPILER_OPTIONS"] = "1"
     ask_for_options(variables)
     assert "xla_cpu_prefer_vector_width" in variables["XLA_FLAGS"]
+
+
+def test_this_jax_knows_the_options_of_the_quick_tier():
+    """XLA refuses those that it does not know."""
+    options = dict(quick_options())
+    assert options["xla_backend_optimization_level"] == 0
+    assert jax.jit(lambda x: 2 * x, compiler_options=options)(3) == 6

@@ -1,7 +1,7 @@
 """Methods that compile quickly when they are called by themselves, and thoroughly inside of others.
 
 A person who calls `env.step` from Python waits for the compiler first and mostly for Python from
-then on: code that compiles in a third of the time and runs up to four times slower serves better.
+then on: code that compiles in a quarter of the time and runs up to four times slower serves better.
 Inside of `jit`, `vmap` and their like the caller's program is compiled, as thoroughly as any.
 """
 
@@ -13,10 +13,11 @@ from typing import Any, Final
 import jax
 from jax.extend.core import get_opaque_trace_state
 
+from kinetix.compiler import quick_options
 from kinetix.environment.checks import check_values, refuse_what_is_no_array
 
-_QUICK: Final = {"xla_backend_optimization_level": 0}
-"""Options of a program for a processor: machine code as it comes, without LLVM's improvements."""
+_QUICK: Final = dict(quick_options())
+"""Options of a program for a processor."""
 _OUTSIDE: Final = get_opaque_trace_state("flax")
 """JAX's state while nothing is traced."""
 

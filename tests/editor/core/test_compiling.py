@@ -9,6 +9,7 @@ import pytest
 from editor.worker.requests import Cancelled
 from editor.worker.simulation import disk
 from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe
+from kinetix.compiler import quick_options
 from tests.editor.core.helpers import Unheard
 
 
@@ -63,7 +64,7 @@ def until(condition):
 def test_the_quick_tier_asks_the_compiler_for_less_and_is_kept():
     stages, programs = Stages(held=False), Programs()
     assert programs.obtain(recipe(stages, QUICK), Unheard()) is stages
-    assert stages.options == [{"xla_backend_optimization_level": 0}]
+    assert stages.options == [quick_options()]
     assert programs.obtain(recipe(stages, QUICK), Unheard()) is stages
     assert stages.done == ["trace", "lower", "compile"]
     assert programs.taken_fresh() == [("it", stages)]
