@@ -57,12 +57,9 @@ def test_example(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow(seconds=150)
-def test_stable_baselines3_learns_goalkeeper(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("fully_optimised")  # it runs for minutes
+def test_stable_baselines3_learns_goalkeeper(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    # It runs for minutes: compiled as for users.
-    monkeypatch.delenv("JAX_DISABLE_MOST_OPTIMIZATIONS", raising=False)
     script = EXAMPLES / "sb3_ppo.py"
     told = run_with(Path(sys.executable), script, cwd=tmp_path, seconds=2400)
     level, rate = told.strip().splitlines()[-1].removesuffix(" solved").split(": ")

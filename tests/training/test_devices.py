@@ -60,7 +60,7 @@ _VALUES = {
 
 
 def _train(devices, program=_PROGRAM, /, **values):
-    flags = f"--xla_force_host_platform_device_count={devices}"
+    flags = f"{os.environ['XLA_FLAGS']} --xla_force_host_platform_device_count={devices}"
     done = subprocess.run(
         [sys.executable, "-c", program, json.dumps(_VALUES | values)],
         env=os.environ | {"XLA_FLAGS": flags, "JAX_PLATFORMS": "cpu"},

@@ -33,9 +33,9 @@ _SIZES = ((3, 3, 3, 3, 2, 2),)
 @pytest.fixture(scope="module")
 def data(tmp_path_factory, monkeypatch_module):
     """A teacher's data of some levels, and what it told."""
-    monkeypatch_module.setattr(teach, "SHARD", 16)
+    monkeypatch_module.setattr(teach, "SHARD", 8)
     out = tmp_path_factory.mktemp("wins")
-    config = teach.TeachConfig(size="s", rounds=2, batch=16, copies=1, physics="fast")
+    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=1, physics="fast")
     return out, config, teach.teach(config, 2, out)
 
 
@@ -50,7 +50,7 @@ def monkeypatch_module():
 def test_the_teacher_wins_random_levels_and_says_how_many(data):
     out, _, told = data
     assert told.won >= 2
-    assert told.levels == 16 * told.shards
+    assert told.levels == 8 * told.shards
     assert 0 < told.share <= 1
     assert told.episodes >= told.won
     stored = json.loads((out / teach.PROGRESS).read_text())

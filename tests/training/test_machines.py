@@ -47,7 +47,8 @@ def _together(out, updates):
         port = free.getsockname()[1]
     shared = ("--coordinator", f"127.0.0.1:{port}", "--num-processes", "2")
     # One device each, whatever the tests run on.
-    environment = os.environ | {"XLA_FLAGS": "", "JAX_PLATFORMS": "cpu"}
+    flags = [flag for flag in os.environ["XLA_FLAGS"].split() if "device_count" not in flag]
+    environment = os.environ | {"XLA_FLAGS": " ".join(flags), "JAX_PLATFORMS": "cpu"}
     processes = [
         subprocess.Popen(
             _command(out, updates, *shared, "--process-id", str(index)),
