@@ -2,12 +2,13 @@
 
 import collections
 import gc
-import importlib.metadata
 import os
 import sys
 from pathlib import Path
 
 import pytest
+
+from kinetix.compiler import quick_options
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault(
@@ -18,20 +19,13 @@ os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
 os.environ.setdefault("KINETIX_CORES", "1")
 # Most tests compile for seconds to run for milliseconds.
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
-_SKIPPED_PASSES = (
-    "hlo-cse",
-    "reshape-mover",
-    "slice-sinker",
-    "while-loop-constant-sinking",
-    "while-loop-expensive-invariant-code-motion",
-    "while-loop-invariant-code-motion",
-    "while-loop-simplifier",
-)
-"""What XLA spends a tenth of its time on to make programs quick that run for milliseconds."""
-_QUICK_TO_COMPILE = [f"--xla_disable_hlo_passes={','.join(_SKIPPED_PASSES)}"]
-if importlib.metadata.version("jaxlib").startswith(("0.9.", "0.10.")):
-    # The older emitters take half the time. JAX 0.11 has no others, and no such flag.
-    _QUICK_TO_COMPILE.append("--xla_cpu_use_fusion_emitters=false")
+# So each program is compiled as one that somebody waits for, but for its level: jitted parts of a
+# program take the process's flags alone.
+_QUICK_TO_COMPILE = [
+    f"--{option}={str(value).lower()}"
+    for option, value in quick_options().items()
+    if option != "xla_backend_optimization_level"
+]
 _flags = os.environ.get("XLA_FLAGS", "").split()  # a worker of xdist's has ours already
 os.environ["XLA_FLAGS"] = " ".join(dict.fromkeys([*_flags, *_QUICK_TO_COMPILE]))
 # Tracing makes many objects and next to no garbage: collected seldom, it takes a quarter less.
