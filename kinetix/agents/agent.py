@@ -227,6 +227,11 @@ def save_agent(
                     f"{directory}: the kinetix-env form cannot carry the normalisation of "
                     "observations that this agent was trained with"
                 )
+            if agent.card.network.kind == "relational":
+                raise CheckpointError(
+                    f"{directory}: kinetix-env has no relational network, so its form cannot carry "
+                    "this agent; format='kinetix-agent' can"
+                )
             write_peer_checkpoint(Path(directory), agent.card, agent.params["params"])
         case _:
             raise CheckpointError(

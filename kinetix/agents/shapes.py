@@ -53,9 +53,10 @@ def observations_of_card(
     """
     layout = Layout.of(env_params, static_env_params)
     options: dict[str, Any] = dict(card.observation.options)
-    if card.network.kind == "permutation_invariant_mlp" and card.observation.type.endswith(
-        "entity"
-    ):
+    if card.network.kind in (
+        "relational",
+        "permutation_invariant_mlp",
+    ) and card.observation.type.endswith("entity"):
         options.setdefault("attention", False)
     return OBSERVATIONS[card.observation.type](layout=layout, **options)
 

@@ -7,6 +7,7 @@ from kinetix.agents.networks.distributions import ActionHead
 from kinetix.agents.networks.heads import HeadOptions
 from kinetix.agents.networks.mlp import FlatNetwork, PermutationInvariantNetwork
 from kinetix.agents.networks.pixels import PixelNetwork
+from kinetix.agents.networks.relational import RelationalNetwork
 from kinetix.agents.networks.transformer import EntityTransformer, LayerOptions
 
 
@@ -70,6 +71,15 @@ def _invariant(config: NetworkConfig, head: ActionHead) -> nn.Module:
     )
 
 
+def _relational(config: NetworkConfig, head: ActionHead) -> nn.Module:
+    return RelationalNetwork(
+        width=config.encoder_size,
+        rounds=config.message_rounds,
+        shared=_shared(config),
+        head=head,
+    )
+
+
 def _flat(config: NetworkConfig, head: ActionHead) -> nn.Module:
     return FlatNetwork(width=config.actor_width, shared=_shared(config), head=head)
 
@@ -80,6 +90,7 @@ def _pixels(config: NetworkConfig, head: ActionHead) -> nn.Module:
 
 _BUILDERS = {
     "entity_transformer": _transformer,
+    "relational": _relational,
     "permutation_invariant_mlp": _invariant,
     "flat_mlp": _flat,
     "cnn": _pixels,

@@ -3,13 +3,14 @@
 import dataclasses
 from typing import Literal, get_args
 
-Kind = Literal["entity_transformer", "permutation_invariant_mlp", "flat_mlp", "cnn"]
+Kind = Literal["entity_transformer", "relational", "permutation_invariant_mlp", "flat_mlp", "cnn"]
 Activation = Literal["tanh", "relu"]
 AggregateMode = Literal["dummy_and_mean", "dummy", "mean"]
 CnnMode = Literal["impala_fast", "resnet_18"]
 
 OBSERVATIONS_OF_KIND: dict[str, tuple[str, ...]] = {
     "entity_transformer": ("symbolic_entity",),
+    "relational": ("symbolic_entity",),
     "permutation_invariant_mlp": ("symbolic_entity", "symbolic_flat_padded"),
     "flat_mlp": ("symbolic_flat", "blind"),
     "cnn": ("pixels",),
@@ -70,7 +71,10 @@ class NetworkConfig:
     symbolic_embedding_dim: int = 256
     """Embedding width of the invariant network."""
     encoder_size: int = 64
-    """Width of an encoded row in the invariant network, the four kind columns included."""
+    """Width of an encoded row in the invariant network, the four kind columns included, and in the
+    relational one."""
+    message_rounds: int = 1
+    """Rounds of messages along joints (relational network)."""
     separate_actor_critic: bool = False
     """Two embeddings, one for the actor and one for the critic (invariant network)."""
     cnn_mode: CnnMode = "impala_fast"
@@ -152,6 +156,14 @@ NETWORK_PRESETS: dict[str, NetworkConfig] = {
         transformer_encoder_size=512,
         transformer_ffn=True,
         multilayer_joint_thruster_mixing=True,
+    ),
+    "relational": NetworkConfig(
+        kind="relational",
+        activation="relu",
+        actor_depth=2,
+        critic_depth=2,
+        actor_width=256,
+        critic_width=256,
     ),
     "perm-inv": NetworkConfig(kind="permutation_invariant_mlp"),
     "flat": NetworkConfig(kind="flat_mlp"),

@@ -279,6 +279,15 @@ class MultiDiscreteHead:
         """Number of outputs that the network gives."""
         return sum(self.sizes)
 
+    def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
+        """Arrange what is said of each control.
+
+        Args:
+            motors: Of each motor binding: at rest, forward, backward.
+            jets: Of each thruster binding: off, on.
+        """
+        return jnp.concatenate([_flattened(motors), _flattened(jets)], axis=-1)
+
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
         """The distribution of these outputs; `log_std` is ignored."""
         del log_std
@@ -297,6 +306,19 @@ class DiscreteHead:
     def dimension(self) -> int:
         """Number of outputs that the network gives."""
         return self.choices
+
+    def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
+        """Arrange what is said of each control.
+
+        Args:
+            motors: Of each motor binding: at rest, forward, backward.
+            jets: Of each thruster binding: off, on.
+        """
+        # Backward and forward of each motor, nothing at all, each thruster, as the actions count.
+        moved = motors[..., 2:0:-1] - motors[..., :1]
+        pushed = jets[..., 1:] - jets[..., :1]
+        nothing = jnp.zeros((*motors.shape[:-2], 1), motors.dtype)
+        return jnp.concatenate([_flattened(moved), nothing, _flattened(pushed)], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
         """The distribution of these outputs; `log_std` is ignored."""
@@ -317,6 +339,16 @@ class ContinuousHead:
         """Number of outputs that the network gives."""
         return self.size
 
+    def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
+        """Arrange what is said of each control.
+
+        Args:
+            motors: Of each motor binding: at rest, forward, backward.
+            jets: Of each thruster binding: off, on.
+        """
+        moved, pushed = motors[..., 1] - motors[..., 2], jets[..., 1] - jets[..., 0]
+        return jnp.concatenate([moved, pushed], axis=-1)
+
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
         """The normal distribution with these means.
 
@@ -326,6 +358,10 @@ class ContinuousHead:
         if log_std is None:
             raise ValueError("a continuous head needs the parameter log_std")
         return DiagonalNormal(logits=logits, log_std=log_std)
+
+
+def _flattened(values: Float[Array, "*n u k"]) -> Float[Array, "*n v"]:
+    return values.reshape(*values.shape[:-2], -1)
 
 
 ActionHead = MultiDiscreteHead | DiscreteHead | ContinuousHead
