@@ -13,7 +13,7 @@ from editor.worker.jobs import Job, JobState
 from editor.worker.requests import MUTATIONS, Mutate, RandomLevel, Request
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
-from kinetix.level.sizes import capacity_of, size_name
+from kinetix.level.sizes import AUTOMATIC, capacity_of, size_name
 from kinetix.level.validate import has_errors
 
 
@@ -22,25 +22,33 @@ def random_level(session: Session) -> None:
 
     One that nobody has changed gives its tab to the next.
     """
-    session.seed += 1
-    seed = session.seed
     size = size_name(capacity_of(session.document.level)) or "l"
+    _draw(session, RandomLevel(seed=session.seed + 1, size=size), "Random")
+
+
+def random_machine(session: Session) -> None:
+    """Open a level with a random machine and a task for it, like `random_level`."""
+    size = size_name(capacity_of(session.document.level))
+    size = size if size in AUTOMATIC else "l"
+    _draw(session, RandomLevel(seed=session.seed + 1, size=size, machine=True), "Machine")
+
+
+def _draw(session: Session, request: RandomLevel, title: str) -> None:
+    session.seed = request.seed
 
     def done(job: Job) -> None:
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
             level: Level = job.result
-            document = Document(level.replace(name=f"Random {seed}"))
+            document = Document(level.replace(name=f"{title} {request.seed}"))
             if session.tab.untouched:
                 session.leave_play()
                 session.tab.document = document
             else:
                 session.open_tab(document)
 
-    session.worker.submit(
-        RandomLevel(seed=seed, size=size), title="Drawing a random level", urgent=True, done=done
-    )
+    session.worker.submit(request, title="Drawing a random level", urgent=True, done=done)
 
 
 def mutate(mutation: str | None) -> Callable[[Session], None]:

@@ -25,6 +25,8 @@ class Sample:
     """Number of levels."""
     seed: int
     """Any integer."""
+    machines: bool = False
+    """Machines with a task (cars, arms, rockets, …; sizes s, m, l) instead of heaps of shapes."""
     overwrite: bool = False
     """Replace files of these names that hold other levels; those stay beside them as NAME.bak."""
     cores: int | None = None
@@ -41,20 +43,26 @@ def run(command: Sample) -> int:
         KinetixError: The size or the count makes no sense, or a file of such a name holds another
             level; what was written before it stays.
     """
-    from kinetix.environment.generators.documents import random_levels
+    from kinetix.environment.generators.machines import random_machines
     from kinetix.level.codec import dumps
     from kinetix.level.sizes import SIZES, parse_capacity
     from kinetix.level.validate import has_errors, validate
 
     if command.count < 1:
         raise KinetixError(f"count {command.count!r}: expected at least 1")
-    size = command.size if command.size in SIZES else parse_capacity(command.size)
+    if command.machines:
+        levels, kind = random_machines(command.seed, command.size, command.count), "machine"
+    else:
+        from kinetix.environment.generators.documents import random_levels
+
+        size = command.size if command.size in SIZES else parse_capacity(command.size)
+        levels, kind = random_levels(command.seed, size, command.count), "random"
     label = command.size.replace(",", "_")
     command.target.mkdir(parents=True, exist_ok=True)
     width = max(4, len(str(command.count - 1)))
     decided = 0
-    for index, level in enumerate(random_levels(command.seed, size, command.count)):
-        name = f"random_{label}_{command.seed}_{index:0{width}d}.json"
+    for index, level in enumerate(levels):
+        name = f"{kind}_{label}_{command.seed}_{index:0{width}d}.json"
         _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
         decided += has_errors(validate(level))
     told = f"{command.target}: {plural(command.count, 'level')}"

@@ -25,6 +25,15 @@ LEVEL: Final = (
         run=level.random_level,
     ),
     Action(
+        id="level.random_machine",
+        label="Random Machine",
+        menu="Level",
+        context=EDIT,
+        tooltip="A car, an arm, a rocket, … with a task, of the present size.",
+        enabled=editing,
+        run=level.random_machine,
+    ),
+    Action(
         id="level.mutate",
         label="Mutate",
         menu="Level",

@@ -29,6 +29,8 @@ class RandomLevel:
 
     seed: int
     size: str
+    machine: bool = False
+    """True for a machine with a task, False for a heap of shapes."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -26,6 +26,10 @@ from kinetix.level.sizes import capacity_of
 def drawn(request: RandomLevel) -> Level:
     """A random level; the same seed gives the same level."""
     # Imported on use: the generators are large and play does not need them.
+    if request.machine:
+        from kinetix.environment.generators.machines import random_machines
+
+        return next(random_machines(request.seed, request.size, 1))
     from kinetix.environment.generators.documents import random_level
 
     return random_level(request.seed, request.size)

@@ -41,8 +41,8 @@ def drawing(path):
     session.worker.stop()
 
 
-def draw(session):
-    actions.run(session, "level.random")
+def draw(session, action="level.random"):
+    actions.run(session, action)
     deadline = time.monotonic() + 20
     while not session.worker.idle and time.monotonic() < deadline:
         time.sleep(0.005)
@@ -67,8 +67,8 @@ def test_random_levels_that_nobody_changed_share_a_tab(drawing):
     draw(drawing)
     assert [tab.document.title for tab in drawing.tabs] == ["mine.json", "Random 2"]
     drawing.execute(MOVE)
-    draw(drawing)
-    assert len(drawing.tabs) == 3
+    draw(drawing, "level.random_machine")
+    assert [tab.document.title for tab in drawing.tabs][2:] == ["Machine 3"]
 
 
 def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # noqa: F811

@@ -272,6 +272,12 @@ def test_random_levels_and_mutations_are_sound(perform):
     assert [b.id for b in changed.bodies] == [b.id for b in level.bodies]
 
 
+def test_random_machines_are_sound(perform):
+    level = perform(RandomLevel(seed=3, size="m", machine=True))
+    assert level == perform(RandomLevel(seed=3, size="m", machine=True))
+    assert not [issue for issue in validate(level) if issue.code.startswith("E")]
+
+
 def test_a_level_is_judged_without_a_plan(perform):
     won = LEVEL.replace(
         bodies=(
