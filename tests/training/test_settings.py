@@ -133,7 +133,7 @@ def test_bad_files_are_refused(tmp_path, text, sentence):
 def test_unknown_names_are_refused(tmp_path):
     with pytest.raises(KinetixError, match="expected one of bc, ppo, sfl, plr, accel, dr"):
         make_config("dqn")
-    with pytest.raises(KinetixError, match="expected one of kinetix-3, paper, small"):
+    with pytest.raises(KinetixError, match="expected one of general, kinetix-3, paper"):
         make_config("ppo", preset="huge")
     with pytest.raises(KinetixError, match="cannot be read"):
         make_config("ppo", file=tmp_path / "nowhere.toml")
