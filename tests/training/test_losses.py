@@ -10,8 +10,15 @@ from kinetix.agents.networks.build import build_network
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.networks.distributions import action_head
 from kinetix.agents.networks.recurrent import initial_carry
+from kinetix.engine.machine import whole_batches
 from kinetix.training.config import PpoConfig
-from kinetix.training.ppo.losses import generalised_advantages, policy_loss, value_loss
+from kinetix.training.ppo import update
+from kinetix.training.ppo.losses import (
+    generalised_advantages,
+    normalised,
+    policy_loss,
+    value_loss,
+)
 from kinetix.training.ppo.rollout import Rollout, Trajectory
 from kinetix.training.ppo.update import Learner, learn
 from kinetix.training.schedule import learning_rate
@@ -58,8 +65,8 @@ def test_environments_do_not_mix():
 
 
 def test_the_policy_loss_is_clipped_on_the_side_that_would_gain():
-    # Normalised advantages of (1, −1) are themselves.
-    advantage = _column(1.0, -1.0)
+    advantage = normalised(_column(3.0, 1.0))
+    np.testing.assert_allclose(advantage[:, 0], [1.0, -1.0], rtol=1e-6)
     log_ratio = jnp.log(_column(1.5, 0.5))
     loss = policy_loss(log_ratio, jnp.zeros((2, 1)), advantage, clip_eps=0.2)
     assert float(loss) == pytest.approx(-(1.2 - 0.8) / 2, abs=1e-6)
@@ -75,7 +82,8 @@ def test_the_value_loss_takes_the_worse_of_both():
 
 
 def test_equal_advantages_stay_finite():
-    loss = policy_loss(_column(0.0, 0.0), _column(0.0, 0.0), _column(3.0, 3.0), clip_eps=0.2)
+    equal = normalised(_column(3.0, 3.0))
+    loss = policy_loss(_column(0.0, 0.0), _column(0.0, 0.0), equal, clip_eps=0.2)
     assert float(loss) == 0.0
 
 
@@ -136,6 +144,20 @@ def test_controls_that_a_level_lacks_are_neither_learnt_nor_counted():
     bias, report = _learnt([True] * 6)
     assert np.all(bias)
     assert float(report["loss/entropy"]) == pytest.approx(4 * np.log(3) + 2 * np.log(2), abs=0.05)
+
+
+def test_pieces_of_a_minibatch_teach_what_the_whole_teaches(monkeypatch):
+    live = [True, True, False, False, True, False]
+    whole, told = _learnt(live)
+    monkeypatch.setattr(update, "_ROWS_AT_ONCE", 3)
+    assert update._pieces(3, 4) == 4
+    pieces, told_of_pieces = _learnt(live)
+    np.testing.assert_allclose(pieces, whole, rtol=1e-4, atol=1e-7)
+    assert told_of_pieces.keys() == told.keys()
+    for name, value in told.items():
+        np.testing.assert_allclose(told_of_pieces[name], value, rtol=1e-4, atol=1e-6, err_msg=name)
+    with whole_batches():
+        assert update._pieces(3, 4) == 1
 
 
 def _one_update(config, **more):

@@ -51,6 +51,16 @@ def generalised_advantages(
     return advantages, advantages + value
 
 
+def normalised(advantage: Float[Array, "k n"]) -> Float[Array, "k n"]:
+    """Advantages with mean 0 and deviation 1 over a minibatch of all devices.
+
+    Args:
+        advantage: This device's part of them.
+    """
+    centred = advantage - average(jnp.mean(advantage))
+    return centred / (jnp.sqrt(average(jnp.mean(centred**2))) + ADVANTAGE_EPSILON)
+
+
 def policy_loss(
     log_prob: Float[Array, "k n"],
     old_log_prob: Float[Array, "k n"],
@@ -58,13 +68,16 @@ def policy_loss(
     *,
     clip_eps: float,
 ) -> Float[Array, ""]:
-    """The clipped surrogate, to be minimised; advantages are normalised over all devices' batch.
+    """The clipped surrogate, to be minimised.
+
+    Args:
+        log_prob: Of what was done, under the present policy.
+        old_log_prob: The same under the policy that did it.
+        advantage: `normalised`.
+        clip_eps: How far the ratio of the two may be from 1 before it counts no more.
 
     Source: Schulman et al., "Proximal Policy Optimization Algorithms" (2017), eq. 7.
     """
-    centred = advantage - average(jnp.mean(advantage))
-    spread = jnp.sqrt(average(jnp.mean(centred**2))) + ADVANTAGE_EPSILON
-    advantage = centred / spread
     ratio = jnp.exp(log_prob - old_log_prob)
     clipped = jnp.clip(ratio, 1.0 - clip_eps, 1.0 + clip_eps)
     return -jnp.mean(jnp.minimum(ratio * advantage, clipped * advantage))
