@@ -1,6 +1,6 @@
 """Measure how often players win the bundled levels: `python -m scripts.played [NAME …]`.
 
-The planner, the bundled general agent of the level's size and random play, each with as many
+The planner, the bundled general agent and random play, each with as many
 attempts as `ATTEMPTS` says, under `balanced`. Results go to scripts/library/played.json after every
 batch of levels, and from there into docs/levels.md (`python -m scripts.reference_docs`). Without
 names, all levels are played that have not been as they are.
@@ -20,8 +20,6 @@ from kinetix.paths import levels_dir
 from scripts.library.grades import Played, read_played, write_played
 
 PHYSICS: Final = "balanced"
-AGENTS: Final = {"s": "general", "m": "general_m", "l": "general_l"}
-"""General agent of each size."""
 ATTEMPTS: Final = {"random": 20, "general": 20, "planner": 1}
 """Attempts per level; the planner's are dear."""
 
@@ -39,12 +37,11 @@ def chosen(player: str, names: list[str]) -> Iterator[NamedLevel]:
                 yield NamedLevel(name=name, source=level)
 
 
-def measure(player: str, size: str, levels: list[NamedLevel]) -> None:
-    """Let a player play levels of one size, and keep its rates as they come."""
-    name = AGENTS[size] if player == "general" else player
+def measure(player: str, levels: list[NamedLevel]) -> None:
+    """Let a player play levels, and keep its rates as they come."""
     settings = Settings(attempts=ATTEMPTS[player], physics=PHYSICS)
     told: set[str] = set()
-    for progress in evaluate(load_player(name), levels, settings):
+    for progress in evaluate(load_player(player), levels, settings):
         found = [each for each in progress.results if each.level not in told]
         for each in found:
             level = load_level(each.level)
@@ -66,10 +63,9 @@ def main() -> None:
     parser.add_argument("--players", nargs="+", default=list(ATTEMPTS), choices=list(ATTEMPTS))
     options = parser.parse_args()
     for player in options.players:
-        for size in ("s", "m", "l"):
-            levels = [one for one in chosen(player, options.names) if one.name.startswith(size)]
-            if levels:
-                measure(player, size, levels)
+        levels = list(chosen(player, options.names))
+        if levels:
+            measure(player, levels)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Levels with random machines, drawn one by one."""
 
+import inspect
 import random
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -42,7 +43,7 @@ def random_machine(dice: random.Random, size: str, families: Sequence[Family] = 
         level = shop.build.build()
         if shop.chance(0.5):
             level = mirrored_level(level)
-        level = level.replace(size=size)
+        level = level.replace(size=size, description=inspect.getdoc(family) or "")
         if not has_errors(validate(level)):
             return level
     raise KinetixError(f"machines of size {size!r}: none of these families fits")

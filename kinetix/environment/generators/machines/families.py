@@ -217,7 +217,7 @@ def guiding(shop: Workshop) -> None:
 
 
 def towing(shop: Workshop) -> None:
-    """A flyer or a car with a load on a rod; the load has to touch."""
+    """A flyer with a load on a rod; the load has to touch."""
     x, y, size = shop.between(1.0, 4.0), shop.between(2.0, 3.5), shop.between(0.3, 0.6)
     tug = shop.box(x, y, size, size * 0.6)
     mass = 1.6 * size * size

@@ -1,0 +1,39 @@
+"""Average the parameters of agents of one kind: `python -m scripts.average_agents OUT AGENT…`.
+
+Checkpoints of one run, averaged, make a steadier policy than the last of them.
+
+Source: Izmailov et al., "Averaging Weights Leads to Wider Optima and Better Generalization" (2018).
+"""
+
+import argparse
+from pathlib import Path
+
+import jax
+import numpy as np
+
+from kinetix import load_agent, save_agent
+from kinetix.agents.agent import Agent
+
+
+def averaged(agents: list[Agent]) -> Agent:
+    """An agent with the means of all parameters and the description of the last one.
+
+    Args:
+        agents: Of the same network.
+    """
+    trees = [agent.params["params"] for agent in agents]
+    mean = jax.tree.map(lambda *leaves: np.mean(leaves, axis=0), *trees)
+    return Agent(agents[-1].card, mean)
+
+
+def main() -> None:
+    """Read the agents, write their average."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("agents", nargs="+", type=Path)
+    given = parser.parse_args()
+    save_agent(averaged([load_agent(folder) for folder in given.agents]), given.out)
+
+
+if __name__ == "__main__":
+    main()
