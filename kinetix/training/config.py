@@ -7,7 +7,7 @@ except that `parity` is off (see `presets/kinetix-3.toml`).
 import dataclasses
 from typing import Literal, get_args
 
-from kinetix.agents.networks.config import NetworkConfig
+from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.training.ranges import check_ranges
 
@@ -182,6 +182,12 @@ class PpoConfig:
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")
+        reads = OBSERVATIONS_OF_KIND[self.network.kind]
+        if self.observation_type not in reads:
+            raise KinetixError(
+                f"observation_type = {self.observation_type!r}: a network of the kind "
+                f"{self.network.kind} reads {' or '.join(reads)}"
+            )
 
     def _check_minibatches(self) -> None:
         units = self.num_train_envs

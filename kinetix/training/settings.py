@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import msgspec
 
-from kinetix.agents.networks.config import NetworkConfig
+from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
@@ -77,8 +77,7 @@ def make_config(
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
     _complete(fields)
-    observation = fields.get("observation_type", "symbolic_entity")
-    network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))
+    _match(fields, network, values or {})
     try:
         fields[NETWORK] = msgspec.convert(network, NetworkConfig)
         config = msgspec.convert(
@@ -89,6 +88,19 @@ def make_config(
         raise KinetixError(f"training configuration: {error}") from None
     config.check()
     return config
+
+
+def _match(fields: dict[str, Any], network: dict[str, Any], flags: Mapping[str, Any]) -> None:
+    """Let the network follow the observation, or the observation a flag that names the network."""
+    told = [name for name in ("kind", "observation_type") if flags.get(name) is not None]
+    reads = OBSERVATIONS_OF_KIND.get(network.get("kind", ""), ())
+    if fields.get("observation_type") not in reads:
+        if told == ["kind"] and reads:
+            fields["observation_type"] = reads[0]
+        elif told == ["observation_type"]:
+            network.pop("kind", None)
+    observation = fields.get("observation_type", "symbolic_entity")
+    network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))
 
 
 def _sources(

@@ -163,3 +163,24 @@ def test_the_papers_numbers_come_with_the_papers_environment():
 def test_a_field_that_does_not_exist_is_not_ignored():
     with pytest.raises(KinetixError, match="num_train_env: ppo has no such field; did you mean"):
         make_config("ppo", values={"num_train_env": 3})
+
+
+@pytest.mark.parametrize(
+    ("flags", "observation", "kind"),
+    [
+        ({"kind": "relational"}, "symbolic_entity", "relational"),
+        ({"kind": "cnn"}, "pixels", "cnn"),
+        ({"observation_type": "symbolic_entity"}, "symbolic_entity", "entity_transformer"),
+        ({"observation_type": "blind"}, "blind", "flat_mlp"),
+        ({}, "symbolic_flat", "flat_mlp"),
+    ],
+)
+def test_network_and_observation_follow_each_other(flags, observation, kind):
+    config = make_config("ppo", preset="small", values=flags)
+    assert (config.observation_type, config.network.kind) == (observation, kind)
+
+
+def test_a_network_that_cannot_read_the_observation_is_refused():
+    flags = {"kind": "relational", "observation_type": "symbolic_flat"}
+    with pytest.raises(KinetixError, match="a network of the kind relational reads symbolic_ent"):
+        make_config("ppo", preset="small", values=flags)

@@ -71,8 +71,7 @@ class NetworkConfig:
     symbolic_embedding_dim: int = 256
     """Embedding width of the invariant network."""
     encoder_size: int = 64
-    """Width of an encoded row in the invariant network, the four kind columns included, and in the
-    relational one."""
+    """Width of an encoded row (relational network; invariant network, four columns included)."""
     message_rounds: int = 1
     """Rounds of messages along joints (relational network)."""
     separate_actor_critic: bool = False
