@@ -58,18 +58,20 @@ def main() -> int:
     """Run the example."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--agent", type=Path, default=checkpoints_dir() / "general")
-    parser.add_argument("--level", default=str(Path(__file__).parent / "fly_over.json"))
+    parser.add_argument("--level", default="m/salute")
     parser.add_argument("--out", type=Path, default=Path("fine_tuning"))
     parser.add_argument("--seeds", type=int, default=1, help="how many runs from each start")
     parser.add_argument("arguments", nargs="*", help="more arguments for `kinetix train ppo`")
     given = parser.parse_args()
 
-    starts = {"from the general agent": ["--from", str(given.agent)], "from nothing": []}
+    # What an agent can do is lost in large steps, and while the critic knows nothing of the level.
+    gently = ["--learning-rate", "3e-4", "--critic-warmup", "4"]
+    starts = {"from the general agent": ["--from", str(given.agent), *gently], "from nothing": []}
     curves: dict[str, list[Curve]] = {name: [] for name in starts}
     for seed in range(given.seeds):
         for name, start in starts.items():
             run = given.out / f"{name.replace(' ', '_')}_{seed}"
-            command = ["train", "ppo", "--preset", "small", "--size", "s", "--levels", given.level]
+            command = ["train", "ppo", "--preset", "small", "--levels", given.level]
             command += ["--seed", str(seed), "--eval-freq", "0", "--out", str(run)]
             if status := kinetix([*command, *start, *given.arguments]):
                 return status

@@ -20,7 +20,7 @@ from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
 from kinetix.level.sets import common_capacity, gather_levels
-from kinetix.level.sizes import parse_capacity
+from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 
 CONFIG = "config.toml"
@@ -66,6 +66,7 @@ def make_config(
     network: dict[str, Any] = {}
     for content, where in _sources(algorithm, preset=preset, file=file, run=run):
         _take(fields, network, content, algorithm, where)
+    size_of_preset = "" if preset is None else _preset(preset).get("size", "")
     known = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} | set(_NETWORK_NAMES)
     for name, value in (values or {}).items():
         if name not in known:
@@ -76,6 +77,8 @@ def make_config(
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
+    if "size" not in (values or {}) and fields.get("size") == size_of_preset:
+        _make_room(fields)
     _complete(fields)
     _match(fields, network, values or {})
     try:
@@ -225,6 +228,14 @@ def field_notes(owner: type) -> dict[str, str]:
                 is_text = isinstance(note, ast.Expr) and isinstance(note.value, ast.Constant)
                 notes[field.target.id] = str(note.value.value) if is_text else ""  # pyright: ignore
     return notes
+
+
+def _make_room(fields: dict[str, Any]) -> None:
+    """Drop the size that a preset says where the listed levels are too large for it."""
+    levels = fields.get("levels") or ()
+    needed = [capacity_of(level.level) for level in gather_levels(levels)] if levels else []
+    if not all(parse_capacity(fields["size"]).covers(each) for each in needed):
+        del fields["size"]
 
 
 def _size_of(levels: Sequence[str]) -> str:

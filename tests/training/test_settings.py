@@ -184,3 +184,10 @@ def test_a_network_that_cannot_read_the_observation_is_refused():
     flags = {"kind": "relational", "observation_type": "symbolic_flat"}
     with pytest.raises(KinetixError, match="a network of the kind relational reads symbolic_ent"):
         make_config("ppo", preset="small", values=flags)
+
+
+def test_levels_that_are_too_large_for_a_presets_size_have_their_own():
+    assert make_config("ppo", preset="small", values={"levels": ["s/wheelie"]}).size == "s"
+    assert make_config("ppo", preset="small", values={"levels": ["m/salute"]}).size == "6,3,2,2"
+    told = {"levels": ["m/salute"], "size": "s"}
+    assert make_config("ppo", preset="small", values=told).size == "s"
