@@ -1,4 +1,4 @@
-"""Draw the bundled levels: one thumbnail each, and sheets of them, into docs/pictures."""
+"""Draw the bundled levels, one thumbnail each, sheets of them and of random machines."""
 
 import sys
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ import jax
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.level.codec import load_level
@@ -92,6 +93,8 @@ def main() -> None:
         save(sheet(pictures, [level.name for level in levels], 6), PICTURES / f"levels_{size}.png")
         every += [each.resize((SMALL, SMALL), Image.Resampling.LANCZOS) for each in pictures]
     save(sheet(every, [""] * len(every), 12), PICTURES / "levels.png")
+    machines = [thumbnails.picture(level, SMALL + 14) for level in random_machines(2, "l", 24)]
+    save(sheet(machines, [""] * len(machines), 8), PICTURES / "machines.png")
 
 
 if __name__ == "__main__":
