@@ -2,8 +2,8 @@
 
 The random levels of `generators.sample` are heaps of shapes; what people build are machines. Each
 level here is one family of machine with random measures, motors and keys, a goal where it might
-get, and hazards and obstacles in the way. No shapes overlap; nothing is checked by playing: some levels are trivial
-and some cannot be won, as with the heaps. Documents only, no JAX.
+get, and hazards and obstacles in the way. No shapes overlap; nothing is checked by playing: some
+levels are trivial and some cannot be won, as with the heaps. Documents only, no JAX.
 """
 
 from kinetix.environment.generators.machines.draw import random_machine, random_machines
