@@ -94,7 +94,7 @@ class WebHost(OffscreenHost):
         self._said: queue.SimpleQueue[list[Message]] = queue.SimpleQueue()
         self._outlet = Outlet(lambda: self._said.put([]))
         self._server = PageServer(self._outlet, self._take, address=address, port=port)
-        self._unshown = False
+        self._unshown = self._told_to_end = False
         self._scale_given = scale is not None
         super().__init__(session, size=size, scale=scale or 1.0)
         self._page_clipboard = PageClipboard(self._outlet)
@@ -166,19 +166,34 @@ class WebHost(OffscreenHost):
         return events.ResizeEvent(width=self.size[0], height=self.size[1])
 
     def run(self) -> None:
-        """Serve until the app is closed or Ctrl+C is pressed."""
+        """Serve until the app is closed or Ctrl+C is pressed; pressed twice, it ends at once."""
+        # Flags, no exceptions: Python drops one that is raised while it collects garbage, say. And
         # SDL would make a question of SIGTERM that nobody sees.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        signal.signal(signal.SIGINT, self._be_told_to_end)
+        signal.signal(signal.SIGTERM, self._be_told_to_end)
         try:
             self._server.start()
             self._announce()
             super().run()
         except KeyboardInterrupt:
-            # The ordinary way to end a server. Copies of unsaved levels wait for the next start.
-            self.session.save_aside()
+            self._told_to_end = True
         finally:
+            if self._told_to_end:
+                # The ordinary end of a server. Copies of unsaved levels wait for the next start.
+                self.session.save_aside()
             self._outlet.tell("ended", True)
             self._outlet.finish()
+
+    @property
+    def running(self) -> bool:
+        """See `Host.running`."""
+        return super().running and not self._told_to_end
+
+    def _be_told_to_end(self, *_: object) -> None:
+        if self._told_to_end:
+            raise KeyboardInterrupt
+        self._told_to_end = True
+        self._said.put([])  # it may be waiting for the page
 
     def _announce(self) -> None:
         """Print the address to open."""

@@ -160,6 +160,34 @@ def run(home, *words):
     )
 
 
+_TOLD_AT_A_BAD_MOMENT = """
+import signal, sys
+from editor.__main__ import main
+from editor.hosts.web.host import WebHost
+
+class Last:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+def follow(host, frames=[]):
+    frames.append(1)
+    Last() if len(frames) == 3 else None
+
+WebHost._follow = follow
+sys.argv = ["kinetix-editor", "--serve", "--port", "0"]
+sys.exit(main())
+"""
+
+
+def test_it_ends_when_it_is_told_to_while_exceptions_are_dropped(home):
+    """Python drops what is raised in a finaliser, Ctrl+C's exception too."""
+    command = [sys.executable, "-c", _TOLD_AT_A_BAD_MOMENT]
+    ended = subprocess.run(
+        command, env=home, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+
+
 def test_a_port_that_is_taken_is_one_sentence(home, served):
     done = run(home, "--serve", "--port", str(served.port))
     assert done.returncode == 1
