@@ -77,9 +77,9 @@ def make_config(
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
-    if "size" not in (values or {}) and fields.get("size") == size_of_preset:
-        _make_room(fields)
-    _complete(fields)
+    _complete(
+        fields, may_grow="size" not in (values or {}) and fields.get("size") == size_of_preset
+    )
     _match(fields, network, values or {})
     try:
         fields[NETWORK] = msgspec.convert(network, NetworkConfig)
@@ -148,12 +148,12 @@ def _check_sources(fields: dict[str, Any]) -> None:
         fields[name] = [str(each) for each in listed]
 
 
-def _complete(fields: dict[str, Any]) -> None:
-    """Fill in what follows from other fields."""
+def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
+    """Fill in what follows from other fields; levels too large for a size that may grow set it."""
     if fields.get("levels"):
         fields["level_mode"] = "list"
-        if "size" not in fields:
-            fields["size"] = _size_of(fields["levels"])
+        if "size" not in fields or may_grow:
+            fields["size"] = _size_of(fields["levels"], fields.get("size"))
     if "size" in fields:
         parse_capacity(fields["size"])
     if fields.get("eval_levels"):
@@ -230,18 +230,14 @@ def field_notes(owner: type) -> dict[str, str]:
     return notes
 
 
-def _make_room(fields: dict[str, Any]) -> None:
-    """Drop the size that a preset says where the listed levels are too large for it."""
-    levels = fields.get("levels") or ()
-    needed = [capacity_of(level.level) for level in gather_levels(levels)] if levels else []
-    if not all(parse_capacity(fields["size"]).covers(each) for each in needed):
-        del fields["size"]
-
-
-def _size_of(levels: Sequence[str]) -> str:
-    """The common capacity of some levels, as four numbers."""
-    capacity = common_capacity(level.level for level in gather_levels(levels))
-    return ",".join(map(str, dataclasses.astuple(capacity)))
+def _size_of(levels: Sequence[str], preferred: str | None) -> str:
+    """Return the preferred size if it has room for all levels, else their common one in numbers."""
+    found = [level.level for level in gather_levels(levels)]
+    if preferred is not None:
+        room = parse_capacity(preferred)
+        if all(room.covers(capacity_of(level)) for level in found):
+            return preferred
+    return ",".join(map(str, dataclasses.astuple(common_capacity(found))))
 
 
 def _take(

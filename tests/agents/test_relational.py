@@ -147,7 +147,7 @@ def test_every_kind_of_action_and_memory(action, recurrent):
 @pytest.mark.parametrize("control", range(6))
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_heads_arrange_controls_as_actions_do(action, control, sign):
-    """What is said for one control is what the likeliest action does."""
+    """Logits that favour one control make the likeliest action drive that control alone."""
     if control >= 4 and sign < 0:
         return
     motors, jets = jnp.zeros((4, 3)), jnp.zeros((2, 2))

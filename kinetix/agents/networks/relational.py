@@ -33,7 +33,7 @@ _WEIGHTS: Final = slice(4, 7)
 _GREEN: Final = 9
 _BLUE: Final = 10
 _ROLES: Final = 8
-"""Where the one-hot of the roles begins; what follows it moves with the number of roles."""
+"""First column of the one-hot of the roles; later columns move with the number of roles."""
 _CIRCLE_WITHOUT_ROLES: Final = 15
 _CORNERS: Final = 8
 """Coordinates of a polygon's corners."""
@@ -44,12 +44,12 @@ _JET: Final = slice(1, 3)
 _JET_KEY: Final = 3
 _THRUSTER_WITHOUT_KEYS: Final = 6
 _NOWHERE: Final = 1e9
-"""What keeps rows without a body out of a maximum."""
+"""Subtracted from inactive rows, so that a maximum never takes them."""
 
 
 @dataclasses.dataclass(frozen=True)
 class _Bodies:
-    """What is known of the bodies before anything is learnt; polygons, then circles."""
+    """Features of the bodies that no layer computes; polygons, then circles."""
 
     rows: Float[Array, "*n b c"]
     """The columns that both kinds have, and radius."""
@@ -61,7 +61,7 @@ class _Bodies:
 
     def of_role(self, column: int, values: Float[Array, "*n b f"]) -> Float[Array, "*n f"]:
         """Sum of the rows of one role: that of the only body that has it."""
-        return jnp.einsum("...b,...bf->...f", self.rows[..., column] * self.active, values)
+        return _of_role(self.rows, self.active, column, values)
 
 
 class RelationalNetwork(nn.Module):
@@ -129,7 +129,7 @@ class RelationalNetwork(nn.Module):
         return x
 
     def _said(self, name: str, seen: Array, actor: Array, choices: int) -> Array:
-        """What the layers that all controls of a kind share say of each of them."""
+        """Logits of each control of a kind, by layers that all of the kind share."""
         own = dense(self.width, name=f"{name}_seen")(seen)
         common = dense(self.width, name=f"{name}_whole")(actor)[..., None, :]
         hidden = ACTIVATIONS[self.shared.activation](own + common)
@@ -160,11 +160,14 @@ def _bodies(observation: Any) -> _Bodies:
     turn = _ROLES + circles.shape[-1] - _CIRCLE_WITHOUT_ROLES
     sin, cos, place = rows[..., turn], rows[..., turn + 1], rows[..., _PLACE]
     green, blue = (
-        jnp.einsum("...b,...bf->...f", rows[..., column] * active, place)[..., None, :]
-        for column in (_GREEN, _BLUE)
+        _of_role(rows, active, column, place)[..., None, :] for column in (_GREEN, _BLUE)
     )
     frames = [place, sin[..., None], cos[..., None], place - green, place - blue]
     return _Bodies(rows, active, sin, cos, jnp.concatenate(frames, axis=-1))
+
+
+def _of_role(rows: Array, active: Array, column: int, values: Array) -> Array:
+    return jnp.einsum("...b,...bf->...f", rows[..., column] * active, values)
 
 
 def _pooled(known: _Bodies, bodies: Float[Array, "*n b e"]) -> Float[Array, "*n f"]:

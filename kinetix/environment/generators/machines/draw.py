@@ -18,7 +18,7 @@ from kinetix.level.validate import has_errors, validate
 ATTEMPTS: Final = 200
 """Draws after which no level of a family is expected to fit any more."""
 OVERLAP: Final = "W202"
-"""What validation says of shapes that would be pushed apart."""
+"""Code of the warning about shapes that overlap and would be pushed apart."""
 
 
 def random_machine(dice: random.Random, size: str, families: Sequence[Family] = ()) -> Level:

@@ -9,15 +9,19 @@ from kinetix.environment.generators.machines.surroundings import (
     goal_anywhere,
     goal_around,
 )
-from kinetix.environment.generators.machines.workshop import FLOOR, Workshop, jet
+from kinetix.environment.generators.machines.workshop import FLOOR, Workshop
 from kinetix.level.model import Point
 
 
-def car(shop: Workshop, *, x: float | None = None) -> tuple[int, Point]:
-    """A board on driven wheels, the goal to one side; the board and its place."""
+def car(shop: Workshop) -> tuple[int, Point]:
+    """A board on driven wheels.
+
+    Returns:
+        The board, and the middle of its top.
+    """
     length, radius = shop.between(0.5, 1.3), shop.between(0.12, 0.3)
     thick = shop.between(0.1, 0.4)
-    x = shop.between(0.7, 2.0) if x is None else x
+    x = shop.between(0.7, 2.0)
     axle = FLOOR + radius
     wheel_tip = shop.chance(0.15)
     board = shop.box(x, axle + thick / 2, length, thick, role="none" if wheel_tip else shop.tip)
@@ -47,7 +51,7 @@ def pushing(shop: Workshop) -> None:
     else:
         x, size = shop.between(0.5, 1.5), shop.between(0.3, 0.6)
         crate = shop.box(x, FLOOR + size / 2, size, size, friction=shop.between(0, 0.5))
-        jet(shop, crate, (x - size / 2, FLOOR + size / 2), 0.0, size * size, 0)
+        shop.jet(crate, (x - size / 2, FLOOR + size / 2), 0.0, size * size, 0)
     shop.tip = tip
     shop.lump(x + shop.between(0.9, 1.5), FLOOR + 0.3, shop.between(0.25, 0.5), role=tip)
     far_goal(shop, x + 1.0)
@@ -89,11 +93,11 @@ def flying(shop: Workshop) -> None:
     if kind == "pair":
         for index, side in enumerate((-1, 1)):
             at = (x + side * width * 0.4, y - height * 0.4)
-            jet(shop, body, at, math.pi / 2, mass / 1.3, index)
+            shop.jet(body, at, math.pi / 2, mass / 1.3, index)
     else:
-        jet(shop, body, (x, y - height * 0.4), math.pi / 2, mass, 0)
+        shop.jet(body, (x, y - height * 0.4), math.pi / 2, mass, 0)
         if kind == "cross":
-            jet(shop, body, (x - width * 0.4, y), 0.0, mass / 2, 1)
+            shop.jet(body, (x - width * 0.4, y), 0.0, mass / 2, 1)
     goal_anywhere(shop, x)
     shop.furniture = shop.chance(0.5)
 
@@ -131,16 +135,15 @@ def balancing(shop: Workshop) -> None:
     pole, end = shop.rod(axle, lean, length, role=shop.tip)
     shop.build.hinge(pole, wheel, axle, motor=shop.motor(0, speed=(0.8, 3.0), power=(0.8, 3.0)))
     if shop.chance(0.3):
-        jet(shop, pole, end, 0.0 if shop.chance(0.5) else math.pi, length * 0.2, 0)
+        shop.jet(pole, end, 0.0 if shop.chance(0.5) else math.pi, length * 0.2, 0)
     if shop.chance(0.5):
         shop.lump(x + shop.between(0.9, 2.0), end[1] - 0.15, 0.5, role=shop.goal, fixed=True)
     else:
         far_goal(shop, x)
 
 
-def crawling(shop: Workshop, links: int | None = None) -> None:
+def crawling(shop: Workshop, links: int = 2) -> None:
     """A chain of links with motors on the floor."""
-    links = 2 if links is None else links
     x, thick = shop.between(0.4, 1.2), shop.between(0.14, 0.26)
     at, last = (x, FLOOR + thick / 2 + 0.02), None
     tip = shop.dice.choice((0, links - 1))
@@ -221,8 +224,8 @@ def towing(shop: Workshop) -> None:
     x, y, size = shop.between(1.0, 4.0), shop.between(2.0, 3.5), shop.between(0.3, 0.6)
     tug = shop.box(x, y, size, size * 0.6)
     mass = 1.6 * size * size
-    jet(shop, tug, (x - size * 0.4, y - size * 0.2), math.pi / 2, mass, 0)
-    jet(shop, tug, (x + size * 0.4, y - size * 0.2), math.pi / 2, mass, 1)
+    shop.jet(tug, (x - size * 0.4, y - size * 0.2), math.pi / 2, mass, 0)
+    shop.jet(tug, (x + size * 0.4, y - size * 0.2), math.pi / 2, mass, 1)
     if shop.chance(0.5):
         load, _ = shop.rod((x, y), -math.pi / 2, shop.between(0.5, 1.0), role=shop.tip)
     else:
@@ -241,7 +244,7 @@ def swinging(shop: Workshop) -> None:
     bar, end = shop.rod(hub, -math.pi / 2 + shop.between(-0.5, 0.5), length, role=shop.tip)
     if shop.chance(0.5):
         shop.build.hinge(base, bar, hub)
-        jet(shop, bar, end, 0.0 if shop.chance(0.5) else math.pi, length * 0.12, 0)
+        shop.jet(bar, end, 0.0 if shop.chance(0.5) else math.pi, length * 0.12, 0)
     else:
         motor = shop.motor(0, speed=(0.3, 1.5), power=(0.05, 0.6))
         shop.build.hinge(base, bar, hub, motor=motor)

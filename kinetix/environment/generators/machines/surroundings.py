@@ -1,4 +1,4 @@
-"""What surrounds a machine: the goal, then hazards and obstacles."""
+"""The goal of a machine, then hazards and obstacles."""
 
 import math
 

@@ -28,7 +28,7 @@ class Workshop:
         self.keys = dice.sample(range(4), 4)
         self.jets = dice.sample(range(2), 2)
         self.furniture = True
-        """Whether obstacles on the floor make sense."""
+        """True if obstacles may stand on the floor; else they hang in the air."""
 
     def between(self, low: float, high: float) -> float:
         """A number between two."""
@@ -75,18 +75,17 @@ class Workshop:
         middle = ((at[0] + x) / 2, (at[1] + y) / 2)
         return self.box(*middle, length, width, angle=direction, **more), (x, y)
 
+    def jet(self, body: int, at: Point, direction: float, mass: float, index: int) -> None:
+        """A thruster that can lift about this mass [kg], somewhat more or less."""
+        power = mass * self.between(0.9, 2.6)
+        tilt = self.between(-0.15, 0.15) if self.chance(0.3) else 0.0
+        self.build.thruster(
+            body, at, angle=direction + tilt, power=max(power, 0.02), binding=self.jets[index]
+        )
+
     def _surface(self) -> dict[str, Any]:
         return {
             "friction": self.dice.choice((1.0, 1.0, 0.5, self.between(0.0, 1.0))),
             "restitution": self.dice.choice((0.0, 0.0, 0.2, self.between(0.0, 0.8))),
             "density": self.dice.choice((1.0, 1.0, self.between(0.3, 3.0))),
         }
-
-
-def jet(shop: Workshop, body: int, at: Point, direction: float, mass: float, index: int) -> None:
-    """A jet that can lift about this mass [kg], somewhat more or less."""
-    power = mass * shop.between(0.9, 2.6)
-    tilt = shop.between(-0.15, 0.15) if shop.chance(0.3) else 0.0
-    shop.build.thruster(
-        body, at, angle=direction + tilt, power=max(power, 0.02), binding=shop.jets[index]
-    )
