@@ -8,6 +8,7 @@ from kinetix.cli import main
 from kinetix.environment.generators.machines import FAMILIES, random_machine, random_machines
 from kinetix.errors import KinetixError
 from kinetix.level.codec import dumps, load_level, loads
+from kinetix.level.model import ARENA_NAMES
 from kinetix.level.sizes import capacity_of, size_name
 from kinetix.level.validate import has_errors, validate
 
@@ -21,7 +22,8 @@ def test_levels_are_sound_and_of_the_size(size):
         assert not has_errors(issues)
         assert not [issue for issue in issues if issue.code == "W202"]
         assert size_name(capacity_of(level)) == size
-        roles = [body.role for body in level.bodies]
+        arena = [getattr(level.arena, name).role for name in ARENA_NAMES]
+        roles = arena + [body.role for body in level.bodies]
         assert (roles.count("green"), roles.count("blue")) == (1, 1)
         controls = [joint.motor for joint in level.joints if joint.motor] + [*level.thrusters]
         assert controls, level.name

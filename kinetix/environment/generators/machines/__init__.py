@@ -6,7 +6,11 @@ get, and hazards and obstacles in the way. No shapes overlap; nothing is checked
 levels are trivial and some cannot be won, as with the heaps. Documents only, no JAX.
 """
 
-from kinetix.environment.generators.machines.draw import random_machine, random_machines
+from kinetix.environment.generators.machines.draw import (
+    numbered_machine,
+    random_machine,
+    random_machines,
+)
 from kinetix.environment.generators.machines.families import FAMILIES, Family
 
-__all__ = ["FAMILIES", "Family", "random_machine", "random_machines"]
+__all__ = ["FAMILIES", "Family", "numbered_machine", "random_machine", "random_machines"]

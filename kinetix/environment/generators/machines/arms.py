@@ -72,3 +72,42 @@ def swinging(shop: Workshop) -> None:
     x, y = hub[0] + reach * math.cos(angle), hub[1] + reach * math.sin(angle)
     shop.lump(min(max(x, 0.3), 4.7), min(max(y, 0.7), 4.7), 0.4, role=shop.goal, fixed=True)
     shop.furniture = False
+
+
+def catching(shop: Workshop) -> None:
+    """A bat that has to meet a ball in flight."""
+    x, y = shop.between(1.2, 3.8), shop.between(0.9, 2.6)
+    hub = shop.ball(x, y, 0.1, fixed=True)
+    bat, _ = shop.rod(
+        (x, y), shop.between(-math.pi, math.pi), shop.between(0.6, 1.3), role=shop.goal
+    )
+    motor = shop.motor(0, speed=(0.4, 2.5), power=(0.6, 3.0))
+    shop.build.hinge(hub, bat, (x, y), motor=motor)
+    side, radius = shop.dice.choice((-1, 1)), shop.between(0.1, 0.25)
+    start = (min(max(x + side * shop.between(0.4, 2.0), 0.3), 4.7), shop.between(y + 0.5, 4.6))
+    velocity = (-side * shop.between(0.0, 2.5), shop.between(-1.0, 2.0))
+    shop.ball(*start, radius, role=shop.tip, velocity=velocity)
+    shop.deadly(0.8, "floor")
+    shop.furniture = False
+
+
+def flipping(shop: Workshop) -> None:
+    """One or two flippers under a falling ball; the goal is above them."""
+    y, middle = shop.between(0.8, 1.4), shop.between(1.8, 3.2)
+    radius, apart = shop.between(0.1, 0.2), shop.between(0.7, 1.2)
+    sides = shop.dice.choice(((-1, 1), (-1, 1), (-1,), (1,)))
+    for index, side in enumerate(sides):
+        hub = (middle + side * apart, y)
+        base = shop.ball(*hub, 0.08, fixed=True)
+        slope = math.pi / 2 + side * (math.pi / 2 + shop.between(0.1, 0.4))
+        lever, _ = shop.rod(hub, slope, apart - 0.1, friction=0.5)
+        reach = shop.between(0.6, 1.2)
+        limits = (-reach, 0.05) if side == 1 else (-0.05, reach)
+        motor = shop.motor(index, speed=(1.0, 3.0), power=(1.0, 3.0))
+        shop.build.hinge(base, lever, hub, motor=motor, limits=limits)
+    drop = middle + shop.between(-0.8, 0.8) * apart
+    shop.ball(drop, y + shop.between(0.8, 1.8), radius, role=shop.tip, restitution=0.3)
+    goal = min(max(middle + shop.between(-1.2, 1.2), 0.4), 4.6)
+    shop.lump(goal, y + shop.between(0.4, 1.5), 0.5, role=shop.goal, fixed=True)
+    shop.deadly(0.6, "floor")
+    shop.furniture = False

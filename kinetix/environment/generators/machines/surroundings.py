@@ -1,28 +1,43 @@
-"""The goal of a machine, then hazards and obstacles."""
+"""The goal of a machine, what it stands on, then hazards and obstacles."""
 
 import math
 
 from kinetix.engine.spec import Capacity
 from kinetix.environment.generators.machines.workshop import FLOOR, Workshop
+from kinetix.level.geometry import bounds
 from kinetix.level.model import Point, Role
 from kinetix.level.sizes import needed_capacity
+from kinetix.level.validate import MAX_SHAPE_SIZE
 
 
-def far_goal(shop: Workshop, x: float) -> None:
-    """The goal on the floor, at the wall or a little up, to the right of x (or to the left)."""
-    if x > 2.2 and shop.chance(0.3):
-        low, high = 0.35, x - 0.9
+def far_goal(shop: Workshop, x: float, *, reach: float = 5.0, ahead: bool = False) -> None:
+    """The goal on the floor, at the wall or higher up, to the right of x (or to the left).
+
+    Args:
+        shop: Has the machine.
+        x: Where the machine is [m].
+        reach: How far off the goal may be [m].
+        ahead: True if it is never to the left.
+    """
+    if x > 2.2 and not ahead and shop.chance(0.3):
+        low, high = max(0.35, x - reach), x - 0.9
     else:
-        low, high = x + 0.9, 4.65
+        low, high = x + 0.9, min(4.65, x + reach)
     place = shop.between(low, high) if low < high else 4.5
     size = shop.between(0.3, 0.8)
-    kind = shop.dice.choice(("floor", "floor", "fixed", "wall", "high"))
-    if kind == "wall":
+    kind = shop.dice.choice(("floor", "floor", "fixed", "wall", "high", "ledge", "arena"))
+    if kind == "arena":
+        shop.arena["right_wall" if place > x else "left_wall"] = shop.goal
+    elif kind == "ledge":
+        height, width = shop.between(0.1, 0.8), shop.between(0.5, 1.4)
+        shop.box(place, FLOOR + height / 2, width, height, fixed=True)
+        shop.lump(place, FLOOR + height + size * 0.68, size, role=shop.goal)
+    elif kind == "wall":
         height = shop.between(0.6, 2.0)
         side = 4.8 if place > x else 0.2
         shop.box(side, FLOOR + height / 2, 0.3, height, role=shop.goal, fixed=True)
     elif kind == "high":
-        y = FLOOR + shop.between(0.5, 1.3)
+        y = FLOOR + shop.between(0.35, 0.9)
         shop.lump(place, y, size, role=shop.goal, fixed=True)
     else:
         y = FLOOR + size * 0.68
@@ -50,6 +65,32 @@ def goal_anywhere(shop: Workshop, x: float) -> None:
         shop.lump(place, y, size, role=shop.goal, fixed=True)
 
 
+def stand(shop: Workshop) -> None:
+    """Put a ledge under a machine that begins on one."""
+    bodies = [body for body in shop.build.build().bodies if body.role != shop.goal]
+    boxes = [bounds(body) for body in bodies if not body.fixed]
+    low = [box for box in boxes if box[1] < shop.ground + 0.15]
+    if not (shop.ledge and low):
+        return
+    left = max(min(box[0] for box in low) - shop.between(0.05, 0.4), 0.0)
+    right = min(max(box[2] for box in low) + shop.between(0.05, 0.6), 5.0)
+    thick = shop.ground - FLOOR if shop.chance(0.5) else 0.15
+    parts = math.ceil((right - left) / MAX_SHAPE_SIZE)
+    for index in range(parts):
+        x = left + (index + 0.5) * (right - left) / parts
+        shop.box(x, shop.ground - thick / 2, (right - left) / parts, thick, fixed=True)
+
+
+def gate(shop: Workshop) -> None:
+    """A slot between two bars, wherever it fits."""
+    x, slot = shop.between(1.4, 3.6), shop.between(0.6, 1.4)
+    middle = shop.between(1.2, 4.0)
+    role: Role = "red" if shop.chance(0.6) else "none"
+    for side in shop.dice.choice(((-1, 1), (-1,), (1,))):
+        height = shop.between(0.4, 1.6)
+        shop.box(x, middle + side * (slot + height) / 2, 0.15, height, role=role, fixed=True)
+
+
 def furnish(shop: Workshop, capacity: Capacity) -> None:
     """Put hazards and obstacles where there is room.
 
@@ -57,18 +98,22 @@ def furnish(shop: Workshop, capacity: Capacity) -> None:
         shop: Has the machine.
         capacity: Room of the level's size.
     """
-    for _ in range(shop.dice.choice((0, 0, 1, 1, 2, 3))):
+    if shop.chance(0.15) and needed_capacity(shop.build.build()).polygons + 2 <= capacity.polygons:
+        gate(shop)
+    for _ in range(shop.dice.choice((0, 0, 1, 1, 2, 3, capacity.polygons // 2))):
         have = needed_capacity(shop.build.build())
         balls, boxes = have.circles < capacity.circles, have.polygons < capacity.polygons
         if not (balls or boxes):
             return
-        role: Role = "red" if shop.chance(0.45) else "none"
         x, extent = shop.between(0.4, 4.6), shop.between(0.15, 0.6)
-        fixed = shop.chance(0.7)
-        if shop.furniture and shop.chance(0.6):
-            y = FLOOR + extent * (shop.between(0.0, 0.3) if fixed and role == "none" else 0.52)
+        if shop.furniture and shop.chance(0.5):
+            role: Role = "red" if shop.chance(0.2) else "none"
+            fixed = shop.chance(0.5)
+            extent *= 0.6
+            y = FLOOR + extent * (shop.between(-0.3, 0.1) if fixed and role == "none" else 0.52)
         else:
-            y, fixed = shop.between(0.9, 4.4), True
+            role, fixed = "red" if shop.chance(0.45) else "none", True
+            y = shop.between(0.9, 4.4)
         if boxes and (not balls or shop.chance(0.6)):
             angle = shop.between(-0.6, 0.6) if fixed and shop.chance(0.3) else 0.0
             wide = extent * shop.between(0.6, 2.5)

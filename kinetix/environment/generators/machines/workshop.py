@@ -5,7 +5,7 @@ import random
 from typing import Any, Final
 
 from kinetix.level.builder import LevelBuilder
-from kinetix.level.model import Motor, Point, Role
+from kinetix.level.model import ArenaName, Motor, Point, Role
 
 FLOOR: Final = 0.4
 """Height of the floor [m]."""
@@ -29,6 +29,12 @@ class Workshop:
         self.jets = dice.sample(range(2), 2)
         self.furniture = True
         """True if obstacles may stand on the floor; else they hang in the air."""
+        self.ledge = self.chance(0.25)
+        """True if the machine begins on a ledge, where its family lets it."""
+        self.ground = FLOOR + self.between(0.3, 1.6) if self.ledge else FLOOR
+        """Height on which the machine stands [m]."""
+        self.arena: dict[ArenaName, Role] = {}
+        """Roles of floor, walls and ceiling, where they have one."""
 
     def between(self, low: float, high: float) -> float:
         """A number between two."""
@@ -37,6 +43,12 @@ class Workshop:
     def chance(self, share: float) -> bool:
         """True in this share of the cases."""
         return self.dice.random() < share
+
+    def deadly(self, share: float, *names: ArenaName) -> None:
+        """Let floor, walls or ceiling be red, in this share of the cases."""
+        for name in names:
+            if name not in self.arena and self.chance(share):
+                self.arena[name] = "red"
 
     def motor(self, key: int, *, speed: tuple[float, float], power: tuple[float, float]) -> Motor:
         """A motor for the key of this number; one of five turns the other way round."""
