@@ -35,6 +35,8 @@ class Teach:
     """Perturbed starts per level that are tried too, each with a round of its own."""
     mirror: bool = True
     """True if mirror images are tried too, with the same plan."""
+    machines: bool = False
+    """Random machines (cars, arms, rockets, …) instead of heaps of random shapes."""
     cores: int | None = None
     """Processor cores to use (KINETIX_CORES, else all)."""
 
@@ -54,6 +56,7 @@ def run(command: Teach) -> int:
         batch=command.batch,
         copies=command.copies,
         mirror=command.mirror,
+        machines=command.machines,
     )
     done = teach(config, command.count, command.out, report=_report)
     print(f"{command.out}: {_told(done)}")

@@ -14,6 +14,7 @@ from kinetix.cli.dataset import GatherEpisodes, run
 from kinetix.datasets.episode import winning_plan
 from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset
 from kinetix.datasets.replays import checked
+from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import static_env_params_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
@@ -55,6 +56,20 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
     assert told.episodes >= told.won
     stored = json.loads((out / teach.PROGRESS).read_text())
     assert stored["yield"]["won"] == told.won
+
+
+@pytest.mark.slow
+def test_the_teacher_wins_random_machines_as_they_are(monkeypatch, tmp_path):
+    monkeypatch.setattr(teach, "SHARD", 8)
+    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=0, physics="fast", machines=True)
+    told = teach.teach(config, 3, tmp_path)
+    levels = {level.name for level in random_machines(0, "s", told.levels)}
+    episodes = list(read_dataset(tmp_path))
+    assert {episode.level.name for episode in episodes} <= levels
+    assert {episode.attempt for episode in episodes} == {0}
+    assert told.won / told.levels > 0.2
+    with pytest.raises(KinetixError, match="expected s, m or l"):
+        dataclasses.replace(config, size="locomotion").check()
 
 
 @pytest.mark.slow

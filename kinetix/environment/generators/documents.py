@@ -21,7 +21,7 @@ from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.state import EnvState, state_of
 from kinetix.level.compile import Scene, compile_level
 from kinetix.level.decompile import level_from_scene
-from kinetix.level.model import Body, BodyReference, Joint, Level, Thruster
+from kinetix.level.model import Body, BodyReference, InertiaModel, Joint, Level, Thruster
 from kinetix.level.sizes import SIZES, capacity_of, size_name
 from kinetix.level.slots import body_slots
 
@@ -96,12 +96,13 @@ def _drawer(capacity: Capacity, locomotion: bool) -> Callable[[Array], EnvState]
     return draw
 
 
-def random_document(state: EnvState, name: str) -> Level:
+def random_document(state: EnvState, name: str, inertia_model: InertiaModel = "kinetix") -> Level:
     """Return a random level, drawn as a state, as a document.
 
     Args:
         state: Of one level; its motion becomes the initial one.
         name: Name of the new level.
+        inertia_model: By which the state's masses were made.
     """
     limit = np.int32(EnvParams().max_timesteps)
     scene = Scene(
@@ -109,7 +110,7 @@ def random_document(state: EnvState, name: str) -> Level:
         state=state.physics,
         labels=dataclasses.replace(state.labels, max_timesteps=limit),
     )
-    return level_from_scene(scene, name=name, inertia_model="kinetix", tags=("random",))
+    return level_from_scene(scene, name=name, inertia_model=inertia_model, tags=("random",))
 
 
 def mutate_level(level: Level, mutation_name: str, seed: int) -> Level:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import random
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,7 @@ from kinetix.datasets.folder import read_manifest, writing
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.generators.documents import random_document
 from kinetix.environment.generators.filters import noop_solved
+from kinetix.environment.generators.machines import numbered_machine, random_machine
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.reset import level_state, make_reset_fn_sample_kinetix_level
 from kinetix.environment.spaces import ActionType, ObservationType
@@ -25,7 +27,7 @@ from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_object
 from kinetix.level.atomic import write_atomically
 from kinetix.level.mirror import mirrored_level
-from kinetix.level.model import Level
+from kinetix.level.model import InertiaModel, Level
 from kinetix.level.sizes import parse_capacity
 from kinetix.training.imitation.teacher import (
     ELITE,
@@ -61,6 +63,8 @@ class TeachConfig:
     level's plan."""
     mirror: bool = True
     """True if the mirror images of all these are tried too."""
+    machines: bool = False
+    """True if the levels are random machines, not heaps of shapes."""
 
     def check(self) -> None:
         """Refuse what cannot work.
@@ -73,6 +77,8 @@ class TeachConfig:
                 raise KinetixError(f"{name}: expected at least {least}, got {getattr(self, name)}")
         if SHARD % self.batch:
             raise KinetixError(f"batch: expected a divisor of {SHARD}, got {self.batch}")
+        if self.machines:
+            random_machine(random.Random(0), self.size)  # refuses sizes that have none
 
 
 class Yield(msgspec.Struct, frozen=True, kw_only=True):
@@ -194,18 +200,27 @@ class _Search:
             Episodes, and counts of levels: `trivial` and `won`.
         """
         key = jax.random.fold_in(jax.random.PRNGKey(self._config.seed), index)
-        levels = self._draw(jax.random.split(key, SHARD))
+        levels = self._drawn(index, key)
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
         plans = self._searched(levels, todo, key)
-        random = np.random.default_rng((self._config.seed, index))
+        dice = np.random.default_rng((self._config.seed, index))
         attempts = self._attempts(
-            levels, plans, random, jax.random.fold_in(key, _COPIES), index * SHARD
+            levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD
         )
         found = self._proven(attempts)
         won = len({episode.level.name for episode in found})
         return found, {"trivial": int(trivial.sum()), "won": won}
+
+    def _drawn(self, index: int, key: Any) -> EnvState:
+        if not self._config.machines:
+            return self._draw(jax.random.split(key, SHARD))
+        first, static = index * SHARD, self._env.static_env_params
+        numbers = range(first, first + SHARD)
+        levels = [numbered_machine(self._config.seed, self._config.size, k) for k in numbers]
+        rows = [level_state(level, static) for level in levels]
+        return jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *rows)
 
     def _searched(self, levels: EnvState, todo: np.ndarray, key: Any) -> dict[int, np.ndarray]:
         """Winning plans by level: a place that is done takes the next level."""
@@ -224,7 +239,7 @@ class _Search:
             age += 1
             for k in np.flatnonzero(active & (won | (age >= self._config.rounds))):
                 if won[k]:
-                    plans[int(places[k])] = elite[k, 0]
+                    plans[int(places[k])] = elite[k, 0].copy()
                 elite[k], age[k] = 0, 0
                 active[k] = bool(waiting)
                 if waiting:
@@ -235,7 +250,7 @@ class _Search:
         self,
         levels: EnvState,
         plans: dict[int, np.ndarray],
-        random: np.random.Generator,
+        dice: np.random.Generator,
         key: Any,
         first: int,
     ) -> list[tuple[Level, np.ndarray, int]]:
@@ -247,12 +262,14 @@ class _Search:
         for copy in range(self._config.copies + 1):
             states, winners = chosen, list(plans.values())
             if copy:
-                states = kicked(chosen, random)
+                states = kicked(chosen, dice)
                 winners = self._adapted(states, winners, jax.random.fold_in(key, copy))
             for row, (number, plan) in enumerate(zip(plans, winners, strict=True)):
                 state = jax.tree.map(lambda x, row=row: x[row], states)
-                name = f"Random {self._config.size} {self._config.seed}-{first + number}"
-                level = random_document(state, name)
+                kind = "Machine" if self._config.machines else "Random"
+                name = f"{kind} {self._config.size} {self._config.seed}-{first + number}"
+                inertia: InertiaModel = "exact" if self._config.machines else "kinetix"
+                level = random_document(state, name, inertia)
                 attempts.append((level, plan, copy))
                 if self._config.mirror:
                     attempts.append((mirrored_level(level), plan, copy))
