@@ -72,10 +72,10 @@ def _drawn(dice: random.Random, size: str, family: Family) -> Level | None:
 
 def _neighbour(shop: Workshop, family: Family) -> None:
     """Another machine, whose parts nobody has to touch."""
-    colours, arena = (shop.tip, shop.goal), dict(shop.arena)
+    tip, goal, arena = shop.tip, shop.goal, dict(shop.arena)
     shop.tip = shop.goal = "none"
     family(shop)
-    (shop.tip, shop.goal), shop.arena = colours, arena
+    shop.tip, shop.goal, shop.arena = tip, goal, arena
 
 
 def _in_its_arena(shop: Workshop) -> Level:
