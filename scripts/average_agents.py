@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 import jax
+import msgspec
 import numpy as np
 
 from kinetix import load_agent, save_agent
@@ -31,8 +32,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("agents", nargs="+", type=Path)
+    parser.add_argument(
+        "--frame-skip", type=int, help="Physics steps between two decisions, if not as in training."
+    )
     given = parser.parse_args()
-    save_agent(averaged([load_agent(folder) for folder in given.agents]), given.out)
+    agent = averaged([load_agent(folder) for folder in given.agents])
+    if given.frame_skip is not None:
+        environment = msgspec.structs.replace(agent.card.environment, frame_skip=given.frame_skip)
+        agent = Agent(agent.card.replace(environment=environment), agent.params["params"])
+    save_agent(agent, given.out)
 
 
 if __name__ == "__main__":
