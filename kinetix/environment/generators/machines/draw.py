@@ -53,7 +53,7 @@ def _drawn(dice: random.Random, size: str, family: Family) -> Level | None:
     shop = Workshop(dice, LevelBuilder(family.__name__))
     family(shop)
     stand(shop)
-    if size == "l" and shop.chance(0.2):
+    if size == "l" and not shop.ledge and shop.chance(0.25):
         _neighbour(shop, dice.choice(tuple(FAMILIES)))
     if not SIZES[size].covers(needed_capacity(shop.build.build())):
         return None
