@@ -2,8 +2,10 @@
 
 import contextlib
 import http.client
+import json
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
@@ -51,9 +53,23 @@ class Stream:
 
     def __init__(self, served: Served, viewer: str) -> None:
         served.ends.callback(self.close)
+        self.served, self.viewer = served, viewer
         self.connection = http.client.HTTPConnection(served.host, served.port, timeout=30)
         self.connection.request("GET", f"{served.path}stream?viewer={viewer}")
         self.answer = self.connection.getresponse()
+
+    def shows(self, size: list[int]) -> None:
+        """Draw what comes, as a page does, until a second picture of that size or a still one."""
+        pictures = 0
+        while pictures < 2:
+            length = struct.unpack(">I", self.answer.read(4))[0]
+            body = self.answer.read(length)
+            header = json.loads(body[4 : 4 + struct.unpack(">I", body[:4])[0]])
+            if "frame" in header:
+                self.served.say(self.viewer, ["drawn", header["frame"]])
+                pictures += header["size"] == size
+            elif not header and pictures:
+                return
 
     def close(self) -> None:
         # The answer's file keeps the socket open.
@@ -101,7 +117,7 @@ def test_input_draws_and_a_later_page_goes_on(served, level, day):
     press = [["key", "KeyC", "c", True], ["key", "KeyC", "c", False]]
     drag = [["move", 600, 300], ["down", 600, 300, 0], ["move", 640, 300], ["up", 640, 300, 0]]
     # The window needs some frames before its canvas takes the pointer.
-    time.sleep(3)
+    first.shows([1200, 800])
     if day == days.SECOND:
         # Yesterday's unsaved work is asked about: not now.
         served.say("one", ["key", "Escape", "Escape", True], ["key", "Escape", "Escape", False])
