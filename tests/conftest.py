@@ -4,6 +4,7 @@ import collections
 import gc
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,15 @@ def fully_optimised(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("JAX_DISABLE_MOST_OPTIMIZATIONS", raising=False)
     flags = [flag for flag in os.environ["XLA_FLAGS"].split() if flag not in _QUICK_TO_COMPILE]
     monkeypatch.setenv("XLA_FLAGS", " ".join(flags))
+
+
+@pytest.fixture(name="optimised")
+def _optimised() -> Iterator[None]:
+    """Compile as users do: for tests that compute much longer than they compile."""
+    from tests.optimised import optimised
+
+    with optimised():
+        yield
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

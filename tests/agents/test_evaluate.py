@@ -181,6 +181,7 @@ def test_the_command_prints_a_line_a_level_and_the_summary(tmp_path, capsys):
 
 @pytest.mark.peer
 @pytest.mark.slow
+@pytest.mark.usefixtures("optimised")
 @pytest.mark.parametrize("size", ["s", "m", "l"])
 def test_the_published_agent_solves_as_often_as_published(peer, size):
     agent = load_agent(peer / "agents" / "paper-general")

@@ -86,6 +86,7 @@ def test_quantiles_agree(size: str, peer: Path, measured: dict[str, dict[str, An
 
 @pytest.mark.slow
 @pytest.mark.peer
+@pytest.mark.usefixtures("optimised")
 @pytest.mark.parametrize("size", ["s", "m", "l"])
 def test_noop_outcomes_agree(size: str, peer: Path, drafts: dict[str, Any]) -> None:
     worlds = 2048
