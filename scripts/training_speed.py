@@ -1,7 +1,8 @@
 """PPO steps per second, ours and kinetix-env's in turn: one loop, see scripts/peers/ppo_loop.py.
 
 Usage: .venv/bin/python scripts/training_speed.py [NETWORK …] [--physics P] > bench/training.jsonl
-`make bench-peers` installs kinetix-env; without it only our rows are printed.
+`make bench-peers` installs kinetix-env; without it only our rows are printed. Of each network there
+is also a row for an environment that costs nothing: no environment can be faster in this loop.
 """
 
 import argparse
@@ -44,16 +45,19 @@ def main() -> None:
     options = parser.parse_args()
     for network in options.networks:
         speed = {}
-        for peer in (OURS, PEER):
+        for name, peer in (("ours", OURS), ("free", OURS), ("theirs", PEER)):
             if not peer.installed:
                 continue
-            job = JOB | {"network": network, "physics": options.physics}
+            job = JOB | {"network": network, "physics": options.physics, "free": name == "free"}
             told = ask(peer, job).told
-            speed[peer.name] = told["steps_per_s"]
-            print(json.dumps({"network": network, **JOB, **told}), flush=True)
-        if len(speed) > 1:
-            ratio = speed["kinetix"] / speed["kinetix-env"]
-            print(json.dumps({"network": network, "ratio": ratio}), flush=True)
+            speed[name] = told["steps_per_s"]
+            print(json.dumps({**job, **told}), flush=True)
+        if "theirs" in speed:
+            ratios = {
+                "ratio": speed["ours"] / speed["theirs"],
+                "ratio_of_a_free_environment": speed["free"] / speed["theirs"],
+            }
+            print(json.dumps({"network": network, **ratios}), flush=True)
 
 
 if __name__ == "__main__":

@@ -35,8 +35,8 @@ class Common:
     config: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Hyper-parameters by name; flags win over it."""
     preset: str | None = None
-    """Named hyper-parameters: small, paper, kinetix-3; the file and flags win over them. Without
-    preset and file: small, which fits a laptop."""
+    """Named hyper-parameters: small, specialist, general, paper, kinetix-3; the file and flags win
+    over them. Without preset and file: small, which fits a laptop."""
     seeds: int = 1
     """Train so many times, with the seeds seed, seed + 1, …, into RUN/seed_…"""
     sweep: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None

@@ -5,8 +5,9 @@ Python of either. Nothing but the environment differs: networks, loop and optimi
 below. Episodes start on random levels of size s, which each package draws in its own way.
 
 The job has `network` (`flat`: three layers of 128; `entity`: two transformer layers of width 64),
-`environments`, `steps`, `minibatches`, `epochs`, `updates` (how many are timed; the median counts)
-and, for ours alone, `physics`.
+`environments`, `steps`, `minibatches`, `epochs`, `updates` (how many are timed; the median counts),
+`free` (worlds stand still at no cost: what the rest of the loop takes) and, for ours alone,
+`physics`.
 """
 
 import functools
@@ -170,9 +171,11 @@ def make_update(job: dict[str, Any]) -> tuple[Any, Any]:
         keys = jax.random.split(act_key, len(SIZES))
         drawn = [jax.random.categorical(k, p) for k, p in zip(keys, by_part(logits), strict=True)]
         action = jnp.stack(drawn, axis=-1)
-        following, state, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
-            jax.random.split(step_key, count), state, action, env_params
-        )
+        following, reward, done = seen, jnp.zeros(count), jnp.zeros(count, bool)
+        if not job.get("free"):
+            following, state, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
+                jax.random.split(step_key, count), state, action, env_params
+            )
         row = (seen, action, log_prob(logits, action), value, reward, done)
         return (following, state), row
 
