@@ -31,9 +31,11 @@ MOMENTS: Final = 400_000
 STEPS: Final = 524_288
 """Environment steps of PPO."""
 EVALUATED: Final = 1
-"""Updates of 16 384 steps between two evaluations. The first is of imitation alone."""
-# What an agent can do is lost in large steps, and while its critic knows wins only.
-STARTS: Final = {"nothing": (), "imitation": ("--learning-rate", "3e-4", "--critic-warmup", "2")}
+"""Updates of 16 384 steps between two evaluations."""
+WARM_UP: Final = 2
+"""Updates in which the critic of an imitator learns alone, as it knows wins only."""
+# What an agent can do is lost in large steps.
+GENTLY: Final = ("--learning-rate", "3e-4", "--critic-warmup", str(WARM_UP))
 
 
 def run(*words: str) -> None:
@@ -54,19 +56,24 @@ def imitator(level: str, folder: Path) -> Path:
     return agent
 
 
-def steps_to_goal(level: str, start: tuple[str, ...], seeds: int, folder: Path) -> list[float]:
+def steps_to_goal(level: str, agent: Path | None, seeds: int, folder: Path) -> list[float]:
     """Return the steps that each of several runs took, all of them where it did not get there."""
+    start = ("--from", str(agent), *GENTLY) if agent else ()
     learn = ("train", "ppo", "--preset", "small", "--levels", level, "--eval-levels", level)
     measured = ("--eval-freq", str(EVALUATED), "--total-timesteps", str(STEPS))
     run(*learn, *measured, *start, "--seeds", str(seeds), "--out", str(folder))
-    return [reached(folder / f"seed_{seed}") for seed in range(seeds)]
+    idle = WARM_UP if agent else 0
+    return [reached(folder / f"seed_{seed}", idle) for seed in range(seeds)]
 
 
-def reached(folder: Path) -> float:
-    """Return the first step at which a run's evaluation won as often as it should."""
-    for row in read_metrics(folder):
+def reached(folder: Path, idle: int) -> float:
+    """Return the first step at which a run's evaluation won as often as it should.
+
+    In the first `idle` updates the policy is as it came: what it wins then has taken no steps.
+    """
+    for number, row in enumerate(read_metrics(folder), 1):
         if row.get("eval/hand_designed_episode_solve_rate", 0.0) >= GOAL:
-            return row["timing/num_env_steps"]
+            return row["timing/num_env_steps"] if number > idle else 0
     return STEPS
 
 
@@ -80,11 +87,11 @@ def main() -> None:
     ratios = []
     for level in given.levels:
         folder = given.out / level
-        agent = imitator(level, folder)
-        steps = {}
-        for name, start in STARTS.items():
-            begun = ("--from", str(agent), *start) if name == "imitation" else start
-            steps[name] = steps_to_goal(level, begun, given.seeds, folder / f"from_{name}")
+        starts = {"nothing": None, "imitation": imitator(level, folder)}
+        steps = {
+            name: steps_to_goal(level, agent, given.seeds, folder / f"from_{name}")
+            for name, agent in starts.items()
+        }
         ratios.append(statistics.median(steps["imitation"]) / statistics.median(steps["nothing"]))
         print(json.dumps({"level": level, **steps, "ratio": ratios[-1]}), flush=True)
     print(json.dumps({"median_ratio": statistics.median(ratios)}))
