@@ -11,11 +11,11 @@ who never does gets all steps there are. What has been made below FOLDER is not 
 import argparse
 import json
 import statistics
+import subprocess
 import sys
 from pathlib import Path
 from typing import Final
 
-from kinetix.cli import main as kinetix
 from kinetix.training.logging import read_metrics
 
 LEVELS: Final = (
@@ -39,8 +39,9 @@ GENTLY: Final = ("--learning-rate", "3e-4", "--critic-warmup", str(WARM_UP))
 
 
 def run(*words: str) -> None:
-    """Run a command of `kinetix`."""
-    if status := kinetix([*words]):
+    """Run a command of `kinetix`, in a process of its own: compiled programs pile up in one."""
+    command = [sys.executable, "-m", "kinetix", *words]
+    if status := subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:
         sys.exit(status)
 
 
