@@ -48,12 +48,13 @@ def run(*words: str) -> None:
 def imitator(level: str, folder: Path) -> Path:
     """Return an agent that learnt the planner's wins of a level."""
     data, agent = folder / "data", folder / "imitation"
-    if not (agent / "config.toml").exists():
+    if not data.exists():
         record = ("dataset", "record", str(data), "--agent", "planner", "--levels", level)
         run(*record, "--attempts", str(WINS), "--wins")
-        learn = ("train", "bc", "--preset", "small", "--data", str(data), "--levels", level)
-        kept = ("--held-out", "0", "--eval-freq", "0", "--total-timesteps", str(MOMENTS))
-        run(*learn, *kept, "--eval-levels", level, "--out", str(agent))
+    # A training that was interrupted goes on, and one that is over is over.
+    learn = ("train", "bc", "--preset", "small", "--data", str(data), "--levels", level)
+    kept = ("--held-out", "0", "--eval-freq", "0", "--total-timesteps", str(MOMENTS))
+    run(*learn, *kept, "--eval-levels", level, "--out", str(agent))
     return agent
 
 

@@ -9,32 +9,18 @@ import time
 
 import jax
 import jax.numpy as jnp
-from ppo_loop import is_ours
+from ppo_loop import is_ours, make_env
 from protocol import read_job, write_answer
 
-from kinetix.environment import (
-    ActionType,
-    EnvParams,
-    ObservationType,
-    UEDParams,
-    make_kinetix_env,
-    sample_kinetix_level,
-    static_env_params_from_size,
-)
+from kinetix.environment import ObservationType
 
 
 def main() -> None:
     """Do the job."""
     job, folder = read_job()
-    static, params = static_env_params_from_size(job["size"]), EnvParams()
-    options = ActionType.MULTI_DISCRETE, ObservationType.SYMBOLIC_FLAT
-    engine = make_kinetix_env(*options, None, params, static).physics_engine
-
-    def draw(key: jax.Array) -> object:
-        return sample_kinetix_level(key, engine, params, static, UEDParams())
-
-    level = jax.jit(draw)(jax.random.PRNGKey(0))
-    env = make_kinetix_env(*options, draw if job["random"] else lambda _: level, params, static)
+    env, params = make_env(
+        ObservationType.SYMBOLIC_FLAT, "balanced", size=job["size"], random=job["random"]
+    )
     keys = jax.random.split(jax.random.PRNGKey(1), job["worlds"])
     _, state = jax.jit(jax.vmap(env.reset, in_axes=(0, None)))(keys, params)
     actions = jax.block_until_ready(jnp.zeros((job["worlds"], 6), jnp.int32))

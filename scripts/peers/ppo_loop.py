@@ -97,9 +97,9 @@ NETWORKS: dict[str, tuple[nn.Module, Any]] = {
 }
 
 
-def make_env(observation: Any, physics: str) -> Any:
-    """The environment on random levels of size s, at the published frame skip."""
-    static = static_env_params_from_size("s").replace(frame_skip=2)
+def make_env(observation: Any, physics: str, *, size: str = "s", random: bool = True) -> Any:
+    """The environment on random levels of a size, or on one, at the published frame skip."""
+    static = static_env_params_from_size(size).replace(frame_skip=2)
     if is_ours():
         static = static.replace(physics=physics)
     params, options = EnvParams(), (ActionType.MULTI_DISCRETE, observation)
@@ -108,7 +108,9 @@ def make_env(observation: Any, physics: str) -> Any:
     def reset(key: jax.Array) -> Any:
         return sample_kinetix_level(key, engine, params, static, UEDParams())
 
-    return make_kinetix_env(*options, reset, params, static), params
+    level = None if random else jax.jit(reset)(jax.random.PRNGKey(0))
+    start = reset if random else lambda _: level
+    return make_kinetix_env(*options, start, params, static), params
 
 
 def is_ours() -> bool:
