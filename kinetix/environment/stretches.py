@@ -150,11 +150,11 @@ def _stretch(
     step = steps_of(env, len(plans))
 
     def advance(carry: tuple[Any, ...], actions: Array) -> tuple[tuple[Any, ...], None]:
-        state, over, won, steps, _ = carry
+        state, won, over, steps, _ = carry
         _, state, _, ended, info = step(key, state, actions)
         fresh = ~over
         over = over | ended | info["nan"]
-        return (state, over, won | (fresh & info["GoalR"]), steps + fresh, info["distance"]), None
+        return (state, won | (fresh & info["GoalR"]), over, steps + fresh, info["distance"]), None
 
     count = len(plans)
     no, zero = jnp.zeros(count, bool), jnp.zeros(count, jnp.int32)

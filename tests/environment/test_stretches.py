@@ -1,15 +1,19 @@
-"""The search by stretches where a batch and an episode played alone disagree. No physics."""
+"""The search by stretches: what counts as won and as lost, and where batch and truth differ."""
 
 import dataclasses
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from kinetix.environment import stretches as module
+from kinetix.environment.search import search_task, solving_env
 from kinetix.environment.stretches import BATCH, Task, stretches
+from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
 
 GOAL = 40.0
+BAR = ((-1.0, -0.2), (1.0, -0.2), (1.0, 0.2), (-1.0, 0.2))
 
 
 @pytest.fixture
@@ -60,3 +64,46 @@ def test_where_nothing_wins_alone_the_search_begins_again(task: Task) -> None:
     never = dataclasses.replace(task, wins=lambda actions: False)
     rounds = [found for found, _ in zip(stretches(never), range(30), strict=False)]
     assert all(found.actions is None for found in rounds)
+
+
+def lava() -> Level:
+    """A green ball above red: up is the goal, and whoever does nothing falls and has lost."""
+    return Level(
+        name="lava",
+        size="s",
+        max_timesteps=120,
+        bodies=(
+            Body(id=1, shape=Circle(radius=0.2), position=(2.0, 1.3), role="green"),
+            Body(id=2, shape=Circle(radius=0.3), position=(2.0, 2.5), role="blue", fixed=True),
+            Body(id=3, shape=Polygon(vertices=BAR), position=(2.0, 0.5), role="red", fixed=True),
+        ),
+        thrusters=(Thruster(id=4, body=1, position=(0.0, 0.0), angle=np.pi / 2, power=1.0),),
+    )
+
+
+def test_lost_and_won_are_told_apart() -> None:
+    env = solving_env([lava()], physics="fast")
+    task = search_task(lava(), env, physics="fast")
+    plans = np.zeros((3, 60, 6), np.int32)
+    plans[0, :, 4] = 1
+    plans[2, 30:, 4] = 1  # too late
+    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (3, *jnp.shape(x))), task.start)
+    _, won, over, steps, _ = module._stretch(env, states, np.arange(3), plans)
+    assert won.tolist() == [True, False, False]
+    assert over.tolist() == [True, True, True]
+    assert steps[1] == steps[2] < 30
+
+
+def test_a_pass_goes_on_after_a_loss_and_ends_with_a_win() -> None:
+    """Nobody who has lost is asked for, and nobody who has won is dropped."""
+    env = solving_env([lava()], physics="fast")
+    asked: list[np.ndarray] = []
+    task = search_task(lava(), env, physics="fast")
+    task = dataclasses.replace(task, wins=lambda actions: not asked.append(actions))
+    found = next(stretches(task))
+    assert found.won > 0 and found.actions is asked[0]
+    assert len(asked) == 1 and task.after(found.actions) is None
+
+    hopeless = lava().replace(thrusters=())
+    found = next(stretches(search_task(hopeless, env, physics="fast")))
+    assert found.won == 0 and found.actions is None and found.unproven is None
