@@ -9,6 +9,7 @@ import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.cli.terminal import Terminal
+from kinetix.compiler import forget_programs
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
@@ -123,6 +124,7 @@ def run(command: Common) -> int:
     for number, (out, own) in enumerate(runs.items(), start=1):
         if is_leader() and len(runs) > 1:
             terminal.say(f"{number}/{len(runs)}: {out}")
+        forget_programs()
         try:
             config = _configured(algorithm, command, like | own, out)
             _train(algorithm, config, out, teacher, terminal)
