@@ -22,6 +22,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 from jaxtyping import Array, Bool, Int, Shaped
 
+from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
 from kinetix.engine.store import Store
 
@@ -134,7 +135,7 @@ def _compiled(program: _Program, whole: bool) -> Callable[..., list[Array]]:
             with whole_batches():
                 done = program.kernel(*program.arguments(leaves))
         else:
-            done = _by_tiles(program, leaves)
+            done = in_parts(_by_tiles(program, leaves))
         shapes = program.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 
