@@ -133,6 +133,17 @@ WATCH: list[Event] = [
     {"do": "wait", "frames": 8},
     shot("watch"),
 ]
+PLANNER: list[Event] = [
+    ROVER,
+    {"do": "agent", "dir": "planner", "slot": "a"},
+    {"do": "wait_until", "what": "idle", "seconds": 600},
+    {"do": "key", "key": "f6"},
+    {"do": "wait_until", "what": "playing", "seconds": 600},
+    {"do": "wait", "frames": 6},
+    {"do": "move", "world": [0.2, 4.8]},
+    {"do": "wait", "frames": 2},
+    shot("planner"),
+]
 COMPARE: list[Event] = [
     *GOALKEEPER,
     {"do": "agent", "dir": "random", "slot": "b"},
@@ -318,6 +329,7 @@ SCRIPTS: dict[str, list[Event]] = {
     "play": PLAY,
     "beside": BESIDE,
     "watch": WATCH,
+    "planner": PLANNER,
     "compare": COMPARE,
     "evaluate": EVALUATE,
     "ways": WAYS,
