@@ -8,6 +8,7 @@ program for the outermost `jit` alone, which is the user's. `KINETIX_COMPILER_OP
 import functools
 import gc
 import importlib.metadata
+import importlib.util
 import os
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Final
 
 DECLINED: Final = "KINETIX_COMPILER_OPTIONS"
 """Variable that leaves XLA as it is when it says 0."""
-_FLAGS: Final = {
+_ON_PROCESSORS: Final = {
     # Worlds are lanes, so kernels are loops over 16 numbers at a time where the processor has room.
     "--xla_cpu_prefer_vector_width": "512",
     "--xla_backend_extra_options": ",".join(
@@ -29,6 +30,13 @@ _FLAGS: Final = {
         ]
     ),
 }
+_QUICKER: Final = {
+    # A quarter less time to compile a step together with the older emitters, which runs as fast.
+    "--xla_backend_optimization_level": "1",
+}
+"""Flags for machines without an accelerator, whose programs this level would be for as well."""
+_PLUGINS: Final = ("jax_plugins", "libtpu")
+"""Packages, one of which is there where JAX may find an accelerator."""
 
 
 def ask_for_options(variables: MutableMapping[str, str] = os.environ) -> None:
@@ -39,9 +47,26 @@ def ask_for_options(variables: MutableMapping[str, str] = os.environ) -> None:
     """
     if variables.get(DECLINED, "").strip() == "0":
         return
+    flags = dict(_ON_PROCESSORS)
+    if not any(importlib.util.find_spec(name) for name in _PLUGINS):
+        flags |= _QUICKER
+    if _has_older_emitters():
+        flags["--xla_cpu_use_fusion_emitters"] = "false"
     set_before = variables.get("XLA_FLAGS", "")
-    ours = [f"{flag}={value}" for flag, value in _FLAGS.items() if flag not in set_before]
+    ours = [f"{flag}={value}" for flag, value in flags.items() if flag not in set_before]
     variables["XLA_FLAGS"] = " ".join([set_before, *ours]).strip()
+
+
+def _has_older_emitters() -> bool:
+    """Return whether this JAX can still make kernels without the newer fusion emitters.
+
+    XLA ends the process for a flag that it does not know.
+    """
+    try:
+        version = importlib.metadata.version("jaxlib")
+    except importlib.metadata.PackageNotFoundError:
+        return False
+    return version.startswith(("0.9.", "0.10."))
 
 
 _LEFT_OUT: Final = (
@@ -60,16 +85,28 @@ _LEFT_OUT: Final = (
 def quick_options() -> Mapping[str, int | bool | str]:
     """Options of a single program on a processor that somebody waits for.
 
-    It compiles in a quarter of the time and runs up to four times slower: machine code as it comes,
+    It compiles in a third of the time and runs up to four times slower: machine code as it comes,
     without LLVM's improvements, and kernels by the older emitters where JAX still has them.
     """
     options: dict[str, int | bool | str] = {
         "xla_backend_optimization_level": 0,
         "xla_disable_hlo_passes": ",".join(_LEFT_OUT),
     }
-    if importlib.metadata.version("jaxlib").startswith(("0.9.", "0.10.")):
+    if _has_older_emitters():
         options["xla_cpu_use_fusion_emitters"] = False
     return options
+
+
+def learning_options() -> Mapping[str, int | bool | str]:
+    """Options of a program that learns for minutes: with the newer emitters it takes 3 % less time.
+
+    Steps alone run as fast without them, and compile sooner.
+    """
+    import jax
+
+    if jax.config.values["jax_disable_most_optimizations"] or not _has_older_emitters():
+        return {}
+    return {"xla_cpu_use_fusion_emitters": True}
 
 
 _MANY_MAPS: Final = 20_000

@@ -14,6 +14,7 @@ from jaxtyping import Array, Bool, Int
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
+from kinetix.compiler import learning_options
 from kinetix.environment.generators.edits import accel_edit
 from kinetix.environment.generators.starts import accel_start_sampler
 from kinetix.environment.state import EnvState
@@ -80,9 +81,9 @@ class Replay:
         self.turnover: Turnover | None = None
         self._start = jax.jit(self._first_state)
         self._steps = {
-            _NEW: jax.jit(self._new),
-            _REPLAY: jax.jit(self._replay),
-            _MUTATE: jax.jit(self._mutate),
+            _NEW: jax.jit(self._new, compiler_options=learning_options()),
+            _REPLAY: jax.jit(self._replay, compiler_options=learning_options()),
+            _MUTATE: jax.jit(self._mutate, compiler_options=learning_options()),
         }
 
     def start(self) -> ReplayState:

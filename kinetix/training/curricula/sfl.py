@@ -13,6 +13,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
+from kinetix.compiler import learning_options
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
@@ -84,7 +85,7 @@ class Sfl:
         self._score_batch = jax.jit(self._one_batch)
         self._include = jax.jit(self._with_evaluation_levels)
         self._play_again = jax.jit(self._replayed)
-        self._train = jax.jit(self._one_update)
+        self._train = jax.jit(self._one_update, compiler_options=learning_options())
         self.turnover: Turnover | None = None
 
     def start(self) -> SflState:

@@ -7,6 +7,7 @@ from jaxtyping import Array
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
+from kinetix.compiler import learning_options
 from kinetix.pytree import pytree
 from kinetix.training.config import PpoConfig
 from kinetix.training.ppo.rollout import Playing, episode_means, rollout
@@ -44,7 +45,7 @@ class Ppo:
         self._teacher = teacher
         # Made in one compiled piece: the initialisers alone are dozens of small operations.
         self._start = jax.jit(self._first_state)
-        self._update = jax.jit(self._one_update)
+        self._update = jax.jit(self._one_update, compiler_options=learning_options())
 
     def start(self) -> PpoState:
         """The state before the first update."""
