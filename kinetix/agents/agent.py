@@ -227,11 +227,6 @@ def save_agent(
                     f"{directory}: the kinetix-env form cannot carry the normalisation of "
                     "observations that this agent was trained with"
                 )
-            if agent.card.network.members > 1:
-                raise CheckpointError(
-                    f"{directory}: kinetix-env has no networks that take turns, so its form cannot "
-                    "carry this agent; format='kinetix-agent' can"
-                )
             if agent.card.network.kind == "relational":
                 raise CheckpointError(
                     f"{directory}: kinetix-env has no relational network, so its form cannot carry "

@@ -93,7 +93,6 @@ def run(command: Common) -> int:
     """Train to the end; 0 when that is reached, 1 if runs of a sweep failed."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.agent import load_agent
-    from kinetix.agents.relay import first_of
     from kinetix.training.devices import is_leader, join
 
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
@@ -114,7 +113,7 @@ def run(command: Common) -> int:
             num_processes=command.num_processes,
             process_id=command.process_id,
         )
-    teacher = None if command.from_agent is None else first_of(load_agent(command.from_agent))
+    teacher = None if command.from_agent is None else load_agent(command.from_agent)
     like = {} if teacher is None else _like(teacher.card)
     terminal = Terminal()
     if is_leader() and any(_default_preset(command, out) for out in runs):

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from kinetix.agents.agent import Agent, load_agent
-from kinetix.agents.relay import first_of
 from kinetix.training.config import PpoConfig, algorithm_of
 from kinetix.training.run import Report
 from kinetix.training.run import train as run_training
@@ -30,7 +29,7 @@ def train(
         out: The run's directory; the same one goes on where it stopped.
         preset: `small` (the default, which fits a laptop), `paper` or `kinetix-3`; only with the
             name of an algorithm.
-        start_from: An agent to fine-tune; of several that take turns the first.
+        start_from: An agent to fine-tune.
         report: Called after every update.
         say: Takes what there is to say besides.
         **fields: Hyper-parameters by name, such as `levels=("s/goalkeeper",)`; only with the name
@@ -54,7 +53,5 @@ def train(
     teacher = start_from
     if teacher is not None and not isinstance(teacher, Agent):
         teacher = load_agent(teacher)
-    if teacher is not None:
-        teacher = first_of(teacher)
     last = run_training(algorithm, config, out, teacher=teacher, report=report, say=say)
     return load_agent(last)

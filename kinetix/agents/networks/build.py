@@ -8,7 +8,6 @@ from kinetix.agents.networks.heads import HeadOptions
 from kinetix.agents.networks.mlp import FlatNetwork, PermutationInvariantNetwork
 from kinetix.agents.networks.pixels import PixelNetwork
 from kinetix.agents.networks.relational import RelationalNetwork
-from kinetix.agents.networks.relay import RelayNetwork
 from kinetix.agents.networks.transformer import EntityTransformer, LayerOptions
 
 
@@ -23,11 +22,7 @@ def build_network(config: NetworkConfig, head: ActionHead) -> nn.Module:
         A module with `module.apply(params, carry, (observation, dones), train=False)` →
         (carry, distribution, value); observation and dones have the leading axes time and batch.
     """
-    build = _BUILDERS[config.kind]
-    if config.members == 1:
-        return build(config, head)
-    members = tuple(build(config, head) for _ in range(config.members))
-    return RelayNetwork(members=members, turn=config.turn)
+    return _BUILDERS[config.kind](config, head)
 
 
 def _shared(config: NetworkConfig) -> HeadOptions:

@@ -21,8 +21,6 @@ _LARGEST_WIDTH = 65_536
 """Widths beyond this are a damaged file, not a network; refused before anything is allocated."""
 _LARGEST_DEPTH = 256
 """The same for numbers of layers."""
-_MOST_MEMBERS = 16
-"""The same for networks that take turns: each is computed for every decision."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -80,10 +78,6 @@ class NetworkConfig:
     """Two embeddings, one for the actor and one for the critic (invariant network)."""
     cnn_mode: CnnMode = "impala_fast"
     """Convolutional encoder."""
-    members: int = 1
-    """Networks of this kind that take turns in an episode; see `relay`."""
-    turn: int = 64
-    """Decisions of a turn, where there are several."""
 
     def __post_init__(self) -> None:
         """Refuse what no network can be built from.
@@ -109,13 +103,6 @@ class NetworkConfig:
         if not isinstance(self.dropout_prob, (int, float)) or not 0 <= self.dropout_prob < 1:
             raise ValueError(f"dropout_prob: expected 0 ≤ x < 1, got {self.dropout_prob!r}")
         self._check_heads()
-        if self.members > _MOST_MEMBERS:
-            raise ValueError(f"members: expected at most {_MOST_MEMBERS}, got {self.members}")
-        if self.members > 1 and self.recurrent_model:
-            raise ValueError(
-                "members: networks that take turns have no memory of their own; "
-                "expected recurrent_model false"
-            )
 
     def _check_heads(self) -> None:
         divisors = {
