@@ -97,7 +97,7 @@ def quick_options() -> Mapping[str, int | bool | str]:
     return options
 
 
-def learning_options() -> Mapping[str, int | bool | str]:
+def learning_options() -> dict[str, int | bool | str]:
     """Options of a program that learns for minutes: with the newer emitters it takes 3 % less time.
 
     Steps alone run as fast without them, and compile sooner.

@@ -114,10 +114,10 @@ def test_what_learns_is_compiled_as_runs_fastest(
     optimised: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("importlib.metadata.version", lambda _: "0.11.0")
-    assert dict(learning_options()) == {}
+    assert learning_options() == {}
     monkeypatch.undo()
     monkeypatch.setattr("importlib.metadata.version", lambda _: "0.10.1")
-    assert dict(learning_options()) == {"xla_cpu_use_fusion_emitters": True}
+    assert learning_options() == {"xla_cpu_use_fusion_emitters": True}
 
 
 def test_this_jax_knows_the_options_of_what_learns(optimised: None) -> None:
@@ -125,4 +125,4 @@ def test_this_jax_knows_the_options_of_what_learns(optimised: None) -> None:
 
 
 def test_what_learns_in_a_hurry_is_compiled_in_a_hurry() -> None:
-    assert dict(learning_options()) == {}
+    assert learning_options() == {}
