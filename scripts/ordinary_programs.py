@@ -1,4 +1,4 @@
-"""What the compiler options of `import kinetix` do to other JAX programs, with and without in turn.
+"""Measure other JAX programs with the compiler options of `import kinetix` and without them.
 
 Usage: python -m scripts.ordinary_programs [--rounds N]
 
