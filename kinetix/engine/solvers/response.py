@@ -5,7 +5,6 @@ couple rows with rows: room for more contacts costs memory alone, and time goes 
 that there are.
 """
 
-import functools
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -99,20 +98,10 @@ class _Reading:
             (of_a, of_b) = jnp.where((ends >= 0)[:, None], found, 0)
             apart = of_b - of_a
             return _Reading(apart_x=apart[0], apart_y=apart[1], spin_a=of_a[2], spin_b=of_b[2])
-        nothing = jnp.zeros(motion.shape[-1], motion.dtype)
-
-        def add(total: "_Reading", body: int) -> "_Reading":
-            on_a, on_b = a[0] == body, b[0] == body
-            x, y, spin = (motion[axis, body] for axis in range(3))
-            return _Reading(
-                apart_x=total.apart_x + jnp.where(on_b, x, 0) - jnp.where(on_a, x, 0),
-                apart_y=total.apart_y + jnp.where(on_b, y, 0) - jnp.where(on_a, y, 0),
-                spin_a=total.spin_a + jnp.where(on_a, spin, 0),
-                spin_b=total.spin_b + jnp.where(on_b, spin, 0),
-            )
-
-        start = _Reading(apart_x=nothing, apart_y=nothing, spin_a=nothing, spin_b=nothing)
-        return functools.reduce(add, range(motion.shape[1]), start)
+        bodies = jnp.arange(motion.shape[1])[:, None]
+        of_a, of_b = (jnp.sum(jnp.where(bodies == end, motion, 0), axis=1) for end in (a, b))
+        apart = of_b - of_a
+        return _Reading(apart_x=apart[0], apart_y=apart[1], spin_a=of_a[2], spin_b=of_b[2])
 
     def along(self, rows: Rows, index: Int[Array, ""]) -> Float[Array, " n"]:
         """The speed of b relative to a along a row of these bodies."""
