@@ -106,7 +106,15 @@ def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset
 def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
     from kinetix.datasets.folder import add_episodes, read_manifest
 
-    told = add_episodes(out, episodes)
+    untold = 0
+
+    def counted() -> "Iterator[RecordedEpisode]":
+        nonlocal untold
+        for episode in episodes:
+            untold += not episode.replays
+            yield episode
+
+    told = add_episodes(out, counted())
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
@@ -117,7 +125,18 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
         f"{plural(manifest.episodes, 'episode')}, {plural(manifest.steps, 'step')} in "
         f"{plural(len(manifest.shards), 'shard')}"
     )
+    _tell_untold(out, untold)
     return 0
+
+
+def _tell_untold(folder: Path, count: int) -> None:
+    """Say how many episodes of a data set no export can take."""
+    if count:
+        print(
+            f"{folder}: {plural(count, 'episode')} cannot be played again from the controls "
+            "alone: `kinetix dataset export` leaves out what it cannot play",
+            file=sys.stderr,
+        )
 
 
 def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
@@ -151,7 +170,7 @@ def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
 
 
 def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
-    from kinetix.datasets.replays import checked
+    from kinetix.datasets.replays import checked, up_to_the_win
     from kinetix.datasets.sources import episodes_of
 
     for source in sources:
@@ -159,7 +178,8 @@ def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
             if found.place == "dataset":
                 yield found.episode
                 continue
-            episode = checked(found.episode)
+            told = up_to_the_win if found.place == "solution" else checked
+            episode = told(found.episode)
             if found.place == "trace" and not episode.replays:
                 print(
                     f"{found.name}: left out: a body was pulled at, or it was played in a step "
@@ -179,10 +199,12 @@ def _verify(command: VerifyDataset) -> int:
     counts: dict[str, Counter[str]] = {name: Counter() for name in ("source", "outcome", "physics")}
     levels: set[str] = set()
     differ: list[str] = []
+    untold = 0
     for episode in read_dataset(command.folder):
         for name, counter in counts.items():
             counter[getattr(episode, name)] += 1
         levels.add(episode.level.name)
+        untold += not episode.replays
         if command.replay and episode.replays:
             from kinetix.datasets.replays import checked
 
@@ -195,12 +217,14 @@ def _verify(command: VerifyDataset) -> int:
         "levels": len(levels),
         **{name: dict(counter) for name, counter in counts.items()},
         "differ": differ,
+        "untold": untold,
     }
     if command.json:
         print(json_module.dumps(told))
     else:
         for name, value in told.items():
             print(f"{name:9} {value if not isinstance(value, list) else len(value)}")
+        _tell_untold(command.folder, untold)
     return 1 if differ else 0
 
 
@@ -215,5 +239,8 @@ def _export(command: ExportDataset) -> int:
     )
     for sentence in told.left_out:
         print(sentence, file=sys.stderr)
-    print(f"{command.out}: {told.trajectories} trajectories in {told.shards} shards")
+    print(
+        f"{command.out}: {plural(told.trajectories, 'trajectory', 'trajectories')} in "
+        f"{plural(told.shards, 'shard')}"
+    )
     return 0 if told.trajectories else 1

@@ -23,6 +23,7 @@ from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level
 from kinetix.level.sizes import parse_capacity
+from kinetix.wording import plural
 
 STEPS: Final = 256
 """Environment steps in a trajectory; an episode that is over begins again."""
@@ -75,7 +76,12 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
     shards = count = 0
     for episode in episodes:
         if not episode.replays:
-            left.append(f"{episode.level.name}: left out: its controls alone do not tell it")
+            left.append(
+                f"{episode.level.name}: left out: played again from its controls alone, it ends "
+                f"otherwise than {episode.outcome} after {plural(episode.length, 'step')}: a body "
+                "was pulled at, or it was played in a step that rounds differently; record the "
+                "level anew with `kinetix dataset record`"
+            )
             continue
         try:
             rows.append(trajectory(episode, capacity))

@@ -82,6 +82,25 @@ def checked(episode: RecordedEpisode) -> RecordedEpisode:
     return dataclasses.replace(episode, replays=same)
 
 
+def up_to_the_win(episode: RecordedEpisode) -> RecordedEpisode:
+    """Return a recorded solution as it is played again: cut after the step in which it wins.
+
+    A solution claims that it wins, not in which step: after a change to the engine that may be
+    an earlier one, and what it drove afterwards is no part of the episode.
+
+    Args:
+        episode: From `solution_episode`.
+    """
+    again = replay(episode)
+    if again.outcome != episode.outcome:
+        return dataclasses.replace(episode, replays=False)
+    reward = episode.reward[: again.length].copy()
+    reward[-1:] = 1.0
+    return dataclasses.replace(
+        episode, control=episode.control[: again.length], reward=reward, replays=True
+    )
+
+
 @functools.lru_cache(maxsize=16)
 def _environment(capacity: Capacity, physics: str, frame_skip: int) -> KinetixEnv:
     static = static_env_params_of(capacity, frame_skip=frame_skip, physics=physics)

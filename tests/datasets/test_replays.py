@@ -4,16 +4,17 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.recording import recorded_attempts
 from kinetix.agents.scripted import ScriptedPlayer
-from kinetix.cli.dataset import GatherEpisodes, VerifyDataset, run
+from kinetix.cli.dataset import ExportDataset, GatherEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import solution_episode
-from kinetix.datasets.folder import read_dataset
+from kinetix.datasets.folder import add_episodes, read_dataset
 from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
 from kinetix.datasets.replays import checked, replay
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import SIZES
 
 LEVEL = "s/goalkeeper"
@@ -74,3 +75,36 @@ def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
     assert run(GatherEpisodes(out=out, sources=(LEVEL, str(out)))) == 0
     assert len(list(read_dataset(out))) == 1
     assert run(VerifyDataset(folder=out)) == 0
+
+
+def test_a_solution_that_wins_early_is_cut_there(tmp_path: Path) -> None:
+    """What a solution drives after the win is no part of the episode, so that it can be told."""
+    level = load_level(LEVEL)
+    found, solution = solution_episode(level), level.solution
+    assert found is not None and solution is not None
+    longer = solution.replace(actions=(*solution.actions, (3, solution.actions[-1][1])))
+    save_level(level.replace(solution=longer), tmp_path / "longer.json")
+    out = tmp_path / "set"
+    assert run(GatherEpisodes(out=out, sources=(str(tmp_path / "longer.json"),))) == 0
+    (episode,) = read_dataset(out)
+    assert episode.replays and episode.length == found.length
+    assert episode.reward.tolist() == [0.0] * (found.length - 1) + [1.0]
+
+
+def test_what_controls_do_not_tell_is_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An episode that no export can take is named where the set is checked, and why by export."""
+    found = solution_episode(load_level(LEVEL))
+    assert found is not None
+    out = tmp_path / "set"
+    pulled = dataclasses.replace(found, control=np.zeros_like(found.control))
+    add_episodes(out, [found, checked(pulled)])
+    assert run(VerifyDataset(folder=out)) == 0
+    printed = capsys.readouterr()
+    assert "untold    1" in printed.out
+    assert "1 episode cannot be played again from the controls alone" in printed.err
+    assert run(ExportDataset(folder=out, out=tmp_path / "offline")) == 0
+    printed = capsys.readouterr()
+    assert "1 trajectory in 1 shard" in printed.out
+    assert f"otherwise than won after {found.length} steps" in printed.err
