@@ -15,6 +15,7 @@ from kinetix.level.sets import (
     SetEntry,
     SetLevel,
     Split,
+    distinct,
     engine_version,
     path_in_set,
 )
@@ -44,8 +45,7 @@ def build_set(
     Raises:
         LevelError: A level has an error, or does not fit the common capacity.
     """
-    kept = {each.sha256: each for each in reversed(levels)}
-    chosen = [each for each in levels if kept.get(each.sha256) is each]
+    chosen = distinct(levels)
     _refuse_errors(chosen)
     made = LoadedSet(
         manifest=LevelSet(name=name, size=size, seed=seed, engine_version=engine_version()),
@@ -99,7 +99,7 @@ def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> Loa
             sha256=each.sha256,
             tags=each.tags,
             weight=each.weight,
-            split=each.split,
+            split=chosen[each.sha256],
         )
         for each in levels
     )
@@ -110,7 +110,8 @@ def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> Loa
 def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, Split]:
     """Return the levels for training; the split depends on hashes and seed alone.
 
-    Both parts get a level where there are two or more and the share is neither 0 nor 1.
+    Both parts get a level where there are two or more and the share is neither 0 nor 1; a level
+    alone is for training then.
 
     Raises:
         LevelError: The share is not between 0 and 1.
@@ -119,6 +120,6 @@ def draw_split(hashes: Sequence[str], *, share: float, seed: int) -> dict[str, S
         raise LevelError(f"split {share}: expected 0 ≤ x ≤ 1")
     ranked = sorted(hashes, key=lambda one: hashlib.sha256(f"{seed}:{one}".encode()).digest())
     count = round(share * len(ranked))
-    if 0.0 < share < 1.0 and len(ranked) > 1:
-        count = min(max(count, 1), len(ranked) - 1)
+    if 0.0 < share < 1.0 and ranked:
+        count = max(min(count, len(ranked) - 1), 1)
     return {one: "train" if k < count else "eval" for k, one in enumerate(ranked)}

@@ -32,6 +32,7 @@ from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
 from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
 from kinetix.level.schema import check_tree
 from kinetix.level.sizes import SIZES, capacity_of
+from kinetix.wording import plural
 
 Split = Literal["train", "eval"]
 
@@ -81,7 +82,8 @@ class SetLevel:
     sha256: str
     tags: tuple[str, ...] = ()
     weight: float = 1.0
-    split: Split = "train"
+    split: Split | None = None
+    """Part of its set; None where it is of none: folders and files are not split."""
     path: Path | None = None
     """Its file; None when it was inline."""
 
@@ -309,10 +311,32 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     return levels
 
 
-def part_of(levels: Sequence[SetLevel], split: Split) -> list[SetLevel]:
-    """The levels of one part; all of them where none is in it (folders are not split)."""
-    chosen = [each for each in levels if each.split == split]
-    return chosen or list(levels)
+def distinct(levels: Iterable[SetLevel]) -> list[SetLevel]:
+    """Return the levels without those that equal an earlier one (by hash)."""
+    first: dict[str, SetLevel] = {}
+    for each in levels:
+        first.setdefault(each.sha256, each)
+    return list(first.values())
+
+
+def training_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
+    """Return what may be trained on: all but the evaluation parts of sets.
+
+    Raises:
+        LevelError: That is nothing.
+    """
+    chosen = [each for each in levels if each.split != "eval"]
+    if levels and not chosen:
+        raise LevelError(
+            f"{plural(len(levels), 'level')} for evaluation, none to train on: draw the split "
+            "anew with `kinetix levelset split SET --seed 0`, or give the levels without a set"
+        )
+    return chosen
+
+
+def evaluation_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
+    """Return the evaluation parts of sets; all levels where there is none."""
+    return [each for each in levels if each.split == "eval"] or list(levels)
 
 
 def _from_file(path: Path, name: Path) -> SetLevel:

@@ -14,7 +14,7 @@ from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
 from kinetix.errors import CheckpointError
-from kinetix.level.sets import gather_levels, part_of
+from kinetix.level.sets import evaluation_part, gather_levels
 from kinetix.level.sizes import capacity_of
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
@@ -121,7 +121,7 @@ def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
     levels = gather_levels(sources or [levels_dir()])
     if not config.eval_levels:
         # Of a set that is trained on, the part that is kept back for this.
-        levels = part_of(levels, "eval")
+        levels = evaluation_part(levels)
     room = static_env_params_from_size(config.size).capacity
     fitting = [level for level in levels if sources or room.covers(capacity_of(level.level))]
     return [

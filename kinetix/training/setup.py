@@ -41,7 +41,7 @@ from kinetix.environment.reset import (
 )
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.sets import SetLevel, gather_levels, part_of
+from kinetix.level.sets import SetLevel, gather_levels, training_part
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.devices import check_divisible
 from kinetix.training.imitation.starts import beginning_on_the_way, starts_on_the_way
@@ -218,7 +218,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     )
     listed: list[SetLevel] = []
     if config.level_mode == "list":
-        listed = part_of(gather_levels(config.levels), "train")
+        listed = training_part(gather_levels(config.levels))
     if config.only_listed:
         static_env_params = static_env_params_for_levels(listed, static_env_params)
     env_params = EnvParams(dense_reward_scale=config.dense_reward_scale)

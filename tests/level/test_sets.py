@@ -12,13 +12,15 @@ from kinetix.level.model import Body, Circle, Level, Thruster
 from kinetix.level.set_building import build_set, draw_split, split_set
 from kinetix.level.sets import (
     common_capacity,
+    distinct,
     dumps_set,
+    evaluation_part,
     gather_levels,
     is_set_file,
     level_files,
     load_set,
-    part_of,
     save_set,
+    training_part,
 )
 from kinetix.level.sizes import SIZES
 
@@ -206,8 +208,20 @@ def test_the_parts_of_a_set_and_of_what_has_none(tmp_path):
     for index in range(6):
         save_level(game(index), tmp_path / f"{index}.json")
     plain = gather_levels([tmp_path])
-    assert part_of(plain, "train") == part_of(plain, "eval") == plain
+    assert training_part(plain) == evaluation_part(plain) == plain
     made = build_set(plain, name="parts", folder=tmp_path, split=0.5, seed=1)
-    parts = [part_of(made.levels, "train"), part_of(made.levels, "eval")]
+    parts = [training_part(made.levels), evaluation_part(made.levels)]
     assert [len(part) for part in parts] == [3, 3]
     assert {each.sha256 for part in parts for each in part} == {each.sha256 for each in plain}
+    assert distinct([*plain, *made.levels]) == plain
+
+
+def test_a_set_without_levels_to_train_on_is_refused(folder):
+    made = build_set(gather_levels([folder]), name="held back", folder=folder, split=0.0)
+    with pytest.raises(LevelError, match="7 levels for evaluation, none to train on"):
+        training_part(made.levels)
+
+
+@pytest.mark.parametrize(("share", "part"), [(0.5, "train"), (0.1, "train"), (0.0, "eval")])
+def test_a_level_alone_is_for_training(share, part):
+    assert draw_split(["0" * 64], share=share, seed=0) == {"0" * 64: part}
