@@ -69,7 +69,7 @@ def _page(contenders: Sequence[Contender], hashes: dict[str, str], version: str)
     pairs = [
         (
             f"<tr><td>{shown(one.first)}</td><td>{shown(one.second)}</td>"
-            f"<td>{_signed(one.difference)}</td><td>{_signed(one.low)} … {_signed(one.high)}</td>"
+            f"<td>{signed(one.difference)}</td><td>{signed(one.low)} … {signed(one.high)}</td>"
             f"<td>{one.better} : {one.worse}</td></tr>"
         )
         for one in differences(contenders)
@@ -105,8 +105,11 @@ def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.3f}"
 
 
-def _signed(value: float | None) -> str:
-    return "–" if value is None else f"{value:+.3f}"
+def signed(value: float | None) -> str:
+    """Return a difference with its sign; what rounds to nothing has a plus, never a minus."""
+    if value is None:
+        return "–"
+    return f"{round(value, 3) + 0.0:+.3f}"
 
 
 _PAGE: Final = """<!doctype html>
@@ -116,26 +119,27 @@ body {{ font: 15px/1.45 system-ui, sans-serif; margin: 2rem; color: #20242c; bac
 table {{ border-collapse: collapse; margin: .6rem 0 2rem; }}
 td, th {{ padding: .25rem .6rem; text-align: right; border: 1px solid #e3e6ea; font-weight: 400; }}
 thead th {{ font-weight: 600; position: sticky; top: 0; background: #fff; }}
-tbody th, td:first-child {{ text-align: left; }}
+tbody th, th.name, .names td:nth-child(-n+2), .names th:nth-child(-n+2) {{ text-align: left; }}
+.ranks td:first-child, .ranks th:first-child {{ text-align: right; }}
 td.none {{ color: #8a919c; }}
 </style></head><body>
 <h1>Policies compared</h1>
 <p>{how}</p>
 <h2>Leaderboard</h2>
 <p>Means over the levels that all policies play.</p>
-<table><thead><tr><th>Rank</th><th>Policy</th><th>Solved</th><th>Best of k</th><th>Levels</th>
-<th>Physics</th><th>Parameters</th></tr></thead><tbody>
+<table class="names ranks"><thead><tr><th>Rank</th><th>Policy</th><th>Solved</th><th>Best of k</th>
+<th>Levels</th><th>Physics</th><th>Parameters</th></tr></thead><tbody>
 {ranks}
 </tbody></table>
 <h2>Paired differences</h2>
 <p>Solve rate of the first less that of the second on equal seeds, with 95 % intervals; attempts
 that only one of them won.</p>
-<table><thead><tr><th>First</th><th>Second</th><th>Difference</th><th>95 %</th><th>Only one won</th>
-</tr></thead><tbody>
+<table class="names"><thead><tr><th>First</th><th>Second</th><th>Difference</th><th>95 %</th>
+<th>Only one won</th></tr></thead><tbody>
 {pairs}
 </tbody></table>
 <h2>Levels</h2>
-<table><thead><tr><th>Level</th>{heads}</tr></thead><tbody>
+<table><thead><tr><th class="name">Level</th>{heads}</tr></thead><tbody>
 {lines}
 </tbody></table>
 </body></html>

@@ -14,7 +14,7 @@ from kinetix.agents.compare import (
     leaderboard,
     paired,
 )
-from kinetix.agents.comparison_files import text_of
+from kinetix.agents.comparison_files import signed, text_of
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
 from kinetix.agents.stored_comparison import is_comparison, read_comparison
 from kinetix.cli import main
@@ -88,6 +88,13 @@ def test_files_have_everything():
     page = text_of(".html", [A, B], hashes, "1.2")
     assert "too &lt;large&gt;" in page
     assert ">0.25</td>" in page
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [(-0.0001, "+0.000"), (-0.001, "-0.001"), (0.5, "+0.500"), (None, "–")]
+)
+def test_what_rounds_to_nothing_has_no_minus(value, told):
+    assert signed(value) == told
 
 
 @pytest.mark.slow
