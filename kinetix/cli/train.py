@@ -16,6 +16,7 @@ from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import field_notes
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
+from kinetix.wording import plural
 
 _SUMMARIES = {
     "ppo": "PPO on random levels, or on the levels of --levels.",
@@ -225,7 +226,7 @@ def _announcement(algorithm: str, config: Any, need: Any) -> str:
     devices = jax.devices()
     return (
         f"{algorithm} on {config.size}, {config.physics}, {len(devices)} × {devices[0].platform}: "
-        f"{config.num_updates} updates of {config.steps_per_update} steps; about "
+        f"{plural(config.num_updates, 'update')} of {config.steps_per_update} steps; about "
         f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
         f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})"
     )
