@@ -5,7 +5,7 @@ import functools
 import math
 import re
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from kinetix.environment.outcome import Outcome
@@ -181,6 +181,23 @@ def summarise(results: Sequence[LevelResult]) -> dict[str, Any]:
         "groups": {name: _mean(rates) for name, rates in sorted(groups.items())},
         "levels": len(results),
     }
+
+
+def rates_of_parts(results: Sequence[LevelResult], parts: Mapping[str, str]) -> dict[str, float]:
+    """Return the mean solve rate of each part of a split set; empty unless there are several.
+
+    An agent that was trained on one part has learnt its levels: the mean of both says little.
+
+    Args:
+        results: One a level.
+        parts: The part of each level that is in one, by the level's name.
+    """
+    rates: dict[str, list[float]] = {part: [] for part in sorted(set(parts.values()), reverse=True)}
+    for result in results:
+        if result.level in parts:
+            rates[parts[result.level]].append(result.solve_rate)
+    means = {part: math.fsum(each) / len(each) for part, each in rates.items() if each}
+    return means if len(means) > 1 else {}
 
 
 def groups_of(name: str) -> tuple[str, ...]:

@@ -4,13 +4,22 @@ import dataclasses
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from kinetix.agents.compare import Contender, differences, labels_of, leaderboard
+from kinetix.agents.compare import (
+    Contender,
+    common_levels,
+    differences,
+    labels_of,
+    leaderboard,
+)
+from kinetix.agents.comparison_files import signed
 from kinetix.agents.results import LevelFailure
+from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts
 from kinetix.errors import KinetixError
+from kinetix.level.sets import SetLevel
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -22,8 +31,8 @@ if TYPE_CHECKING:
 class Compare:
     """Several policies beside each other."""
 
-    agents: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|NAME|noop|random …")]
-    """Directories or names of agents or training runs, noop, random; each is measured."""
+    agents: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|planner|noop|random …")]
+    """Directories of agents or runs, bundled agents, planner, noop, random; each is measured."""
     levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
     """Folders of levels, level files, names of bundled levels, level sets."""
     attempts: int = 20
@@ -48,19 +57,14 @@ def run(command: Compare) -> int:
     """Measure everything, print and write it; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.comparison_files import SUFFIXES, text_of
-    from kinetix.agents.evaluate import NamedLevel, Settings
+    from kinetix.agents.evaluate import Settings
     from kinetix.level.atomic import write_atomically
-    from kinetix.level.sets import gather_levels
 
     if command.attempts < 1:
         raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
     if command.out is not None and command.out.suffix.lower() not in SUFFIXES:
         raise KinetixError(f"{command.out}: expected a name that ends in {', '.join(SUFFIXES)}")
-    found = gather_levels(command.levels)
-    levels = [
-        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
-        for level in found
-    ]
+    found = levels_to_measure(command.levels)
     settings = Settings(
         attempts=command.attempts,
         seed=command.seed,
@@ -68,8 +72,8 @@ def run(command: Compare) -> int:
         deterministic=command.deterministic,
     )
     players = [player for name in command.agents for player in _players(name, command.checkpoints)]
-    contenders = _measured(players, levels, settings)
-    _print(contenders, [level.name for level in levels], as_json=command.json)
+    contenders = _measured(players, named(found), settings)
+    _print(contenders, found, as_json=command.json)
     if command.out is not None:
         import importlib.metadata
 
@@ -114,8 +118,19 @@ def _measured(
     return contenders
 
 
-def _print(contenders: list[Contender], levels: list[str], *, as_json: bool) -> None:
-    board, pairs = leaderboard(contenders), differences(contenders)
+def _board(contenders: list[Contender], levels: list[SetLevel]) -> list[dict[str, Any]]:
+    """The leaderboard; of a split set with the rate of each part."""
+    common = common_levels(contenders)
+    played = {contender.label: contender.played for contender in contenders}
+    rows = []
+    for row in leaderboard(contenders):
+        parts = parts_of(levels, [played[row["label"]][level] for level in common])
+        rows.append(row | ({"parts": parts} if parts else {}))
+    return rows
+
+
+def _print(contenders: list[Contender], levels: list[SetLevel], *, as_json: bool) -> None:
+    board, pairs = _board(contenders, levels), differences(contenders)
     if as_json:
         for contender in contenders:
             for one in contender.results:
@@ -124,7 +139,7 @@ def _print(contenders: list[Contender], levels: list[str], *, as_json: bool) -> 
             print(json.dumps(pair.as_dict()))
         print(json.dumps({"leaderboard": board}))
         return
-    _print_rates(contenders, levels)
+    _print_rates(contenders, [level.name for level in levels])
     print()
     for row in board:
         rate = "-" if row["mean_solve_rate"] is None else f"{row['mean_solve_rate']:.3f}"
@@ -133,14 +148,17 @@ def _print(contenders: list[Contender], levels: list[str], *, as_json: bool) -> 
             f"{row['rank']:2}. {row['label']:32} {rate}  solved at least once {best}  "
             f"over {plural(row['levels'], 'level')} under {row['physics']}"
         )
+        if "parts" in row:
+            print(f"{'':4}by part of the set: {told_parts(row['parts'])}")
     print()
     for pair in pairs:
         if pair.difference is None:
             print(f"{pair.first} and {pair.second} play no level in common")
             continue
         print(
-            f"{pair.first} - {pair.second}: {pair.difference:+.3f}  "
-            f"[{pair.low:+.3f}, {pair.high:+.3f}]  only one won: {pair.better} to {pair.worse}"
+            f"{pair.first} - {pair.second}: {signed(pair.difference)}  "
+            f"[{signed(pair.low)}, {signed(pair.high)}]  "
+            f"only one won: {pair.better} to {pair.worse}"
         )
 
 

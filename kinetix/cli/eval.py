@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from kinetix.cli.measured import told_parts
 from kinetix.wording import plural
 
 
@@ -35,18 +36,15 @@ class Eval:
 def run(command: Eval) -> int:
     """Play everything, print a line a level and the summary; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.evaluate import NamedLevel, Progress, Settings, evaluate
+    from kinetix.agents.evaluate import Progress, Settings, evaluate
     from kinetix.agents.named import load_player
     from kinetix.agents.results import report
+    from kinetix.cli.measured import levels_to_measure, named, parts_of
     from kinetix.errors import KinetixError
-    from kinetix.level.sets import gather_levels
 
     if command.attempts < 1:
         raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
-    levels = [
-        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
-        for level in gather_levels(command.levels)
-    ]
+    levels = levels_to_measure(command.levels)
     player = load_player(command.agent)
     settings = Settings(
         attempts=command.attempts,
@@ -55,10 +53,13 @@ def run(command: Eval) -> int:
         deterministic=command.deterministic,
     )
     progress = Progress(done=0, total=0, results=())
-    for progress in evaluate(player, levels, settings):
+    for progress in evaluate(player, named(levels), settings):
         _report(progress.done, progress.total)
     results = progress.in_order([level.name for level in levels])
     *lines, summary = report(results, settings.provenance(player))
+    parts = parts_of(levels, results)
+    if parts:
+        summary["parts"] = parts
     for line in lines:
         _print_level(line, as_json=command.json)
     _print_summary(summary, as_json=command.json)
@@ -103,3 +104,5 @@ def _print_summary(summary: dict[str, Any], *, as_json: bool) -> None:
         f"{summary['mean_solve_rate']:.3f} over {plural(summary['levels'], 'level')}, "
         f"{summary['best_of_k']:.2f} of them solved at least once"
     )
+    if "parts" in summary:
+        print(f"by part of the set: {told_parts(summary['parts'])}")

@@ -17,6 +17,8 @@ from kinetix.agents.shapes import init_parameters
 from kinetix.cli import main
 from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
+from kinetix.level.set_building import build_set
+from kinetix.level.sets import gather_levels, save_set
 
 _FAST = Settings(attempts=3, physics="jax2d")
 
@@ -177,6 +179,25 @@ def test_the_command_prints_a_line_a_level_and_the_summary(tmp_path, capsys):
     }
     assert summary["mean_solve_rate"] == 0.5
     assert (summary["physics"], summary["agent"], summary["levels"]) == ("jax2d", "noop", 2)
+
+
+def test_equal_levels_count_once_and_parts_of_a_set_are_told_apart(tmp_path, capsys):
+    save_level(_falling(1.5), tmp_path / "near.json")
+    save_level(_falling(1.5).replace(max_timesteps=2), tmp_path / "short.json")
+    made = build_set(gather_levels([tmp_path]), name="own", folder=tmp_path, split=0.5)
+    save_set(made, tmp_path / "own.json")
+    twice = [str(tmp_path / "own.json"), str(tmp_path)]
+    arguments = ["--levels", *twice, "--attempts", "2", "--physics", "jax2d"]
+    assert main(["eval", "--agent", "noop", *arguments, "--json"]) == 0
+    printed = capsys.readouterr()
+    assert "2 levels left out: equal to others" in printed.err
+    *lines, summary = map(json.loads, printed.out.splitlines())
+    part = {level.name: level.split for level in made.levels}
+    assert summary["parts"] == {part[line["level"]]: line["solve_rate"] for line in lines}
+    assert summary["levels"] == 2
+    assert main(["compare", "--agents", "noop", *arguments]) == 0
+    told = [f"{name} {summary['parts'][name]:.3f}" for name in ("train", "eval")]
+    assert f"by part of the set: {', '.join(told)}" in capsys.readouterr().out
 
 
 @pytest.mark.peer

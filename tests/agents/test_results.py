@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinetix.agents.results import LevelResult, groups_of, summarise, wilson
+from kinetix.agents.results import LevelResult, groups_of, rates_of_parts, summarise, wilson
 
 
 def _result(name, solved, attempts=4):
@@ -32,6 +32,14 @@ def test_wilson_bounds(successes, trials, low, high):
 )
 def test_groups(name, groups):
     assert groups_of(name) == groups
+
+
+def test_the_parts_of_a_set_are_told_apart():
+    results = [_result("a", 4), _result("b", 0), _result("c", 2), _result("d", 4)]
+    parts = {"a": "train", "b": "eval", "c": "train"}  # d is of no set
+    assert rates_of_parts(results, parts) == {"train": 0.75, "eval": 0.0}
+    assert rates_of_parts(results, {"a": "train", "c": "train"}) == {}
+    assert rates_of_parts(results[1:2], parts) == {}
 
 
 def test_every_level_counts_the_same():
