@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.search import SearchProgress
 
-_OPEN_START = ("E104", "E105")
-"""Codes of levels that end before they begin."""
+_NO_TASK = ("E101", "E102", "E104", "E105")
+"""Codes of levels that nothing can win: without green or blue, or over before they begin."""
 _UNSOLVED = "unsolved"
 
 
@@ -91,7 +91,7 @@ def _tasks(given: list[SetLevel], *, write: bool) -> Iterator[SetLevel]:
 def _check(each: SetLevel, *, write: bool) -> None:
     """Refuse a level that is no task, or whose file cannot take a solution."""
     for issue in validate(each.level):
-        if issue.code in _OPEN_START:
+        if issue.code in _NO_TASK:
             raise LevelError(f"{each.path or each.name}: {issue.path}: {issue.message}")
     if write and each.path is None:
         raise LevelError(f"{each.name}: this level stands inside a level set, not in a file")
@@ -125,17 +125,23 @@ def _with_environments(
 def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
     from kinetix.environment.search import solve_level
 
-    level = each.level
+    level, last = each.level, None
+
+    def report(progress: "SearchProgress") -> None:
+        nonlocal last
+        last = progress
+        _show(progress)
+
     solution = solve_level(
         level,
         physics=command.physics,
         seed=command.seed,
         seconds=command.seconds,
-        report=_show,
+        report=report,
         env=env,
     )
     if solution is None:
-        print(f"{level.name}: no solution found in {command.seconds:g} s", file=sys.stderr)
+        print(f"{level.name}: no solution found {_searched(last)}", file=sys.stderr)
         if command.write and each.path and level.solution and not _proven(level):
             tags = (*(tag for tag in level.tags if tag != _UNSOLVED), _UNSOLVED)
             save_level(level.replace(solution=None, tags=tags), each.path)
@@ -155,9 +161,16 @@ def _record(level: Level, solution: Solution, path: Path) -> None:
     print(f"recorded in {path}", flush=True)
 
 
+def _searched(last: "SearchProgress | None") -> str:
+    """What was searched, as the last round told."""
+    if last is None:
+        return "without a search"
+    return f"in {last.seconds:.0f} s, {plural(last.plans, 'plan')} tried"
+
+
 def _show(progress: "SearchProgress") -> None:
     print(
-        f"{progress.plans} plans in {progress.seconds:.0f} s, {progress.won} of them won, "
-        f"closest {progress.distance:.2f} m",
+        f"{plural(progress.plans, 'plan')} in {progress.seconds:.0f} s, "
+        f"{progress.won} of them won, closest {progress.distance:.2f} m",
         file=sys.stderr,
     )

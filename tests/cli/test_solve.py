@@ -9,6 +9,7 @@ import pytest
 from kinetix.cli import main
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Solution
+from kinetix.level.validate import validate
 
 CART = Path(__file__).parents[1] / "level" / "fixtures" / "v1" / "cart_and_bell.json"
 SOLUTION = Solution(physics="balanced", frame_skip=2, actions=((3, (1, 0, 0, 0, 0, 0)),))
@@ -26,6 +27,8 @@ def search(monkeypatch):
 
     def solve_level(level, **options):
         seen.levels.append(level.max_timesteps)
+        told = types.SimpleNamespace(plans=256, won=0, distance=1.0, seconds=2.4)
+        options["report"](told)
         return None if level.max_timesteps % 2 else SOLUTION
 
     module.solving_env, module.solve_level = solving_env, solve_level
@@ -111,3 +114,21 @@ def test_of_a_folder_what_is_no_task_is_left_out_with_a_sentence(search, folder,
     assert search.levels == [11, 12, 14]
     told = capsys.readouterr().err
     assert f"left out: {folder / '10.json'}: " in told and "touches blue at the start" in told
+
+
+@pytest.mark.parametrize(("role", "why"), [("green", "E101"), ("blue", "E102")])
+def test_what_nothing_can_win_is_said_at_once(search, folder, capsys, role, why):
+    level = load_level(folder / "10.json")
+    plain = [b.replace(role="none") if b.role == role else b for b in level.bodies]
+    save_level(level.replace(bodies=tuple(plain)), folder / "10.json")
+    (said,) = [
+        issue.message for issue in validate(load_level(folder / "10.json")) if issue.code == why
+    ]
+    assert main(["solve", str(folder / "10.json")]) == 1
+    assert said in capsys.readouterr().err
+    assert search.levels == []
+
+
+def test_no_more_seconds_are_claimed_than_were_searched(search, folder, capsys):
+    assert main(["solve", str(folder / "11.json"), "--seconds", "60"]) == 1
+    assert "no solution found in 2 s, 256 plans tried" in capsys.readouterr().err
