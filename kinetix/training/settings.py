@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import difflib
+import functools
 import inspect
 import itertools
 import json
@@ -16,10 +17,11 @@ from typing import Any, Final
 import msgspec
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
+from kinetix.engine.spec import Capacity
 from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
-from kinetix.level.sets import common_capacity, gather_levels
+from kinetix.level.sets import gather_levels
 from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 
@@ -149,13 +151,14 @@ def _check_sources(fields: dict[str, Any]) -> None:
 
 
 def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
-    """Fill in what follows from other fields; levels too large for a size that may grow set it."""
+    """Fill in what follows from other fields.
+
+    Levels and demonstrations that are too large for a size that may grow set it.
+    """
+    needed: list[Capacity] = []
     if fields.get("levels"):
         fields["level_mode"] = "list"
-        if "size" not in fields or may_grow:
-            fields["size"] = _size_of(fields["levels"], fields.get("size"))
-    if "size" in fields:
-        parse_capacity(fields["size"])
+        needed += [capacity_of(level.level) for level in gather_levels(fields["levels"])]
     if fields.get("eval_levels"):
         gather_levels(fields["eval_levels"])  # what is missing is told before anything compiles
     if fields.get("data"):
@@ -163,9 +166,13 @@ def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
         from kinetix.training.imitation.sources import origin_of
 
         origin = origin_of(tuple(fields["data"]))
-        fields.setdefault("size", ",".join(map(str, dataclasses.astuple(origin.capacity))))
+        needed.append(origin.capacity)
         fields.setdefault("physics", origin.physics)
         fields.setdefault("frame_skip", origin.frame_skip)
+    if needed and ("size" not in fields or may_grow):
+        fields["size"] = _size_for(needed, fields.get("size"))
+    if "size" in fields:
+        parse_capacity(fields["size"])
     if fields.get("parity") == "kinetix-3":
         fields["physics"] = "jax2d"
         fields.setdefault("bootstrap_on_timeout", False)
@@ -230,14 +237,12 @@ def field_notes(owner: type) -> dict[str, str]:
     return notes
 
 
-def _size_of(levels: Sequence[str], preferred: str | None) -> str:
-    """Return the preferred size if it has room for all levels, else their common one in numbers."""
-    found = [level.level for level in gather_levels(levels)]
-    if preferred is not None:
-        room = parse_capacity(preferred)
-        if all(room.covers(capacity_of(level)) for level in found):
-            return preferred
-    return ",".join(map(str, dataclasses.astuple(common_capacity(found))))
+def _size_for(needed: Sequence[Capacity], preferred: str | None) -> str:
+    """Return the preferred size if it has room for everything, else the common one in numbers."""
+    common = functools.reduce(Capacity.union, needed)
+    if preferred is not None and parse_capacity(preferred).covers(common):
+        return preferred
+    return ",".join(map(str, dataclasses.astuple(common)))
 
 
 def _take(

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
+from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
 
 
@@ -191,3 +193,13 @@ def test_levels_that_are_too_large_for_a_presets_size_have_their_own():
     assert make_config("ppo", preset="small", values={"levels": ["m/salute"]}).size == "6,3,2,2"
     told = {"levels": ["m/salute"], "size": "s"}
     assert make_config("ppo", preset="small", values=told).size == "s"
+
+
+def test_demonstrations_that_are_too_large_for_a_presets_size_have_their_own():
+    large = {"data": ("m/touchdown", "s/goalkeeper")}
+    config = make_config("bc", preset="small", values=large)
+    room = parse_capacity(config.size)
+    levels = [load_level(name) for name in large["data"]]
+    assert all(room.covers(capacity_of(level)) for level in levels)
+    assert make_config("bc", preset="small", values={"data": ("s/goalkeeper",)}).size == "s"
+    assert make_config("bc", preset="small", values={**large, "size": "l"}).size == "l"
