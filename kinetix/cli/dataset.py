@@ -96,6 +96,7 @@ def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset
         case RecordEpisodes():
             return _add(command.out, _recorded(command))
         case GatherEpisodes():
+            _check(command.sources)
             return _add(command.out, _gathered(command.sources))
         case VerifyDataset():
             return _verify(command)
@@ -167,6 +168,14 @@ def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
             print(f"{level.name}: {plural(count, 'episode')}", file=sys.stderr)
         except KinetixError as error:
             print(f"{level.name}: left out: {error}", file=sys.stderr)
+
+
+def _check(sources: tuple[str, ...]) -> None:
+    """Refuse a wrong name now: it must not cost the time that the names before it take."""
+    from kinetix.datasets.sources import check_source
+
+    for source in sources:
+        check_source(source)
 
 
 def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":

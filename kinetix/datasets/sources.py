@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from kinetix.datasets.episode import Origin, RecordedEpisode, solution_episode
-from kinetix.datasets.folder import MANIFEST, read_dataset, win_origins
+from kinetix.datasets.folder import MANIFEST, read_dataset, read_manifest, win_origins
 from kinetix.datasets.offline import is_offline, read_offline
 from kinetix.datasets.traces import episode_of_trace
 from kinetix.errors import KinetixError
@@ -44,6 +44,25 @@ def episodes_of(source: str) -> Iterator[FoundEpisode]:
         for episode in read_dataset(folder):
             yield FoundEpisode(episode=episode, place="dataset", name=str(folder))
     yield from _others(source, folders)
+
+
+def check_source(source: str) -> None:
+    """Refuse a word that `episodes_of` would fail on, before anything is played.
+
+    Shards are not read: there may be gigabytes of them.
+
+    Args:
+        source: As for `episodes_of`.
+
+    Raises:
+        KinetixError: The source is missing or damaged.
+    """
+    folders = _datasets(source)
+    for folder in folders:
+        read_manifest(folder)
+    if not is_offline(Path(source)):
+        for _ in _others(source, folders):
+            pass
 
 
 def origins_of(source: str) -> Iterator[Origin]:

@@ -14,6 +14,7 @@ from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.folder import add_episodes, read_dataset
 from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
 from kinetix.datasets.replays import checked, replay
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import SIZES
 
@@ -108,3 +109,15 @@ def test_what_controls_do_not_tell_is_counted(
     printed = capsys.readouterr()
     assert "1 trajectory in 1 shard" in printed.out
     assert f"otherwise than won after {found.length} steps" in printed.err
+
+
+def test_sources_are_checked_before_anything_is_played(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A name that is wrong is told before the work of the names before it."""
+    played: list[str] = []
+    monkeypatch.setattr("kinetix.datasets.replays.up_to_the_win", played.append)
+    missing = str(tmp_path / "mine.npz")
+    with pytest.raises(KinetixError, match=r"mine\.npz: cannot be read"):
+        run(GatherEpisodes(out=tmp_path / "set", sources=(LEVEL, missing)))
+    assert played == [] and not (tmp_path / "set").exists()
