@@ -94,9 +94,11 @@ def _run(name: str, words: Sequence[str]) -> int:
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
     import tyro  # here, so that the overview and the completion of names stay instant
 
+    from kinetix.cli.program import Program
+
     return tyro.cli(
         getattr(module, name.capitalize()),
-        prog=f"kinetix {name}",
+        prog=Program(f"kinetix {name}"),
         description=module.__doc__,
         args=list(words),
         config=(tyro.conf.FlagCreatePairsOff,),

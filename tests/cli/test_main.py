@@ -47,6 +47,13 @@ def test_unknown_argument_is_wrong_usage(capsys):
     assert "no-such-option" in capsys.readouterr().err
 
 
+def test_a_mistyped_option_points_to_the_help_of_its_command(capsys):
+    assert cli.main(["train", "ppo", "--out", "r0", "--lerning-rate", "1e-3"]) == 2
+    said = capsys.readouterr().err
+    assert "--learning-rate" in said and "kinetix train ppo --help" in said
+    assert "kinetix ppo" not in said
+
+
 def test_help_of_a_command_is_no_failure(capsys):
     assert cli.main(["validate", "--help"]) == 0
     assert "usage: kinetix validate" in capsys.readouterr().out
