@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.paths import NamedPath
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.wording import plural
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 class RecordEpisodes:
     """Let an agent play, and add its episodes: the attempts of `kinetix eval` to the bit."""
 
-    out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
     """The data set's folder; made where there is none, added to otherwise."""
     agent: Annotated[str, tyro.conf.arg(metavar="DIR|NAME|noop|random")]
     """Directory or name of an agent or a training run, or noop, or random."""
@@ -46,7 +47,7 @@ class RecordEpisodes:
 class GatherEpisodes:
     """Add episodes that the editor saved, and the recorded solutions of levels."""
 
-    out: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
     """The data set's folder; made where there is none, added to otherwise."""
     sources: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|EPISODE.npz|FILE|SET …")]
     """Episodes (.npz), folders of them, levels and sets with solutions, data sets."""
@@ -56,7 +57,7 @@ class GatherEpisodes:
 class VerifyDataset:
     """Check hashes and levels, play every episode again, and say what the data set holds."""
 
-    folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    folder: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
     """The data set."""
     json: bool = False
     """Print one JSON object on stdout, and nothing else there."""
@@ -68,9 +69,9 @@ class VerifyDataset:
 class ExportDataset:
     """Write states and actions in kinetix-env's layout, trajectories of 256 steps."""
 
-    folder: Annotated[Positional[Path], tyro.conf.arg(metavar="DATASET")]
+    folder: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
     """The data set."""
-    out: Annotated[Positional[Path], tyro.conf.arg(metavar="OUT")]
+    out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="OUT")]
     """A new folder for the shards."""
     size: str = "l"
     """Size of all states: s, m, l or four capacities; larger levels are left out and told."""

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree
 from kinetix.level.codec import load_document
 from kinetix.level.set_building import build_set, split_set
@@ -23,7 +24,7 @@ _UNSOLVED = "unsolved"
 class Build:
     """Write a level set; equal levels go in once, levels with an error are refused."""
 
-    out: Annotated[Positional[Path], tyro.conf.arg(metavar="OUT.json")]
+    out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="OUT.json")]
     """The set to write."""
     levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
     """Folders (every level below), level files, or level sets."""
@@ -51,7 +52,7 @@ class Verify:
 class Split:
     """Draw the split of a set anew."""
 
-    source: Annotated[Positional[Path], tyro.conf.arg(metavar="SET")]
+    source: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="SET")]
     """The set; it is written in place."""
     seed: int
     """Seed of the split."""

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.wording import plural
 
@@ -16,7 +17,7 @@ from kinetix.wording import plural
 class Sample:
     """Make random levels and write them as native files; the same seed gives the same files."""
 
-    target: Annotated[Positional[Path], tyro.conf.arg(name="outdir", metavar="OUTDIR")]
+    target: Annotated[Positional[NamedPath], tyro.conf.arg(name="outdir", metavar="OUTDIR")]
     """The folder to write to; it is made if it does not exist."""
     size: str
     """`s`, `m`, `l`, `locomotion`, or polygons with the arena, circles, joints and thrusters:

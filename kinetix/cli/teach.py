@@ -2,11 +2,11 @@
 
 import dataclasses
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from kinetix.cli.paths import NamedPath
 from kinetix.errors import KinetixError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ class Teach:
     """s, m, l, locomotion, or polygons with the arena, circles, joints, thrusters: 12,4,6,2."""
     count: int
     """Number of levels to be won, those that are there included."""
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    out: Annotated[NamedPath, tyro.conf.arg(metavar="DIR")]
     """Folder of the data set."""
     seed: int = 0
     """Equal seeds give equal levels."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Final, Union
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
+from kinetix.cli.paths import NamedPath
 from kinetix.cli.terminal import Terminal
 from kinetix.compiler import forget_programs
 from kinetix.cores import narrow_cores
@@ -32,7 +33,7 @@ _SUMMARIES = {
 class Common:
     """Options of every algorithm besides its hyper-parameters."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="RUN")]
+    out: Annotated[NamedPath, tyro.conf.arg(metavar="RUN")]
     """The run's directory: config.toml, metrics, checkpoints."""
     config: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Hyper-parameters by name; flags win over it."""

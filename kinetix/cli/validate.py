@@ -66,6 +66,8 @@ def run(command: Validate) -> int:
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
     """The files that the command line means: folders stand for the JSON files below them."""
     for file in files:
+        if not file:
+            raise LevelError('"": expected a level file or a folder, got an empty word')
         folder = Path(file) if os.path.exists(file) else named_levels(file)
         if folder is not None and os.path.isdir(folder):
             yield from map(str, json_files(folder))

@@ -84,6 +84,8 @@ def origins_of(source: str) -> Iterator[Origin]:
 
 def _datasets(source: str) -> list[Path]:
     """The folders of data sets at and below a path; nothing is looked for below a data set."""
+    if not source:
+        raise KinetixError('"": expected episodes, levels or a data set, got an empty word')
     path = Path(source)
     if (path / MANIFEST).is_file():
         return [path]

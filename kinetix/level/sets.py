@@ -295,6 +295,8 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     """
     levels: list[SetLevel] = []
     for source in sources:
+        if not str(source):
+            raise LevelError('"": expected a folder, a level or a level set, got an empty word')
         path = Path(source)
         if not os.path.exists(path):
             path = named_levels(source) or path

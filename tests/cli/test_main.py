@@ -54,6 +54,27 @@ def test_a_mistyped_option_points_to_the_help_of_its_command(capsys):
     assert "kinetix ppo" not in said
 
 
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["validate", ""], 1),
+        (["eval", "--agent", "noop", "--levels", ""], 1),
+        (["levelset", "build", "x.json", "--levels", ""], 1),
+        (["levelset", "build", "", "--levels", "s"], 2),
+        (["dataset", "gather", "x", "--sources", ""], 1),
+        (["dataset", "verify", ""], 2),
+        (["sample", "--size", "s", "--count", "1", "--seed", "0", ""], 2),
+        (["train", "ppo", "--levels", "s/goalkeeper", "--out", ""], 2),
+        (["teach", "--size", "s", "--count", "1", "--out", ""], 2),
+    ],
+)
+def test_an_empty_word_is_no_path(words, status, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(words) == status
+    assert "got an empty word" in " ".join(capsys.readouterr().err.split())
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_help_of_a_command_is_no_failure(capsys):
     assert cli.main(["validate", "--help"]) == 0
     assert "usage: kinetix validate" in capsys.readouterr().out
