@@ -82,6 +82,22 @@ def to_host(tree: Any) -> Any:
     return jax.tree.map(whole, tree)
 
 
+def placed(tree: Any, placement: PartitionSpec) -> Any:
+    """Put arrays where a program leaves them that was told to.
+
+    Args:
+        tree: Whole numpy arrays, the same in every process.
+        placement: `WHOLE`, `OWN` or `OWN_COLUMNS`.
+    """
+
+    def put(x: np.ndarray) -> jax.Array:
+        # Of nothing every device has the whole.
+        sharding = NamedSharding(worlds_mesh(), placement if x.size else WHOLE)
+        return jax.make_array_from_callback(x.shape, sharding, lambda index: x[index])
+
+    return jax.tree.map(put, tree)
+
+
 def on_each_device(function: Callable[..., Any], ins: Any, outs: Any) -> Callable[..., Any]:
     """Run a function on every device, with its share of what is split.
 

@@ -14,8 +14,8 @@ _RECENT: Final = 32
 class Pace:
     """Durations of one process's work.
 
-    What compiles does not count: the first part of each name, and the first batch of episodes of
-    the first evaluation.
+    What compiles does not count: the first part of each name and any other that compiles, and the
+    first batch of episodes of the first evaluation.
     """
 
     def __init__(

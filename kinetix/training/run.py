@@ -35,6 +35,7 @@ from kinetix.training.films import Filming
 from kinetix.training.imitation.clone import Clone
 from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks, read_metrics
 from kinetix.training.pace import Pace
+from kinetix.training.ppo.rollout import as_updates_leave_it
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.resume import (
     StoredProgress,
@@ -215,7 +216,7 @@ def _begin(
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
     state, progress, damaged = found
     say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
-    return state, progress, damaged
+    return as_updates_leave_it(state), progress, damaged
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

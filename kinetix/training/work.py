@@ -3,7 +3,7 @@
 import dataclasses
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import jax
 
@@ -17,7 +17,23 @@ class Part:
     name: str
     seconds: float
     compiled: bool
-    """True for the first of its name, whose time is mostly that of compiling."""
+    """True for the first of its name, and where something was compiled: mostly that takes its
+    time."""
+
+
+class _Compilations:
+    """Counts what this process compiles or takes from the cache of compiled programs."""
+
+    def __init__(self) -> None:
+        """Listen to JAX from now on."""
+        self.count = 0
+        jax.monitoring.register_event_duration_secs_listener(self._heard)
+
+    def _heard(self, event: str, duration_secs: float, **kwargs: str | int) -> None:
+        self.count += event == "/jax/core/compile/backend_compile_duration"
+
+
+_COMPILATIONS: Final = _Compilations()
 
 
 class Work:
@@ -41,10 +57,12 @@ class Work:
         first = name not in self._known
         if first:
             self.status(f"compiling: {name}")
-        began = time.monotonic()
+        before, began = _COMPILATIONS.count, time.monotonic()
         result = jax.block_until_ready(function(*arguments))
+        seconds = time.monotonic() - began
+        compiled = first or _COMPILATIONS.count > before
         self._known.add(name)
-        self._parts.append(Part(name=name, seconds=time.monotonic() - began, compiled=first))
+        self._parts.append(Part(name=name, seconds=seconds, compiled=compiled))
         return result
 
     def taken(self) -> list[Part]:

@@ -41,6 +41,25 @@ for _ in range(2):
 print(trainer._score_batch._cache_size(), trainer._train._cache_size())
 """
 
+_RESUMING = """
+import json, pathlib, sys
+import numpy as np
+import jax
+from kinetix.training.ppo.rollout import as_updates_leave_it
+from kinetix.training.run import make_trainer
+from kinetix.training.settings import make_config
+
+trainer = make_trainer(make_config("ppo", values=json.loads(sys.argv[1])))
+places = lambda state: [leaf.sharding for leaf in jax.tree.leaves(state)]
+state, _ = trainer.update(trainer.start())
+trainer.work.taken()
+back = as_updates_leave_it(jax.tree.map(np.asarray, state))
+print(places(back) == places(state))
+for _ in range(2):
+    back, _ = trainer.update(back)
+print(*[part.compiled for part in trainer.work.taken()])
+"""
+
 _VALUES = {
     "size": "s",
     "num_train_envs": 8,
@@ -101,3 +120,9 @@ def test_scoring_and_learning_are_compiled_once():
     small = {"batch_size": 8, "num_batches": 2, "rollout_steps": 4, "num_to_save": 8}
     done = _train(2, _SCORING, dummy_env=True, **small)
     assert done.stdout.split() == ["1", "1"], done.stderr
+
+
+@pytest.mark.slow
+def test_what_resumes_is_compiled_once():
+    done = _train(2, _RESUMING, dummy_env=True)
+    assert done.stdout.split() == ["True", "False", "False"], done.stderr

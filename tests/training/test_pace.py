@@ -1,9 +1,11 @@
 """Time left: compilation out, evaluations in."""
 
+import jax
+import jax.numpy as jnp
 import pytest
 
 from kinetix.training.pace import Pace
-from kinetix.training.work import Part
+from kinetix.training.work import Part, Work
 
 
 def _parts(*seconds, name="update", compiled=False):
@@ -45,3 +47,11 @@ def test_evaluations_count_before_one_has_been_timed_too():
     assert pace.seconds_left(8) == pytest.approx(2 + 5)
     pace.evaluated(7.0)
     assert pace.seconds_left(8) == pytest.approx(2 + 6)
+
+
+def test_a_part_that_compiles_anew_is_known_as_one():
+    """As the second update after a resume did, for arrays that were on other devices."""
+    work, double = Work(), jax.jit(lambda x: 2 * x)
+    for size in (3, 3, 4, 4):
+        work("update", double, jnp.zeros(size))
+    assert [part.compiled for part in work.taken()] == [True, False, True, False]

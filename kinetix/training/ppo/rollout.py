@@ -13,7 +13,7 @@ from kinetix.agents.normalisation import Normalisation, normalise
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
-from kinetix.training.devices import OWN, OWN_COLUMNS, WHOLE, on_each_device, own_keys
+from kinetix.training.devices import OWN, OWN_COLUMNS, WHOLE, on_each_device, own_keys, placed
 
 _TIMEOUT_CHUNK: Final = 64
 """Cut-off episodes whose last state is valued at once."""
@@ -32,6 +32,27 @@ class Playing:
     """Reward of the running episode."""
     episode_length: Int[Array, " n"]
     """Steps of the running episode."""
+
+
+def as_updates_leave_it(state: Any) -> Any:
+    """Return a stored training state with its arrays on the devices where updates leave them.
+
+    From anywhere else, the first update after a resume would be one program and the second
+    another, each compiled. A state without `Playing` stays as it is.
+
+    Args:
+        state: As numpy arrays.
+    """
+
+    def is_playing(part: Any) -> bool:
+        return isinstance(part, Playing)
+
+    parts = jax.tree.leaves(state, is_leaf=is_playing)
+    if jax.device_count() == 1 or not any(map(is_playing, parts)):
+        return state
+    return jax.tree.map(
+        lambda part: placed(part, OWN if is_playing(part) else WHOLE), state, is_leaf=is_playing
+    )
 
 
 @pytree
