@@ -61,8 +61,8 @@ class VerifyDataset:
     """The data set."""
     json: bool = False
     """Print one JSON object on stdout, and nothing else there."""
-    replay: bool = True
-    """True if to play the episodes again; without it only files are checked."""
+    no_replay: bool = False
+    """Check files alone; otherwise the episodes are played again."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -215,7 +215,7 @@ def _verify(command: VerifyDataset) -> int:
             counter[getattr(episode, name)] += 1
         levels.add(episode.level.name)
         untold += not episode.replays
-        if command.replay and episode.replays:
+        if not command.no_replay and episode.replays:
             from kinetix.datasets.replays import checked
 
             if not checked(episode).replays:

@@ -20,7 +20,8 @@ class Teach:
     size: str
     """s, m, l, locomotion, or polygons with the arena, circles, joints, thrusters: 12,4,6,2."""
     count: int
-    """Number of levels to be won, those that are there included."""
+    """Number of levels to be won, those that are there included. 256 are searched at a time, so
+    more may be won."""
     out: Annotated[NamedPath, tyro.conf.arg(metavar="DIR")]
     """Folder of the data set."""
     seed: int = 0
@@ -33,8 +34,8 @@ class Teach:
     """Levels that are searched at once: a divisor of 256."""
     copies: int = 2
     """Perturbed starts per level that are tried too, each with a round of its own."""
-    mirror: bool = True
-    """True if mirror images are tried too, with the same plan."""
+    no_mirror: bool = False
+    """Leave out mirror images; otherwise each is tried with the plan of its level."""
     machines: bool = False
     """Random machines (cars, arms, rockets, …) instead of heaps of random shapes."""
     cores: int | None = None
@@ -55,16 +56,17 @@ def run(command: Teach) -> int:
         rounds=command.rounds,
         batch=command.batch,
         copies=command.copies,
-        mirror=command.mirror,
+        mirror=not command.no_mirror,
         machines=command.machines,
     )
-    done = teach(config, command.count, command.out, report=_report)
+
+    def report(so_far: "Yield") -> None:
+        if so_far.won < command.count:  # the last one is the result
+            print(_told(so_far), file=sys.stderr, flush=True)
+
+    done = teach(config, command.count, command.out, report=report)
     print(f"{command.out}: {_told(done)}")
     return 0
-
-
-def _report(so_far: "Yield") -> None:
-    print(_told(so_far), file=sys.stderr, flush=True)
 
 
 def _told(so_far: "Yield") -> str:
