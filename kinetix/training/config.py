@@ -150,6 +150,17 @@ class PpoConfig:
         """Environment steps of one update."""
         return self.num_steps * self.num_train_envs
 
+    @property
+    def rounded(self) -> str:
+        """A sentence where the steps asked for are no whole number of updates; else nothing."""
+        trained = self.num_updates * self.steps_per_update
+        if trained == self.total_timesteps:
+            return ""
+        return (
+            f"total_timesteps = {self.total_timesteps:,} is no whole number of updates of "
+            f"{self.steps_per_update:,}: {trained:,} are trained"
+        )
+
     def fits_devices(self, devices: int) -> bool:
         """Tell whether that many devices get equal shares of environments and of minibatches.
 
@@ -178,7 +189,8 @@ class PpoConfig:
         if self.num_updates < 1:
             raise KinetixError(
                 f"total_timesteps = {self.total_timesteps} is less than one update of "
-                f"num_steps × num_train_envs = {self.steps_per_update}"
+                f"{self.steps_per_update}: ask for that many at least, or make updates smaller "
+                "(num_steps, num_train_envs)"
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")

@@ -203,3 +203,11 @@ def test_demonstrations_that_are_too_large_for_a_presets_size_have_their_own():
     assert all(room.covers(capacity_of(level)) for level in levels)
     assert make_config("bc", preset="small", values={"data": ("s/goalkeeper",)}).size == "s"
     assert make_config("bc", preset="small", values={**large, "size": "l"}).size == "l"
+
+
+def test_steps_that_are_no_whole_number_of_updates_are_told():
+    values = {"num_train_envs": 8, "num_steps": 4, "num_minibatches": 2}
+    config = make_config("ppo", values=values | {"total_timesteps": 100})
+    told = "total_timesteps = 100 is no whole number of updates of 32: 96 are trained"
+    assert config.rounded == told
+    assert make_config("ppo", values=values | {"total_timesteps": 96}).rounded == ""
