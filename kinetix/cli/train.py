@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Union
 
@@ -251,8 +252,7 @@ def _line(report: Any) -> str:
         f"{report.update}/{report.updates}",
         f"{report.env_steps:,} steps",
         f"{report.steps_per_second:,.0f}/s",
-        f"return {_mean(metrics.get(f'{PREFIX}episode_return'))}",
-        f"solved {_mean(metrics.get(f'{PREFIX}episode_solved'))}",
+        *_learnt(metrics),
     ]
     if report.seconds_left is not None:
         parts.append(f"{_duration(report.seconds_left)} left")
@@ -260,6 +260,22 @@ def _line(report: Any) -> str:
     if evaluated is not None:
         parts.append(f"evaluation {evaluated:.3f}")
     return "  ".join(parts)
+
+
+def _learnt(metrics: Mapping[str, float]) -> list[str]:
+    """How the episodes of an update went; of imitation, which plays none, how well it agrees."""
+    if "loss/agreement" not in metrics:
+        return [
+            f"return {_mean(metrics.get(f'{PREFIX}episode_return'))}",
+            f"solved {_mean(metrics.get(f'{PREFIX}episode_solved'))}",
+        ]
+    held_out = metrics.get("held_out/loss/agreement")
+    kept_back = [] if held_out is None else [f"held out {_mean(held_out)}"]
+    return [
+        f"loss {_mean(metrics.get('loss/policy'))}",
+        f"agreement {_mean(metrics['loss/agreement'])}",
+        *kept_back,
+    ]
 
 
 def _mean(value: float | None) -> str:

@@ -36,6 +36,7 @@ class TrainingEvaluation:
             setup: The training.
         """
         config = setup.config
+        self._config = config
         self._settings = Settings(
             attempts=config.eval_num_attempts, seed=config.seed, physics=config.physics
         )
@@ -45,6 +46,26 @@ class TrainingEvaluation:
         self._evaluated = False
         self.seconds: float | None = None
         """Duration of the last one, compilation left out [s]; None: that cannot be told."""
+
+    @property
+    def told(self) -> str:
+        """A sentence about when and what it plays; empty where there is nothing to play."""
+        config = self._config
+        listed, sampled = len(self._hand_designed), len(self._sampled)
+        if config.eval_levels or config.levels:
+            field = "eval_levels" if config.eval_levels else "levels"
+            parts = [f"{plural(listed, 'level')} that {field} names"] if listed else []
+        else:
+            parts = [f"{plural(listed, 'bundled level')} that fit {config.size}"] if listed else []
+        if sampled:
+            parts.append(plural(sampled, "random level"))
+        if not parts:
+            return ""
+        return (
+            f"evaluation every {plural(config.eval_freq, 'update')} and at the end: "
+            f"{plural(config.eval_num_attempts, 'attempt')} each at {' and '.join(parts)}; "
+            "eval_levels names others, with eval_freq 0 there is none"
+        )
 
     @property
     def steps(self) -> int:

@@ -152,6 +152,8 @@ def train(
     _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
+    if config.rounded:
+        say(config.rounded)
     if trainer.setup.cut_short():
         say(f"warning: {trainer.setup.cut_short()}")
     with contextlib.ExitStack() as stack:
@@ -190,6 +192,7 @@ def train(
             out=out,
             sinks=sinks,
             stop=stop,
+            say=say,
             status=status,
             history=history,
         )
@@ -228,6 +231,7 @@ class _Run:
     out: Path
     sinks: Sequence[Sink]
     stop: StopRequest
+    say: Say
     status: Say
     history: History | None
     """Of the buffer, where the algorithm keeps levels."""
@@ -288,6 +292,8 @@ def _view(run: _Run, progress: StoredProgress) -> _View:
     """Prepare evaluation, films and pace; averages go on where the run stopped."""
     config = run.trainer.setup.config
     evaluation = TrainingEvaluation(run.trainer.setup)
+    if evaluation.told:
+        run.say(evaluation.told)
     averages = EpisodeAverages(config.num_train_envs)
     for row in read_metrics(run.out):
         if row[UPDATE] <= progress.updates:

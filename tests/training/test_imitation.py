@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kinetix.agents.networks.distributions import MultiCategorical
+from kinetix.cli import main
 from kinetix.cli.dataset import GatherEpisodes, run
 from kinetix.datasets.episode import winning_plan
 from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset
@@ -254,3 +255,27 @@ def test_a_pull_needs_somebody_who_pulls(tmp_path):
     config = make_config("ppo", preset="small", values=values)
     with pytest.raises(KinetixError, match="--from"):
         train("ppo", config, tmp_path / "run")
+
+
+def test_a_teacher_tells_its_result_once(monkeypatch, tmp_path, capsys):
+    def shards(config, count, out, *, report):
+        for won in (1, 2):
+            report(teach.Yield(levels=256 * won, won=won, shards=won))
+        return teach.Yield(levels=512, won=2, shards=2)
+
+    monkeypatch.setattr(teach, "teach", shards)
+    assert main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr()
+    assert printed.err.startswith("1 of 256 levels won") and "512" not in printed.err
+    assert "2 of 512 levels won" in printed.out
+
+
+@pytest.mark.slow
+def test_a_row_of_imitation_says_what_it_is_about(tmp_path, capsys):
+    options = {"minibatch_size": 16, "num_minibatches": 2, "num_train_envs": 2, "eval_freq": 0}
+    options |= {"observation_type": "symbolic_flat", "total_timesteps": 32, "held_out": 0.0}
+    flags = [word for k, v in options.items() for word in (f"--{k.replace('_', '-')}", str(v))]
+    out = str(tmp_path / "run")
+    assert main(["train", "bc", "--data", "s/goalkeeper", "--out", out, *flags]) == 0
+    (row,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("1/1  ")]
+    assert "agreement 0." in row and "solved" not in row and "return" not in row

@@ -200,11 +200,14 @@ def test_a_run_whose_rate_falls_goes_on_as_one_of_the_new_length(tmp_path):
 
 
 def test_words_tell_what_is_under_way(tmp_path):
-    said = []
+    said, stays = [], []
     config = _config("ppo", dummy_env=True, eval_freq=3, eval_num_attempts=2)
     values = {"levels": ("s/goalkeeper",), "level_mode": "list"}
     config = dataclasses.replace(config, **values)
-    train("ppo", config, tmp_path, status=said.append)
+    train("ppo", config, tmp_path, say=stays.append, status=said.append)
+    assert stays[0].startswith(
+        "evaluation every 3 updates and at the end: 2 attempts each at 1 level that levels names; "
+    )
     assert said[:2] == ["compiling: start", "compiling: update"]
     assert "evaluating 0/2 episodes" in said
     assert said[-1] == "evaluating 2/2 episodes"
