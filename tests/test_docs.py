@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 from kinetix import EnvParams, StaticEnvParams, UEDParams, cli
+from kinetix.environment.replay import noop_outcome, play_actions
+from kinetix.level.validate import validate
 from kinetix.training.config import PpoConfig
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -44,6 +46,18 @@ def test_the_snippets_run_in_order(document, tmp_path, monkeypatch):
     names = {"__name__": "snippet"}
     for block in blocks(document, "python"):
         exec(compile(block, document.name, "exec"), names)
+
+
+@pytest.mark.slow
+def test_the_small_level_is_won_as_its_description_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(blocks(ROOT / "docs" / "level_format.md", "python")[0], names)
+    level = names["level"]
+    assert level.description.startswith("Hold 1 ") and validate(level) == ()
+    held = [(0, 0, 0, 0, 1, 0)] * level.max_timesteps
+    assert play_actions(level, held).outcome == "won"
+    assert noop_outcome(level) != "won"
 
 
 @pytest.mark.parametrize("line", list(commands()))
