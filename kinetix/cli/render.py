@@ -10,6 +10,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
+from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
 from kinetix.level.model import Level
@@ -179,8 +180,15 @@ def _showing(command: Render, agent: str) -> Showing:
             digest=digest_of(player),
             draws="" if recorded else draws,
         ),
-        moments=itertools.islice(moments, steps + 1),
+        moments=_patient(itertools.islice(moments, steps + 1)),
     )
+
+
+def _patient(moments: Iterator[Moment]) -> Iterator[Moment]:
+    """Pass an episode on; say that its step is compiled where the first ones take long."""
+    with announced("compiling the player and the step: the next time they are there"):
+        yield from itertools.islice(moments, 2)
+    yield from moments
 
 
 def _played(

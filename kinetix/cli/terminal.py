@@ -1,10 +1,33 @@
 """The terminal as a long command uses it: lines that stay, and one that tells what is under way."""
 
+import contextlib
 import sys
+import threading
+from collections.abc import Iterator
+from typing import Final
 
 from kinetix.training.telling import now_and_then
 
 _BACK_AND_CLEAR = "\r\x1b[K"
+PATIENCE: Final = 3.0
+"""Time after which somebody who waits wants to know for what [s]."""
+
+
+@contextlib.contextmanager
+def announced(text: str, *, after: float = PATIENCE) -> Iterator[None]:
+    """Say on stderr what is under way, should it take long.
+
+    Args:
+        text: What is.
+        after: How long it may take without a word [s].
+    """
+    timer = threading.Timer(after, lambda: print(text, file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 class Terminal:

@@ -1,8 +1,9 @@
 """Lines that stay and words that pass, on a terminal and in a file."""
 
 import sys
+import time
 
-from kinetix.cli.terminal import Terminal
+from kinetix.cli.terminal import Terminal, announced
 from kinetix.training import telling
 from kinetix.training.telling import now_and_then
 
@@ -41,3 +42,12 @@ def test_each_kind_of_work_is_said_at_once_and_then_now_and_then(monkeypatch):
     status("compiling: start")
     status("compiling: update")
     assert said == ["scoring 1/4", "scoring 4/4", "compiling: start", "compiling: update"]
+
+
+def test_what_takes_long_is_announced_and_what_does_not_is_not(capsys):
+    with announced("compiling", after=0.01):
+        time.sleep(0.2)
+    assert capsys.readouterr().err == "compiling\n"
+    with announced("compiling", after=5.0):
+        pass
+    assert capsys.readouterr().err == ""
