@@ -189,8 +189,8 @@ def _checked_level(tree: dict[str, Any], path: str, faults: FaultCollector) -> L
             f"program reads; a newer release may open it",
         )
         return None
-    tree = migrate(tree, version, VERSION)
-    body = tree if isinstance(tree, DuplicateKeys) else dict(tree)
+    # A tree made anew would not tell that a key stood twice, which `check_tree` refuses.
+    body = tree if isinstance(tree, DuplicateKeys) else migrate(tree, version, VERSION)
     body.pop("format", None)
     body.pop("version", None)
     check_tree(body, Level, path, faults)

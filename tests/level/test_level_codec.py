@@ -139,6 +139,7 @@ CHANGES = {
     "motor": ('"on": true, ', "", "E004", r'joints\[0\]\.motor: the key "on"'),
     "unknown": ('"friction"', '"fricton"', "E005", 'did you mean "friction"'),
     "twice": ('"a": 3', '"a": 3, "a": 1', "E005", r"joints\[1\]\.a: .*twice"),
+    "twice on top": ('"next_id": 40', '"next_id": 39, "next_id": 40', "E005", r"next_id: .*twice"),
     "type": ('"angle": 0.7', '"angle": "0.7"', "E006", "a number, got"),
     "null": ('"fixed": true', '"fixed": null', "E006", "true or false, got null"),
     "optional": ('{"mass": 0.2, "inertia": 0.01}', "null", "E006", "leave the key out"),
