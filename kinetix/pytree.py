@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Any, TypeVar, dataclass_transform
 
+import jax
 from flax import struct
 
 T = TypeVar("T")
@@ -40,6 +41,18 @@ def pytree(cls: type[T]) -> type[T]:
     # JAX unflattens through __init__ with placeholders, which a type-checking hook would refuse.
     made.__no_type_check__ = True
     return made
+
+
+def typed_like(new: T, old: T) -> T:
+    """Return a tree of arrays in the number types of another, as the carry of a loop needs it.
+
+    With JAX's 64-bit mode on, constants are wider than what a loop began with.
+
+    Args:
+        new: Arrays.
+        old: A tree of the same structure.
+    """
+    return jax.tree.map(lambda x, like: x.astype(like.dtype), new, old)
 
 
 def short_repr(self: Any) -> str:

@@ -20,7 +20,7 @@ from kinetix.environment.devices import in_shares
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.outcome import outcome_index
 from kinetix.environment.state import EnvState
-from kinetix.pytree import pytree
+from kinetix.pytree import pytree, typed_like
 
 
 @pytree
@@ -173,7 +173,7 @@ def _step(
     stepped = jax.vmap(env.step)(keys, episodes.state, action)
     observation, state, reward, done, info = stepped
     running = ~episodes.over
-    return dataclasses.replace(
+    after = dataclasses.replace(
         episodes,
         state=state,
         observation=observation,
@@ -186,6 +186,7 @@ def _step(
         lengths=episodes.lengths + running,
         last=LastStep(action=action, reward=reward, distance=info["distance"], info=said),
     )
+    return typed_like(after, episodes)
 
 
 def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:

@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.outcome import OUTCOMES, Outcome, outcome_index, outcome_of
 from kinetix.environment.state import EnvState
-from kinetix.pytree import pytree
+from kinetix.pytree import pytree, typed_like
 
 __all__ = ["Decide", "Episode", "EpisodeState", "Outcome", "outcome_of", "play_episode", "rollout"]
 
@@ -194,7 +194,7 @@ def _play(
             decide, params, now.carry, now.observation, drawn, now.step == 0
         )
         observation, state, reward, _, info = env.step(key, now.state, action)
-        return EpisodeState(
+        after = EpisodeState(
             state=state,
             observation=observation,
             carry=carry,
@@ -205,6 +205,7 @@ def _play(
             ending=outcome_index(info),
             dropped=now.dropped + info["overflow"],
         )
+        return typed_like(after, now)
 
     return jax.lax.while_loop(goes_on, advance, start)
 

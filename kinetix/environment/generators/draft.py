@@ -262,13 +262,19 @@ def states(draft: Draft, engine: PhysicsEngine, inertia_model: InertiaModel) -> 
         overflow=jnp.zeros((worlds,), bool),
         cache=jax.tree.map(lambda x: jnp.zeros((*np.shape(x), worlds), np.asarray(x).dtype), cache),
     )
-    return EnvState(
+    drawn = EnvState(
         world=_first(world),
         physics=_first(physics),
         labels=_first(described),
         timestep=none,
         last_distance=jnp.full((worlds,), NO_DISTANCE, jnp.float32),
     )
+    return jax.tree.map(_as_from_files, drawn)
+
+
+def _as_from_files(x: Array) -> Array:
+    """The array as a level that is read has it: of 32 bits, in JAX's 64-bit mode too."""
+    return x.astype({"float64": jnp.float32, "int64": jnp.int32}.get(str(x.dtype), x.dtype))
 
 
 def _inverse(quantity: Float[Array, "b n"], moves: Bool[Array, "b n"]) -> Float[Array, "b n"]:
