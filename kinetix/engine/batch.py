@@ -131,6 +131,8 @@ def _compiled(program: _Program, whole: bool) -> Callable[..., list[Array]]:
 
     @jax.jit
     def worlds(*leaves: Array) -> list[Array]:
+        if not _count(leaves):
+            return [jnp.zeros(x.shape, x.dtype) for x in program.results(leaves)]
         if whole:
             with whole_batches():
                 done = program.kernel(*program.arguments(leaves))
@@ -161,7 +163,7 @@ def _batched(
         _merge(x[..., None, :] if axis is None else x, sizes)
         for x, axis in zip(moved, axes, strict=True)
     ]
-    results = [_split(x, size) for x in _RUN.bind(*merged, program=program)]
+    results = [x.reshape(*x.shape[:-1], *sizes) for x in _RUN.bind(*merged, program=program)]
     return results, [x.ndim - 2 for x in results]
 
 
@@ -170,11 +172,6 @@ def _merge(x: Array, sizes: tuple[int, int]) -> Array:
     if x.shape[-2:] == (1, 1):
         return _without_axis(x)
     return jnp.broadcast_to(x, (*x.shape[:-2], *sizes)).reshape(*x.shape[:-2], math.prod(sizes))
-
-
-def _split(x: Array, size: int) -> Array:
-    """(…, m·n) to (…, m, n)."""
-    return x.reshape(*x.shape[:-1], size, x.shape[-1] // size)
 
 
 batching.primitive_batchers[_RUN] = _batched
@@ -222,7 +219,8 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
 
 def _count(leaves: Sequence[Any]) -> int:
     """Count the worlds; arrays with just one stand for all of them."""
-    return max(x.shape[-1] for x in leaves)
+    lengths = {x.shape[-1] for x in leaves}
+    return 0 if 0 in lengths else max(lengths)
 
 
 # In primitives of JAX's own: what `x[..., 0]` does takes ten times as long to trace, and each leaf

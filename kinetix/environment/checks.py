@@ -25,6 +25,8 @@ from kinetix.errors import KinetixError
 from kinetix.level.features import capacity_of_world
 from kinetix.level.sizes import describe_capacity
 
+_SINGLE = -1
+"""Length of what has no axis of worlds."""
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -71,8 +73,12 @@ def check_worlds(arguments: Mapping[str, Any], devices: int) -> None:
         refuse_what_is_no_array(name, argument)
         if isinstance(argument, list | tuple):
             raise KinetixError(f"{name}: expected an array, got a list: jnp.array makes one of it")
-        lengths = {len(leaf) if jnp.ndim(leaf) else 0 for leaf in jax.tree.leaves(argument)}
-        if len(lengths) != 1 or lengths == {0} or (name == "key" and _is_one_raw_key(argument)):
+        leaves = jax.tree.leaves(argument)
+        lengths = {len(leaf) if jnp.ndim(leaf) else _SINGLE for leaf in leaves}
+        if lengths == {0}:
+            raise KinetixError(f"{name}: expected one per world, got none")
+        alone = len(lengths) != 1 or lengths == {_SINGLE}
+        if alone or (name == "key" and _is_one_raw_key(argument)):
             hint = ": jax.random.split(key, n)" if name == "key" else ""
             raise KinetixError(f"{name}: expected one per world, got a single one{hint}")
         (length,) = lengths

@@ -39,7 +39,7 @@ def test_alone(function):
     assert_equal(function(matrix, vector, 2.0), reference(matrix, vector, 2.0))
 
 
-@pytest.mark.parametrize("count", [1, 3, TILE, TILE + 1, 3 * TILE + 7])
+@pytest.mark.parametrize("count", [0, 1, 3, TILE, TILE + 1, 3 * TILE + 7])
 def test_batched_with_a_shared_argument(function, count):
     matrix, vector = arguments(count)
     found = jax.vmap(function, in_axes=(0, 0, None))(matrix, vector, 2.0)

@@ -100,6 +100,7 @@ def test_a_wrong_batch_gets_one_sentence(batch):
             states,
             actions,
         ),
+        "key: expected one per world, got none": (keys[:0], states, actions),
         "override_reset_state: expected one per world, 4 of them": (
             keys,
             states,

@@ -5,7 +5,6 @@ couple rows with rows: room for more contacts costs memory alone, and time goes 
 that there are.
 """
 
-
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
