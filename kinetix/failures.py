@@ -19,6 +19,7 @@ INTERRUPTED: Final = 130
 """Exit status after Ctrl+C."""
 TERMINATED: Final = 143
 """Exit status after SIGTERM."""
+_PLATFORMS: Final = "JAX_PLATFORMS"
 KEPT_REPORTS: Final = 20
 """Of more crash reports the oldest are deleted."""
 _LONGEST_REPORT: Final = 200_000
@@ -138,7 +139,23 @@ def _told(error: BaseException, name: str, words: Sequence[str]) -> tuple[str, i
             return f"{name}: not enough memory", 1
     if "RESOURCE_EXHAUSTED" in str(error):  # JAX has a type of its own, and other words behind it
         return f"{name}: not enough memory: {plain(str(error), 200)}", 1
+    if _cannot_compute():
+        return (
+            f"{name}: JAX_PLATFORMS={os.environ[_PLATFORMS]}: JAX does not run on that here; "
+            "unset the variable, or set it to cpu"
+        ), 1
     return crash_sentence(error, name, words), 1
+
+
+def _cannot_compute() -> bool:
+    """Return whether the user asked JAX for a device that is not here."""
+    if "jax" not in sys.modules or not os.environ.get(_PLATFORMS):
+        return False
+    try:
+        sys.modules["jax"].devices()
+    except Exception:  # JAX raises errors of many types here, some without a word
+        return True
+    return False
 
 
 def crash_sentence(error: BaseException, name: str, words: Sequence[str]) -> str:

@@ -10,6 +10,7 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
@@ -37,6 +38,7 @@ COMMANDS: Final[dict[str, str]] = {
 """Every sub-command and what it does."""
 
 _MEASURES_COMPILING: Final = "bench"
+_FEWEST_COLUMNS: Final = 20
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -74,7 +76,8 @@ def _run(name: str, words: Sequence[str]) -> int:
     gc.set_threshold(*_SELDOM)
     if name != _MEASURES_COMPILING or words[:1] in (["accuracy"], ["everyday"]):
         # A second run of the same size compiles nothing; JAX reads this when it is imported.
-        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir() / "jax"))
+        if _can_be_filled(compiled := cache_dir() / "jax"):
+            os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(compiled))
         # XLA calls its own tuning hints unknown processor features when it reads that cache.
         os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     try:
@@ -91,11 +94,24 @@ def _run(name: str, words: Sequence[str]) -> int:
     return status
 
 
+def _can_be_filled(folder: Path) -> bool:
+    """Make a folder; JAX warns about each program where it cannot keep them."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
     import tyro  # here, so that the overview and the completion of names stay instant
 
     from kinetix.cli.program import Program
 
+    # Its layout of the help never ends in fewer columns than some six.
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
+        os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
     return tyro.cli(
         getattr(module, name.capitalize()),
         prog=Program(f"kinetix {name}"),

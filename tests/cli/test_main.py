@@ -196,6 +196,27 @@ def test_an_ascii_terminal_gets_everything_too(tmp_path):
     assert b"Traceback" not in done.stderr
 
 
+def test_the_help_ends_in_a_terminal_without_room():
+    assert _shell("kinetix validate --help", COLUMNS="1").returncode == 0
+
+
+def test_a_device_that_is_not_here_gets_one_sentence(tmp_path):
+    line = "kinetix play s/first_flight --agent noop"
+    done = _shell(line, JAX_PLATFORMS="cuda", XDG_STATE_HOME=str(tmp_path))
+    assert done.returncode == 1
+    assert done.stderr.startswith(b"kinetix: JAX_PLATFORMS=cuda: JAX does not run on that here")
+    assert not list(tmp_path.rglob("crashes"))
+
+
+def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path):
+    (tmp_path / "cache").write_text("a file")
+    line = "kinetix sample --size s --count 1 --seed 1 out"
+    alone = f"cd {tmp_path}; unset JAX_COMPILATION_CACHE_DIR; {line}"
+    done = _shell(alone, XDG_CACHE_HOME=str(tmp_path / "cache"))
+    assert done.returncode == 0
+    assert b"Warning" not in done.stderr
+
+
 def test_overview_is_fast_and_free_of_jax():
     code = (
         "import sys; from kinetix.cli import main; main(['--help']); "
