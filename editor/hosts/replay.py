@@ -291,20 +291,27 @@ class Replayer:
         self._frames(int(event["frames"]))
 
     def _wait_until(self, event: Event) -> None:
-        what = event["what"]
+        what, session = event["what"], self._session
         if what not in _CONDITIONS:
             raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
-        until = time.monotonic() + float(event.get("seconds", 60))
-        while not _CONDITIONS[what](self._session):
-            coming = self._session.expected is not None
-            if what in _PLAYED and self._session.editing and not coming:
-                reason = self._session.playback.failure or "nothing is played: the app is in Edit"
+        began = time.monotonic()
+        until = began + float(event.get("seconds", 60))
+        while not _CONDITIONS[what](session):
+            coming = session.expected is not None
+            if what in _PLAYED and session.editing and not coming:
+                reason = session.playback.failure or "nothing is played: the app is in Edit"
                 raise KinetixError(f"{what} cannot come: {reason}")
             if time.monotonic() > until:
                 raise KinetixError(f"not {what} after {event.get('seconds', 60)} s")
             self._step()
-            # The clock is fixed but the worker's is not: let it have the processor.
-            self._session.worker.wait(0.02)
+            # The clock is fixed but those who work have another: let them have the processor, and
+            # the longer the wait is, the more of it; an episode ends by what is stepped here.
+            waited = 0.0 if what == "ended" else time.monotonic() - began
+            pause = min(0.02 + waited / 10, 0.25)
+            if session.worker.idle:
+                time.sleep(pause)
+            else:
+                session.worker.wait(pause)
 
     def _screenshot(self, event: Event) -> None:
         if not isinstance(self._host, OffscreenHost):
