@@ -52,7 +52,7 @@ def test_levels_that_the_noop_solves(action_type: str) -> None:
     env = make_kinetix_env(action_type, "symbolic_flat", None, EnvParams(), static)
     assert np.asarray(noop_solved(env, states, EnvParams())).tolist() == [True, False, False]
     assert not np.asarray(noop_solved(env, states, EnvParams(), steps=3)).any()
-    sampler = level_sampler(physics_engine(static), UEDParams())
+    sampler = jax.jit(level_sampler(physics_engine(static), UEDParams()))
     kept = sample_filtered_levels(jax.random.key(0), 64, sampler, env, EnvParams())
     assert kept.timestep.shape == (64,)
     raw = sample_filtered_levels(jax.random.key(0), 64, sampler, env, EnvParams(), steps=0)
