@@ -172,7 +172,7 @@ class Ui:
         if not gallery:
             self.workplace.paint()
         arena = 0.0 if gallery else session.camera.to_screen(ARENA[1])[0]
-        self._toasts.draw(session, _middle(), beside=arena)
+        self._toasts.draw(session, _middle(), beside=arena, card=self._guide.place)
         due = dt >= IDLE or imgui.get_frame_count() % _LAYOUT_FRAMES == 0
         if due and session.view.settled:
             self.workplace.save_layout()

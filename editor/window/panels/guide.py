@@ -1,6 +1,6 @@
 """The card of the guided first level: what to do next, how far one is, how to do without."""
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from imgui_bundle import imgui
 
@@ -20,22 +20,31 @@ _WIDTH: Final = 320.0
 _WIDTH_BESIDE: Final = 236.0
 """In a low window: beside the level, not over it."""
 _MARGIN: Final = 14.0
-_ABOVE_STATUS: Final = 34.0
+_WINDOW: Final = "###guide"
+
+Rect: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
+"""Upper left and lower right corner [px]."""
 
 
 class GuideCard:
     """A small window in the lower right corner; it can be moved, folded and closed."""
+
+    def __init__(self) -> None:
+        self.place: Rect | None = None
+        """Where it stands; None while it is not shown."""
+        self._dragged = False
+        """True once it was dragged out of the corner."""
+        self._at_bottom = True
+        """True while its lower edge is where it may be at most."""
 
     def draw(self, session: "Session") -> None:
         """Draw it while somebody is guided."""
         guide.follow(session)
         number = session.settings.guide_step
         if number == guide.CLOSED or session.gallery.open:
+            self.place = None
             return
-        viewport = imgui.get_main_viewport()
-        right = viewport.work_pos.x + viewport.work_size.x - px(_MARGIN)
-        bottom = viewport.work_pos.y + viewport.work_size.y - px(_ABOVE_STATUS + _MARGIN)
-        imgui.set_next_window_pos((right, bottom), imgui.Cond_.appearing.value, (1.0, 1.0))
+        self._put()
         low = layouts.room_now() is layouts.Room.LOW
         imgui.set_next_window_size((px(_WIDTH_BESIDE if low else _WIDTH), 0.0))
         flags = (
@@ -48,13 +57,34 @@ class GuideCard:
         with widgets.coloured(window_bg=COLOURS.raised, border=COLOURS.accent):
             imgui.push_style_var(imgui.StyleVar_.window_border_size, px(1.5))
             imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(16), px(12)))
-            shown, kept = imgui.begin(tr(f"{self._title(number)}###guide"), True, flags)
+            shown, kept = imgui.begin(tr(f"{self._title(number)}{_WINDOW}"), True, flags)
             if shown:
                 self._content(session, number)
+            at, size = imgui.get_window_pos(), imgui.get_window_size()
+            self.place = (at.x, at.y), (at.x + size.x, at.y + size.y)
             imgui.end()
             imgui.pop_style_var(2)
         if not kept:
             session.queue(lambda: guide.close(session))
+
+    def _put(self) -> None:
+        """Keep it between the bars; at the bottom it grows upwards when a step has more to say."""
+        viewport = imgui.get_main_viewport()
+        right = viewport.work_pos.x + viewport.work_size.x - px(_MARGIN)
+        bottom = viewport.work_pos.y + viewport.work_size.y - px(_MARGIN)
+        window = imgui.internal.find_window_by_name(_WINDOW)
+        if self.place is None or window is None:
+            self._dragged, self._at_bottom = False, True
+        elif (window.pos.x, window.pos.y) != self.place[0]:
+            self._dragged = True
+            self._at_bottom = window.pos.y + window.size.y >= bottom
+        if window is None or not self._dragged:
+            imgui.set_next_window_pos((right, bottom), 0, (1.0, 1.0))
+            return
+        edge, lower = window.pos.x + window.size.x, window.pos.y + window.size.y
+        if self._at_bottom or edge > right or lower > bottom:
+            lower = bottom if self._at_bottom else min(lower, bottom)
+            imgui.set_next_window_pos((min(edge, right), lower), 0, (1.0, 1.0))
 
     def _title(self, number: int) -> str:
         if 0 <= number < len(guide.STEPS):
