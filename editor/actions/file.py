@@ -12,7 +12,7 @@ from editor.gallery import filing
 from editor.session import Session, Tab
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.model import Level
-from kinetix.paths import levels_dir
+from kinetix.paths import levels_dir, user_levels_dir
 
 NEW_LEVEL: Final = Level(name="Untitled")
 LEVEL_SUFFIXES: Final = (".json",)
@@ -151,6 +151,16 @@ def _folder(session: Session) -> Path:
     return recent or levels_dir()
 
 
+def _save_folder(session: Session) -> Path:
+    """Return the proposed folder for a level: one of the user's own, never one of the app's."""
+    path = session.document.path
+    if path is not None and not filing.bundled(path):
+        return path.parent
+    last = Path(session.settings.save_folder)
+    own = last.is_absolute() and last.is_dir() and not filing.bundled(last)
+    return last if own else user_levels_dir()
+
+
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
     """Save in the tab's format; asks for a name where there is none, and about losses."""
     _no_moment(session)
@@ -187,7 +197,7 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
         FileQuestion(
             purpose="save",
             title="Save level as",
-            folder=_folder(session),
+            folder=_save_folder(session),
             name=document.path.name if document.path else f"{_stem(document.level.name)}.json",
             suffixes=LEVEL_SUFFIXES,
             answer=answer,
@@ -266,6 +276,8 @@ def save_now(session: Session, document: Document, path: Path, format: Format) -
     if document.level.size != named:
         session.toast(f"The level does not fit size {named}: its size is automatic now.", "warning")
     session.settings.remember(path)
+    if not filing.bundled(path):
+        session.settings.save_folder = str(path.resolve().parent)
     if format == "kinetix-level":
         with session.guard():
             session.old_names.drop(path)

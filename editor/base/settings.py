@@ -31,6 +31,8 @@ class Settings:
 
     recents: list[str] = dataclasses.field(default_factory=list)
     """Paths, newest first."""
+    save_folder: str = ""
+    """Folder of the level that was saved last, unless it came with the app."""
     snap_smart: bool = True
     snap_grid: bool = True
     grid_visible: bool = True

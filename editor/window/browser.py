@@ -23,7 +23,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.level.model import Level
-from kinetix.paths import levels_dir
+from kinetix.paths import levels_dir, user_levels_dir
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -48,7 +48,7 @@ class FileBrowser:
 
     def __init__(self, question: FileQuestion) -> None:
         self._question = question
-        self._folder = question.folder if os.path.isdir(question.folder) else Path.home()
+        self._folder = question.folder if self._can_show(question.folder) else Path.home()
         self._name = question.name
         self._filter = ""
         self._overwrite: Path | None = None
@@ -88,6 +88,7 @@ class FileBrowser:
         for index, (label, folder) in enumerate(
             (
                 (f"{Icons.up}", self._folder.parent),
+                ("My levels", user_levels_dir()),
                 ("Levels", levels_dir()),
                 ("Home folder", Path.home()),
                 ("Here", Path.cwd()),
@@ -107,8 +108,12 @@ class FileBrowser:
             words = "…/" + words.lstrip("…/").split("/", 1)[-1]
         widgets.muted(words)
 
+    def _can_show(self, folder: Path) -> bool:
+        """Return whether a folder is there; the user's own is made when something is saved."""
+        return os.path.isdir(folder) or (not self._folders_only and folder == user_levels_dir())
+
     def _go(self, folder: Path) -> None:
-        if os.path.isdir(folder):
+        if self._can_show(folder):
             self._folder = folder
             self._filter, self._error = "", ""
 
@@ -116,6 +121,8 @@ class FileBrowser:
         try:
             found = [path for path in self._folder.iterdir() if not path.name.startswith(".")]
         except OSError as error:
+            if self._folder == user_levels_dir() and isinstance(error, FileNotFoundError):
+                return []
             self._error = f"{self._folder}: {error.strerror or error}"
             return []
         kept = [
@@ -325,11 +332,22 @@ class FileBrowser:
             if os.path.exists(path) and self._overwrite != path:
                 self._overwrite = path
                 return False, None
-            return True, path
+            return self._make_own(path.parent), path
         if not os.path.isfile(path):
             self._error = f"There is no file {path.name} here."
             return False, None
         return True, path
+
+    def _make_own(self, folder: Path) -> bool:
+        """Make the user's own folder, where that is meant; returns whether one can go on."""
+        if folder != user_levels_dir():
+            return True
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            self._error = f"{folder}: cannot be made: {error.strerror or error}"
+            return False
+        return True
 
 
 @functools.lru_cache(maxsize=32)

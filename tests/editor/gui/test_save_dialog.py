@@ -1,0 +1,96 @@
+"""The dialog that asks where a level is to be: the folder that it proposes, keys and buttons."""
+
+from pathlib import Path
+
+import pytest
+
+from editor.base.prompts import FileQuestion
+from kinetix.level.codec import load_level
+from kinetix.paths import levels_dir, user_levels_dir
+
+
+def asked(gui) -> FileQuestion:
+    gui.frames(4)
+    (question,) = gui.session.prompts
+    assert isinstance(question, FileQuestion)
+    return question
+
+
+def type_name(gui, name: str | Path) -> None:
+    gui.key("ctrl+a")
+    gui.text(str(name))
+    gui.key("return")
+    gui.frames(4)
+
+
+@pytest.fixture
+def drawn(gui):
+    """A new level, begun while a level of the app is open and the last file that was opened."""
+    gui.open(levels_dir() / "l" / "rover_ridge.json")
+    gui.key("ctrl+n")
+    gui.key("c")
+    gui.drag((2.0, 2.0), (2.5, 2.5))
+    return gui
+
+
+def test_a_first_level_goes_to_the_users_folder(drawn):
+    drawn.session.settings.save_folder = ""
+    drawn.key("ctrl+s")
+    assert asked(drawn).folder == user_levels_dir()
+    type_name(drawn, "first")
+    assert load_level(user_levels_dir() / "first.json").bodies == drawn.level.bodies
+    assert drawn.session.document.path == user_levels_dir() / "first.json"
+
+
+def test_the_next_level_goes_where_the_user_saved_last(drawn, tmp_path):
+    (tmp_path / "mine").mkdir()
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    type_name(drawn, tmp_path / "mine" / "one.json")
+    drawn.open(levels_dir() / "s" / "first_flight.json")
+    drawn.key("ctrl+n")
+    drawn.key("ctrl+s")
+    assert asked(drawn).folder == tmp_path / "mine"
+    drawn.click("browser.cancel")
+    (tmp_path / "mine" / "one.json").unlink()
+    (tmp_path / "mine").rmdir()
+    drawn.key("ctrl+s")
+    assert asked(drawn).folder == user_levels_dir()
+
+
+def test_a_level_of_the_app_is_saved_as_a_file_of_the_users(gui):
+    gui.session.settings.save_folder = str(levels_dir() / "m")
+    gui.open(levels_dir() / "l" / "rover_ridge.json")
+    gui.session.queue("file.save_as")
+    question = asked(gui)
+    assert question.folder == user_levels_dir() and question.name == "rover_ridge.json"
+
+
+def test_a_button_leads_to_the_users_folder(drawn, tmp_path):
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    assert not user_levels_dir().is_dir()
+    drawn.click("browser.place.1")
+    drawn.frames(2)
+    assert not user_levels_dir().is_dir()
+    drawn.click("browser.accept")
+    drawn.frames(4)
+    assert not drawn.session.prompts
+    assert drawn.session.document.path == user_levels_dir() / "untitled.json"
+
+
+def test_a_users_folder_that_cannot_be_made_is_told(drawn):
+    parent = user_levels_dir().parent
+    parent.parent.mkdir(parents=True, exist_ok=True)
+    if parent.is_dir():
+        user_levels_dir().write_text("a file where the folder would be")
+    else:
+        parent.write_text("a file where the folder would be")
+    drawn.session.settings.save_folder = ""
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    drawn.key("return")
+    drawn.frames(4)
+    assert drawn.session.prompts, "still asking"
+    assert not [line for line in drawn.session.log.lines if "Traceback" in line]
