@@ -116,6 +116,7 @@ class FileBrowser:
         if self._can_show(folder):
             self._folder = folder
             self._filter, self._error = "", ""
+            self._to_name = True
 
     def _entries(self) -> list[Path]:
         try:
@@ -150,7 +151,7 @@ class FileBrowser:
                 self._go(path)
             else:
                 self._name, self._overwrite = path.name, None
-                chosen = twice
+                self._to_name, chosen = True, twice
         imgui.end_child()
         imgui.pop_style_var()
         imgui.pop_style_color()

@@ -66,7 +66,7 @@ def test_a_level_of_the_app_is_saved_as_a_file_of_the_users(gui):
     assert question.folder == user_levels_dir() and question.name == "rover_ridge.json"
 
 
-def test_a_button_leads_to_the_users_folder(drawn, tmp_path):
+def test_a_button_leads_to_the_users_folder_and_return_saves_there(drawn, tmp_path):
     drawn.session.settings.save_folder = str(tmp_path)
     drawn.key("ctrl+s")
     drawn.frames(4)
@@ -74,10 +74,22 @@ def test_a_button_leads_to_the_users_folder(drawn, tmp_path):
     drawn.click("browser.place.1")
     drawn.frames(2)
     assert not user_levels_dir().is_dir()
-    drawn.click("browser.accept")
+    drawn.key("return")
     drawn.frames(4)
     assert not drawn.session.prompts
     assert drawn.session.document.path == user_levels_dir() / "untitled.json"
+
+
+def test_return_saves_after_a_click_in_the_list(drawn, tmp_path):
+    (tmp_path / "inner").mkdir()
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    drawn.click("browser.inner")
+    drawn.frames(2)
+    drawn.key("return")
+    drawn.frames(4)
+    assert (tmp_path / "inner" / "untitled.json").is_file()
 
 
 def test_a_users_folder_that_cannot_be_made_is_told(drawn):
