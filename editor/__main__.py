@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _TOOLKIT: Final = ("pygame", "imgui_bundle")
 """Packages of the extra `editor`; training and evaluation do without."""
+_SCALES: Final = (0.75, 3.0)
+"""Least and largest scale of the interface."""
 _PARTING_SECONDS: Final = 0.3
 """Time that cancelled jobs get to leave when the app closes [s]."""
 
@@ -94,10 +96,10 @@ def _host(options: Options, session: Session) -> "PygameHost":
 
 
 def _check(options: Options) -> None:
-    """Refuse options that contradict each other, before anything is opened.
+    """Refuse options that contradict each other or are out of range, before anything is opened.
 
     Raises:
-        KinetixError: They do.
+        KinetixError: They do, or are.
     """
     if options.serve and (options.replay is not None or options.bench):
         raise KinetixError("--serve shows the app to a person: leave out --replay and --bench")
@@ -105,6 +107,9 @@ def _check(options: Options) -> None:
         raise KinetixError("--port and --address belong to --serve")
     if options.port is not None and not 0 <= options.port < 65536:
         raise KinetixError(f"--port {options.port}: expected 0 to 65535")
+    low, high = _SCALES
+    if options.scale is not None and not low <= options.scale <= high:
+        raise KinetixError(f"--scale {options.scale:g}: expected {low:g} to {high:g}, such as 1.5")
 
 
 def _run(options: Options) -> int:
