@@ -3,6 +3,7 @@
 import dataclasses
 import importlib.util
 import os
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -17,7 +18,7 @@ from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.errors import KinetixError
-from kinetix.failures import guarded
+from kinetix.failures import Terminated, guarded, terminable
 from kinetix.paths import levels_dir
 from kinetix.version import __version__
 
@@ -141,7 +142,7 @@ def _run(options: Options) -> int:
         session.autosaves.end()
         host.close()
         stop(session)
-    return end(status)
+    return status
 
 
 def stop(session: Session) -> None:
@@ -188,9 +189,36 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
             from editor.hosts.recorder import Recorder
 
             host.recorder = Recorder(session, options.record)
+        _until_closed(session, host)
+
+
+def _until_closed(session: Session, host: "PygameHost") -> None:
+    """Show the window until it is closed.
+
+    Raises:
+        Terminated: SIGTERM closed it, without a question; unsaved levels are copied.
+    """
+    told: list[int] = []
+
+    def close(number: int, _: object) -> None:
+        # A flag, no exception: the frame that is being drawn comes to its end.
+        if told:
+            raise Terminated
+        told.append(number)
+        session.quitting = True
+
+    before = signal.signal(signal.SIGTERM, close)
+    try:
         host.run()
-        host.ui.save_layout()
-        session.keeper.save()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    if told:
+        session.save_aside()
+        session.training.stop()
+    host.ui.save_layout()
+    session.keeper.save()
+    if told:
+        raise Terminated
 
 
 def _open_files(options: Options, session: Session) -> None:
@@ -227,7 +255,8 @@ def main() -> int:
     """Run the app.
 
     Returns:
-        0, or 1 when what was asked for cannot be done (the reason is on stderr).
+        0, or 1 when what was asked for cannot be done (the reason is on stderr); 130 after Ctrl+C,
+        143 after SIGTERM.
     """
     if sys.argv[1:] == ["--version"]:
         sys.stdout.write(f"{__version__}\n")
@@ -241,11 +270,13 @@ def main() -> int:
         return 1
     # XLA warns on stderr about every compiled function that it finds in its cache.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    return guarded(
-        lambda: _run(tyro.cli(Options, prog="kinetix-editor")),
-        name="kinetix-editor",
-        words=sys.argv[1:],
-    )
+    with terminable():
+        status = guarded(
+            lambda: _run(tyro.cli(Options, prog="kinetix-editor")),
+            name="kinetix-editor",
+            words=sys.argv[1:],
+        )
+        return end(status)
 
 
 if __name__ == "__main__":

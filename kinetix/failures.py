@@ -5,7 +5,9 @@ import datetime
 import os
 import platform
 import re
+import signal
 import sys
+import threading
 import traceback
 import uuid
 from collections.abc import Callable, Iterator, Sequence
@@ -34,6 +36,27 @@ _ABSOLUTE: Final = re.compile(r"(?<![\w<.])(?:~|[A-Za-z]:)?(?:[/\\][^/\\\s'\":,;
 
 class Terminated(BaseException):
     """The system asked the process to end (SIGTERM)."""
+
+
+def _terminate(*_: object) -> None:
+    raise Terminated
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """Let SIGTERM raise `Terminated` inside, which libraries with windows would keep to themselves.
+
+    Outside the main thread, where Python takes no signals, nothing changes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        # None: somebody installed it from C, and it cannot be put back.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
 
 
 class PlainStream:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from kinetix.failures import TERMINATED
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir
 from tests.editor import days
@@ -48,7 +49,6 @@ class Desktop:
             env=self._env,
             stderr=subprocess.PIPE,
         )
-        # SDL makes a question of SIGTERM, as of the window's close button: it must be SIGKILL.
         ends.callback(end, self.app)
 
     def do(self, *arguments: str) -> str:
@@ -159,6 +159,26 @@ def test_draws_with_the_mouse_saves_with_the_keyboard_and_quits(desktop, tmp_pat
     assert desktop.app.returncode == 0
     recents = json.loads((tmp_path / "config" / "kinetix-editor" / "settings.json").read_text())
     assert str(level) in recents["recents"][0]
+
+
+def test_sigterm_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_path):
+    level = tmp_path / "mine.json"
+    shutil.copy(levels_dir() / "s" / "first_flight.json", level)
+    with contextlib.ExitStack() as ends:
+        desktop = Desktop(level, home, ends)
+        desktop.do("windowfocus", "--sync", desktop.window())
+        time.sleep(1.0)
+        desktop.do("key", "ctrl+a")
+        desktop.do("key", "Delete")
+        desktop.until(lambda: desktop.title().startswith("●"))
+        desktop.app.terminate()
+        assert desktop.app.wait(10) == TERMINATED
+        assert desktop.app.stderr.read() == "terminated\n"
+    copies = (tmp_path / "state" / "kinetix-editor" / "autosave").glob("*/*[0-9].json")
+    assert len(list(copies)) == 1
+    assert load_level(level).bodies
+    settings = json.loads((tmp_path / "config" / "kinetix-editor" / "settings.json").read_text())
+    assert str(level) in settings["recents"] and settings["layout"]
 
 
 def test_a_killed_window_is_restored_by_the_next(home, tmp_path):
