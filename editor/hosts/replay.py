@@ -267,10 +267,11 @@ class Replayer:
         self._hold_mods({})
 
     def _hold(self, event: Event) -> None:
+        count = _count(event)
         self._hold_mods(event)
         name = _known_key(event["key"])
         self._step(_key(name, True))
-        self._frames(max(int(event["frames"]) - 1, 0))
+        self._frames(max(count - 1, 0))
         self._step(_key(name, False))
         self._hold_mods({})
 
@@ -288,21 +289,24 @@ class Replayer:
         session.document.commit(command, time=session.time)
 
     def _wait(self, event: Event) -> None:
-        self._frames(int(event["frames"]))
+        self._frames(_count(event))
 
     def _wait_until(self, event: Event) -> None:
         what, session = event["what"], self._session
         if what not in _CONDITIONS:
             raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
+        seconds = float(event.get("seconds", 60))
+        if not seconds >= 0:
+            raise KinetixError(f"seconds is {seconds:g}: expected 0 or more")
         began = time.monotonic()
-        until = began + float(event.get("seconds", 60))
+        until = began + seconds
         while not _CONDITIONS[what](session):
             coming = session.expected is not None
             if what in _PLAYED and session.editing and not coming:
                 reason = session.playback.failure or "nothing is played: the app is in Edit"
                 raise KinetixError(f"{what} cannot come: {reason}")
             if time.monotonic() > until:
-                raise KinetixError(f"not {what} after {event.get('seconds', 60)} s")
+                raise KinetixError(f"not {what} after {seconds:g} s")
             self._step()
             # The clock is fixed but those who work have another: let them have the processor, and
             # the longer the wait is, the more of it; an episode ends by what is stepped here.
@@ -342,6 +346,14 @@ class Replayer:
 
 def _key(name: str, pressed: bool) -> events.KeyEvent:
     return events.KeyEvent(key=name, pressed=pressed)
+
+
+def _count(event: Event) -> int:
+    """Return how many frames an event takes."""
+    count = int(event["frames"])
+    if count < 0:
+        raise KinetixError(f"frames is {count}: expected 0 or more")
+    return count
 
 
 def _known_key(name: str, more: Collection[str] = ()) -> str:
