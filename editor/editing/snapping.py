@@ -153,6 +153,24 @@ def apart_from(available: Targets, point: Point) -> Targets:
     )
 
 
+def straightened(point: Point, start: Point, rules: Rules) -> Point:
+    """Return a point on the line through another where it lies next to it, else the point itself.
+
+    A pointer stands on whole pixels: without this, what is drawn along a line would be a hair
+    longer than the grid says.
+
+    Args:
+        point: What was snapped, apart from the lines through `start`.
+        start: Where the gesture began.
+        rules: What is on.
+    """
+    (x, y), (sx, sy) = point, start
+    beside_x, beside_y = abs(x - sx) <= APART, abs(y - sy) <= APART
+    if beside_x == beside_y or not (rules.smart or rules.grid):
+        return point
+    return (sx, y) if beside_x else (x, sy)
+
+
 def snap_shift(
     bodies: Sequence[Body],
     shift: Point,

@@ -6,7 +6,7 @@ from typing import Final
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Line, Style
 from editor.documents.commands.bodies import AddBody
-from editor.editing.snapping import apart_from, measured, snap_point
+from editor.editing.snapping import apart_from, measured, snap_point, straightened
 from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
 from kinetix.level.model import Body, Circle
 
@@ -37,8 +37,9 @@ class CircleTool(Tool):
             event = yield feedback
             if event.kind is Pointer.RELEASE:
                 return command
-            snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
-            end, centre = snapped.point, start
+            rules = session.rules(event.modifiers)
+            snapped = snap_point(event.world, rules, available, snapped)
+            end, centre = straightened(snapped.point, start, rules), start
             radius = math.dist(start, end)
             if event.modifiers.alt:
                 centre, radius = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2), radius / 2

@@ -340,6 +340,25 @@ def test_a_small_rectangle_on_the_floor_keeps_its_height(size, smart):
     assert max(x for x, _ in corners) * 2 == pytest.approx(size, abs=0.02 if smart else 0.045)
 
 
+@pytest.mark.parametrize("end", [(4.497, 0.704), (4.203, 0.997), (4.2, 1.0), (3.902, 0.696)])
+def test_a_circle_drawn_along_the_grid_has_exactly_its_radius(end):
+    session = a_session(Level(name="Empty"), snap_smart=True, snap_grid=True)
+    hand = Hand(session)
+    hand.key("c")
+    hand.drag((4.203, 0.697), end)
+    body = drawn(session)
+    # As near as a level's single precision comes.
+    assert (*body.position, body.shape.radius) == pytest.approx((4.2, 0.7, 0.3), abs=5e-7)
+
+
+def test_a_circle_drawn_without_snapping_ends_at_the_pointer():
+    session = a_session(Level(name="Empty"), snap_smart=False, snap_grid=False)
+    hand = Hand(session)
+    hand.key("c")
+    hand.drag((2.0, 2.0), (2.3, 2.01))
+    assert drawn(session).shape.radius == pytest.approx(math.hypot(0.3, 0.01), abs=1e-5)
+
+
 def test_a_small_circle_on_the_floor_keeps_its_radius():
     session = a_session(Level(name="Empty"), snap_smart=True)
     hand = Hand(session)
