@@ -265,6 +265,9 @@ class Workplace:
             widgets.tooltip(panel.title)
         lower = self._row.holds_current()
         self._tab_words.note(panel, folds=lower)
+        if lower and imgui.is_item_clicked(0) and panel.id not in self._seen:
+            # The last item is the tab. A click is meant, also while the layout settles.
+            self._asked = panel.id
         self._give_height(panel, opened)
         if lower and opened:
             self._fold(panel)

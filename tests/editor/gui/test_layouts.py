@@ -260,6 +260,23 @@ def test_the_place_under_the_canvas_folds_by_its_arrow_and_by_its_tab(gui):
     assert height_of_canvas(gui) == pytest.approx(folded, abs=2)
 
 
+@pytest.mark.parametrize("frames", [10, 60])
+@pytest.mark.parametrize("panel", ["plots", "log", "evaluate"])
+def test_one_click_on_another_tab_opens_the_folded_row(make_gui, panel, frames):
+    gui = make_gui(session=a_session(), size=(1440, 900))
+    gui.frames(60)
+    # Panels that come back are brought to the front one by one for a while.
+    for key in ("space", "escape"):
+        gui.key(key)
+        gui.frames(12)
+    gui.frames(frames)
+    folded = height_of_canvas(gui)
+    tab = imgui.internal.find_window_by_name(f"###panel-{panel}").dc.dock_tab_item_rect
+    gui.click_at((tab.min.x + tab.max.x) / 2, (tab.min.y + tab.max.y) / 2)
+    gui.frames(6)
+    assert height_of_canvas(gui) < folded - 80
+
+
 def test_in_play_the_arena_has_all_that_is_free_and_one_key_brings_the_panels_back(make_gui):
     gui = make_gui(session=a_session(), size=(1440, 900))
     gui.frames(40)
