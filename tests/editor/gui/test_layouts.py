@@ -372,6 +372,7 @@ def test_a_window_without_room_for_its_panels_goes_on(make_gui, panel):
     [
         ((1440, 900), 1.5),
         ((2560, 1440), 2.0),
+        ((800, 600), 1.0),
         ((1024, 640), 1.0),
         ((1024, 640), 1.5),
         ((1024, 640), 2.0),
@@ -388,6 +389,16 @@ def test_the_words_on_tabs_are_never_cut(make_gui, size, scale):
     for bar in rows.values():
         cut = [tab.content_width - tab.width for tab in bar.tabs]
         assert max(cut) <= 1
+
+
+def test_the_tab_in_front_gives_up_its_sign_before_its_word(make_gui):
+    gui = make_gui(session=a_session(), size=(800, 600))
+    gui.frames(60)
+    words = {
+        panel.id: gui.host.ui.workplace._tab_words.name(panel).partition("###")[0]
+        for panel in gui.host.ui.workplace.panels
+    }
+    assert words["problems"] == "Problems" and words["inspector"].endswith("  Inspector")
 
 
 def test_tabs_have_words_where_there_is_room(make_gui):
