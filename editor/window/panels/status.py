@@ -31,19 +31,31 @@ class StatusBar:
                 word, name = "GALLERY", "info"
             widgets.badge(word, COLOURS.of(name))
             imgui.same_line(0, px(10))
+            hint = tr(self._hint(session))
+            space = imgui.get_window_width() - imgui.get_cursor_pos_x() - px(8)
             right = [(tr(words), tint) for words, tint in self.numbers(session)]
+            right = self._fitting(right, space - imgui.calc_text_size(hint).x)
             gap = px(18)
             while len(right) > 1 and self._width(right) > 0.8 * imgui.get_window_width():
                 del right[0]
             width = self._width(right)
-            room = imgui.get_window_width() - imgui.get_cursor_pos_x() - width - px(8)
-            widgets.raw(widgets.fitted(tr(self._hint(session)), room), COLOURS.muted)
+            widgets.raw(widgets.fitted(hint, space - width), COLOURS.muted)
             x = imgui.get_window_width() - width
             for words, tint in right:
                 imgui.same_line(x)
                 widgets.raw(words, tint)
                 self._opens_problems(session, words)
                 x += imgui.calc_text_size(words).x + gap
+
+    def _fitting(self, parts: list[tuple[str, Rgba]], room: float) -> list[tuple[str, Rgba]]:
+        """Return the numbers without as many of the quiet ones as the hint needs the room of."""
+        kept = list(parts)
+        quiet = [part for part in reversed(parts[:-1]) if part[1] in (COLOURS.faint, COLOURS.muted)]
+        for part in quiet:
+            if self._width(kept) <= room:
+                break
+            kept.remove(part)
+        return kept
 
     def _width(self, parts: list[tuple[str, Rgba]]) -> float:
         """Return the width of some numbers beside each other [px]."""
