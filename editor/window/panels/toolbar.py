@@ -70,18 +70,21 @@ class Plan:
     """Words beside the signs of tools and Play."""
     physics: bool = True
     """The name of the physics, besides its sign."""
+    snapping: bool = True
+    """Snapping and grid: they are in the View menu, and on canvas menus, too."""
     files: bool = True
     """New, open, save: they are in the File menu too."""
     history: bool = True
     """Undo and redo."""
     view: bool = True
-    """Snapping, grid and physics."""
+    """Snapping, grid and physics, as far as they are shown."""
 
 
 PLANS: Final = (
     Plan(),
     Plan(labels=False),
     Plan(labels=False, physics=False),
+    Plan(labels=False, physics=False, snapping=False),
     Plan(labels=False, physics=False, files=False),
     Plan(labels=False, physics=False, files=False, history=False),
     Plan(labels=False, physics=False, files=False, view=False),
@@ -185,13 +188,13 @@ class Toolbar:
     def _right_width(self, session: "Session", plan: Plan) -> float:
         second = self._combo_width(plan) + px(4) if physics.comparing(session) else 0.0
         button = max(imgui.get_frame_height(), px(17) + 2 * px(8))
-        snapping = 2 * button + px(2 + 8) if session.editing else 0.0
+        snapping = 2 * button + px(2 + 8) if session.editing and plan.snapping else 0.0
         return button + self._combo_width(plan) + px(4) + snapping + second
 
     def _right(self, session: "Session", plan: Plan, space: float) -> None:
         padding = imgui.get_style().window_padding.x
         imgui.same_line(space - self._right_width(session, plan) - padding)
-        if session.editing:
+        if session.editing and plan.snapping:
             action_button(session, "snap.smart", Icons.magnet)
             imgui.same_line(0, px(2))
             action_button(session, "view.grid", Icons.grid)

@@ -10,6 +10,7 @@ from tests.editor.core.helpers import a_session
 
 WINDOWS = [
     ((1024, 640), 1.0),
+    ((1024, 600), 1.5),
     ((1024, 640), 1.5),
     ((1024, 640), 2.0),
     ((1440, 900), 1.0),
@@ -57,6 +58,12 @@ def test_what_has_room_has_words(make_gui):
     gui = make_gui(session=a_session(), size=(1024, 640))
     narrow = gui.probe("tool.rectangle")
     assert wide.high[0] - wide.low[0] > 2 * (narrow.high[0] - narrow.low[0])
+
+
+def test_files_stay_when_snapping_has_no_room(make_gui):
+    gui = make_gui(session=a_session(), size=(1024, 600), scale=1.5)
+    gui.frames(4)
+    assert {"file.new", "file.open", "file.save", "edit.undo", "physics"} <= buttons(gui).keys()
 
 
 def test_each_tool_has_a_sign_of_its_own():
