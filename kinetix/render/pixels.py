@@ -272,8 +272,8 @@ def pixel_codes(
 def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
     colours = _COLOURS * np.float32(scale)
 
-    def render(env_state: Any) -> Float[Array, "x y 3"]:
-        _check_state(env_state)
+    @jax.jit  # by itself each of some three hundred operations would be compiled alone
+    def draw(env_state: Any) -> Float[Array, "x y 3"]:
         labels = env_state.labels
         codes = pixel_codes(
             env_state.world,
@@ -286,6 +286,10 @@ def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Floa
         # Painting works on bytes, the look-up on floats: fused, both would be as wide as floats.
         codes = jax.lax.optimization_barrier(codes)
         return jnp.asarray(colours).at[codes].get(mode="clip")
+
+    def render(env_state: Any) -> Float[Array, "x y 3"]:
+        _check_state(env_state)
+        return draw(env_state)
 
     return render
 
