@@ -478,4 +478,4 @@ def locomotion_sampler(
         return states(draft, engine, options.inertia_model)
 
     single = worlds_first(batched)
-    return lambda key: single(raw_keys(key))
+    return jax.jit(lambda key: single(raw_keys(key)))

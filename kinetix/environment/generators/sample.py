@@ -320,7 +320,8 @@ def level_sampler(
         return states(draft, engine, ued.inertia_model)
 
     single = worlds_first(batched)
-    return lambda key: single(raw_keys(key))
+    # A level that is drawn from Python is one program too, not some thousand.
+    return jax.jit(lambda key: single(raw_keys(key)))
 
 
 def sample_kinetix_level(
