@@ -32,13 +32,13 @@ def test_the_first_seven_steps_by_hand(gui, step):
     gui.drag((0.9, 0.9), (1.1, 0.9))
     assert step() == 2
     gui.key("c")
-    gui.drag((1.9, 0.9), (2.1, 0.9))
+    gui.drag((1.7, 0.9), (1.9, 0.9))
     assert step() == 3
     gui.key("j")
     gui.click_world(0.95, 1.02)
     assert step() == 4
     gui.key("j")
-    gui.click_world(1.9, 1.02)
+    gui.click_world(1.7, 1.02)
     assert step() == 5
     board = gui.level.bodies[0].id
     gui.session.queue(SetField(ids=(board,), field="role", value="green"))
