@@ -27,6 +27,7 @@ from kinetix.training.imitation.lessons import played_again, state_at
 from kinetix.training.run import train
 from kinetix.training.settings import make_config
 from kinetix.training.setup import make_setup
+from tests.optimised import optimised
 
 _SOLVED = ("s/goalkeeper", "s/first_flight", "s/hang_on")
 _SIZES = ((3, 3, 3, 3, 2, 2),)
@@ -38,7 +39,8 @@ def data(tmp_path_factory, monkeypatch_module):
     monkeypatch_module.setattr(teach, "SHARD", 8)
     out = tmp_path_factory.mktemp("wins")
     config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=1, physics="fast")
-    return out, config, teach.teach(config, 2, out)
+    with optimised():
+        return out, config, teach.teach(config, 2, out)
 
 
 @pytest.fixture(scope="module")
