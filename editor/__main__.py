@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Final
 import tyro
 
 from editor.actions.agents import load_agent
-from editor.base.settings import Settings, SettingsKeeper
+from editor.base.settings import SCALES, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.errors import KinetixError
-from kinetix.failures import Terminated, guarded, terminable
+from kinetix.failures import Terminated, guarded, signals_to, terminable
 from kinetix.paths import levels_dir
 from kinetix.version import __version__
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 _TOOLKIT: Final = ("pygame", "imgui_bundle")
 """Packages of the extra `editor`; training and evaluation do without."""
-_SCALES: Final = (0.75, 3.0)
-"""Least and largest scale of the interface."""
 _PARTING_SECONDS: Final = 0.3
 """Time that cancelled jobs get to leave when the app closes [s]."""
 
@@ -108,7 +106,7 @@ def _check(options: Options) -> None:
         raise KinetixError("--port and --address belong to --serve")
     if options.port is not None and not 0 <= options.port < 65536:
         raise KinetixError(f"--port {options.port}: expected 0 to 65535")
-    low, high = _SCALES
+    low, high = SCALES
     if options.scale is not None and not low <= options.scale <= high:
         raise KinetixError(f"--scale {options.scale:g}: expected {low:g} to {high:g}, such as 1.5")
 
@@ -207,11 +205,8 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         told.append(number)
         session.quitting = True
 
-    before = signal.signal(signal.SIGTERM, close)
-    try:
+    with signals_to(close, signal.SIGTERM):
         host.run()
-    finally:
-        signal.signal(signal.SIGTERM, before)
     if told:
         session.save_aside()
         session.training.stop()

@@ -21,9 +21,9 @@ INTERRUPTED: Final = 130
 """Exit status after Ctrl+C."""
 TERMINATED: Final = 143
 """Exit status after SIGTERM."""
-_PLATFORMS: Final = "JAX_PLATFORMS"
 KEPT_REPORTS: Final = 20
 """Of more crash reports the oldest are deleted."""
+_PLATFORMS: Final = "JAX_PLATFORMS"
 _LONGEST_REPORT: Final = 200_000
 _UNSAFE: Final = {
     code: f"\\u{code:04x}"
@@ -43,20 +43,30 @@ def _terminate(*_: object) -> None:
 
 
 @contextlib.contextmanager
-def terminable() -> Iterator[None]:
-    """Let SIGTERM raise `Terminated` inside, which libraries with windows would keep to themselves.
+def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
+    """Let a function take signals inside; then those have them who had them before.
 
     Outside the main thread, where Python takes no signals, nothing changes.
+
+    Args:
+        handler: Called with the signal's number and a stack frame.
+        numbers: The signals.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, _terminate)
+    before: list[tuple[int, Any]] = [(each, signal.signal(each, handler)) for each in numbers]
     try:
         yield
     finally:
-        # None: somebody installed it from C, and it cannot be put back.
-        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+        for number, had in before:
+            # None: somebody installed it from C, and it cannot be put back.
+            signal.signal(number, signal.SIG_DFL if had is None else had)
+
+
+def terminable() -> contextlib.AbstractContextManager[None]:
+    """Let SIGTERM raise `Terminated` inside, which libraries with windows keep to themselves."""
+    return signals_to(_terminate, signal.SIGTERM)
 
 
 class PlainStream:

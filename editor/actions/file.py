@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import conflict, moment
+from editor.actions import conflict, folders, moment
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.documents import files
 from editor.documents.document import Document, Format
@@ -12,7 +12,6 @@ from editor.gallery import filing
 from editor.session import Session, Tab
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.model import Level
-from kinetix.paths import levels_dir, user_levels_dir
 
 NEW_LEVEL: Final = Level(name="Untitled")
 LEVEL_SUFFIXES: Final = (".json",)
@@ -137,28 +136,11 @@ def ask_open(session: Session) -> None:
         FileQuestion(
             purpose="open",
             title="Open level",
-            folder=_folder(session),
+            folder=folders.to_open(session),
             suffixes=LEVEL_SUFFIXES,
             answer=answer,
         )
     )
-
-
-def _folder(session: Session) -> Path:
-    if session.document.path is not None:
-        return session.document.path.parent
-    recent = next((Path(p).parent for p in session.settings.recents if Path(p).exists()), None)
-    return recent or levels_dir()
-
-
-def _save_folder(session: Session) -> Path:
-    """Return the proposed folder for a level: one of the user's own, never one of the app's."""
-    path = session.document.path
-    if path is not None and not filing.bundled(path):
-        return path.parent
-    last = Path(session.settings.save_folder)
-    own = last.is_absolute() and last.is_dir() and not filing.bundled(last)
-    return last if own else user_levels_dir()
 
 
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
@@ -197,7 +179,7 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
         FileQuestion(
             purpose="save",
             title="Save level as",
-            folder=_save_folder(session),
+            folder=folders.to_save(session),
             name=document.path.name if document.path else f"{_stem(document.level.name)}.json",
             suffixes=LEVEL_SUFFIXES,
             answer=answer,

@@ -1,15 +1,12 @@
 """Fonts, colours and sizes of the app, at any scale."""
 
 from pathlib import Path
-from typing import Final
 
 import imgui_bundle
 from imgui_bundle import imgui, implot
 
+from editor.base.settings import SCALES
 from editor.toolkit.appearance import COLOURS, DARK, FONTS, TEXT, THEMES, Rgba, alpha
-
-SCALE_MIN: Final = 0.75
-SCALE_MAX: Final = 3.0
 
 _FONT_FOLDER = Path(imgui_bundle.__file__).parent / "assets" / "fonts"
 _ICON_FONT = _FONT_FOLDER / "Font_Awesome_6_Free-Solid-900.otf"
@@ -160,7 +157,8 @@ def apply(scale: float, text_scale: float = 1.0, theme: str = "dark") -> None:
         theme: A name of `look.THEMES`; another name is the dark one.
     """
     COLOURS.take(THEMES.get(theme, DARK))
-    scale = min(max(scale, SCALE_MIN), SCALE_MAX)
+    low, high = SCALES
+    scale = min(max(scale, low), high)
     style = imgui.get_style()
     _reset(style)
     _sizes(style)

@@ -2,16 +2,14 @@
 
 import contextlib
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
-from typing import Any
 
 import jax
 import numpy as np
 from jax.experimental import multihost_utils
 
-from kinetix.failures import Terminated
+from kinetix.failures import Terminated, signals_to
 
 
 class StopRequest:
@@ -54,14 +52,5 @@ def stop_requests(say: Callable[[str], None]) -> Iterator[StopRequest]:
         say: Takes a sentence for the terminal.
     """
     request = StopRequest(say)
-    if threading.current_thread() is not threading.main_thread():
+    with signals_to(request, signal.SIGINT, signal.SIGTERM):
         yield request
-        return
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before: list[tuple[int, Any]] = [(number, signal.signal(number, request)) for number in numbers]
-    try:
-        yield request
-    finally:
-        for number, handler in before:
-            # None: somebody installed it from C, and it cannot be put back.
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)

@@ -10,6 +10,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from editor.base import events
+from editor.base.settings import SCALES
 from editor.hosts.base import Host
 from editor.hosts.offscreen import OffscreenHost
 from editor.hosts.renderer import GlRenderer, Window
@@ -21,7 +22,6 @@ from editor.session import Session
 _MOST_PIXELS: Final = 2560 * 1600
 """Software draws no more than this fast enough; larger pages show a stretched picture."""
 _LEAST: Final = (320, 240)
-_SCALES: Final = (0.75, 3.0)
 _CURSORS: Final = {
     imgui.MouseCursor_.text_input: "text",
     imgui.MouseCursor_.resize_all: "move",
@@ -161,7 +161,7 @@ class WebHost(OffscreenHost):
             max(round(height * shrunk), _LEAST[1]),
         )
         if not self._scale_given:
-            low, high = _SCALES
+            low, high = SCALES
             self.ui.host_scale = min(max(page.density * shrunk, low), high)
         return events.ResizeEvent(width=self.size[0], height=self.size[1])
 

@@ -1,0 +1,25 @@
+"""Folders that file dialogs begin in."""
+
+from pathlib import Path
+
+from editor.gallery import filing
+from editor.session import Session
+from kinetix.paths import levels_dir, user_levels_dir
+
+
+def to_open(session: Session) -> Path:
+    """Return that of the level in front, or of the newest that is still there."""
+    if session.document.path is not None:
+        return session.document.path.parent
+    recent = next((Path(p).parent for p in session.settings.recents if Path(p).exists()), None)
+    return recent or levels_dir()
+
+
+def to_save(session: Session) -> Path:
+    """Return the proposed folder for a level: one of the user's own, never one of the app's."""
+    path = session.document.path
+    if path is not None and not filing.bundled(path):
+        return path.parent
+    last = Path(session.settings.save_folder)
+    own = last.is_absolute() and last.is_dir() and not filing.bundled(last)
+    return last if own else user_levels_dir()
