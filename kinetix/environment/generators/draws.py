@@ -1,11 +1,14 @@
 """Uniform numbers, drawn once per level in one piece and handed out under names."""
 
 import math
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key, UInt
 
+from kinetix.engine.batch import worlds_first
+from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
 PER_SHAPE = 14
@@ -109,6 +112,20 @@ def raw_keys(keys: Key[Array, " n"] | UInt[Array, "n 2"]) -> UInt[Array, "n 2"]:
     if jnp.issubdtype(keys.dtype, jax.dtypes.prng_key):
         return jax.random.key_data(keys)
     return keys
+
+
+def sampler_of(
+    batched: Callable[[UInt[Array, "n 2"]], EnvState],
+) -> Callable[[Key[Array, ""]], EnvState]:
+    """Return the function from one key to what is drawn; under `vmap` `batched` runs once.
+
+    Called from Python it is one program too: operation by operation a thousand would be compiled.
+
+    Args:
+        batched: Draws a level from each row of numbers.
+    """
+    single = worlds_first(batched)
+    return jax.jit(lambda key: single(raw_keys(key)))
 
 
 class Tape:

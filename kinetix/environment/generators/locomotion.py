@@ -13,7 +13,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
-from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Joints
 from kinetix.environment.generators.blocks import (
@@ -29,7 +28,7 @@ from kinetix.environment.generators.draft import (
     spread,
     states,
 )
-from kinetix.environment.generators.draws import Tape, among, between, raw_keys
+from kinetix.environment.generators.draws import Tape, among, between, raw_keys, sampler_of
 from kinetix.environment.generators.figures import (
     ARENA_SIDE,
     Figures,
@@ -477,5 +476,4 @@ def locomotion_sampler(
         draft = draw_locomotion(keys, engine.spec.capacity, options, ued)
         return states(draft, engine, options.inertia_model)
 
-    single = worlds_first(batched)
-    return jax.jit(lambda key: single(raw_keys(key)))
+    return sampler_of(batched)

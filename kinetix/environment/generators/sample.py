@@ -13,7 +13,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
-from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.generators.blocks import (
     BLUE,
@@ -49,6 +48,7 @@ from kinetix.environment.generators.draws import (
     Tape,
     joint_draws,
     raw_keys,
+    sampler_of,
     shape_draws,
     thruster_draws,
 )
@@ -319,9 +319,7 @@ def level_sampler(
         draft = draw_levels(keys, capacity or slots, ued, slots)
         return states(draft, engine, ued.inertia_model)
 
-    single = worlds_first(batched)
-    # A level that is drawn from Python is one program too, not some thousand.
-    return jax.jit(lambda key: single(raw_keys(key)))
+    return sampler_of(batched)
 
 
 def sample_kinetix_level(

@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key, UInt
 
-from kinetix.engine.batch import worlds_first
 from kinetix.engine.spec import Capacity
 from kinetix.environment.generators.blocks import SizeLimit
 from kinetix.environment.generators.draft import (
@@ -19,7 +18,7 @@ from kinetix.environment.generators.draft import (
     shuffled,
     states,
 )
-from kinetix.environment.generators.draws import Tape, among, raw_keys
+from kinetix.environment.generators.draws import Tape, among, sampler_of
 from kinetix.environment.generators.mutators import (
     NUMBERS,
     add_connected_shape,
@@ -67,8 +66,7 @@ def mixed_sampler(
             mixed = jax.tree.map(functools.partial(_where, choice == index), draft, mixed)
         return states(mixed, engine, ued.inertia_model)
 
-    single = worlds_first(batched)
-    return lambda key: single(raw_keys(key))
+    return sampler_of(batched)
 
 
 def _where(condition: Bool[Array, " n"], new: Array, old: Array) -> Array:
@@ -94,8 +92,7 @@ def accel_start_sampler(
     def batched(keys: UInt[Array, "n 2"]) -> EnvState:
         return states(_draw_starts(keys, engine.spec.capacity, ued), engine, ued.inertia_model)
 
-    single = worlds_first(batched)
-    return lambda key: single(raw_keys(key))
+    return sampler_of(batched)
 
 
 def _draw_starts(keys: UInt[Array, "n 2"], capacity: Capacity, ued: UEDParams) -> Draft:
