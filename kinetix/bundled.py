@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
 
+from kinetix.errors import LevelError
 from kinetix.lazy import hint
 from kinetix.paths import checkpoints_dir, levels_dir
 
@@ -13,6 +14,20 @@ LEVEL_FOLDERS: Final = "KINETIX_LEVELS"
 """Variable with further folders in which names of levels are looked up, such as a copy of
 kinetix-env's `levels`; they come before the bundled ones."""
 _PERMUTATION = re.compile(r"\.permute\d+")
+
+
+def refuse_empty(word: str | Path, expected: str) -> None:
+    """Refuse a word that is nothing: as a path it is the current folder, as a name all levels.
+
+    Args:
+        word: From a command line.
+        expected: What it should be.
+
+    Raises:
+        LevelError: It is empty.
+    """
+    if not str(word):
+        raise LevelError(f'"": expected {expected}, got an empty word')
 
 
 def level_folders() -> list[Path]:

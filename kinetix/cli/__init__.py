@@ -38,6 +38,7 @@ COMMANDS: Final[dict[str, str]] = {
 """Every sub-command and what it does."""
 
 _MEASURES_COMPILING: Final = "bench"
+_CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
 _FEWEST_COLUMNS: Final = 20
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
@@ -76,8 +77,8 @@ def _run(name: str, words: Sequence[str]) -> int:
     gc.set_threshold(*_SELDOM)
     if name != _MEASURES_COMPILING or words[:1] in (["accuracy"], ["everyday"]):
         # A second run of the same size compiles nothing; JAX reads this when it is imported.
-        if _can_be_filled(compiled := cache_dir() / "jax"):
-            os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(compiled))
+        if _CACHE not in os.environ and _can_be_filled(compiled := cache_dir() / "jax"):
+            os.environ[_CACHE] = str(compiled)
         # XLA calls its own tuning hints unknown processor features when it reads that cache.
         os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     try:

@@ -162,7 +162,7 @@ def _record(level: Level, solution: Solution, path: Path) -> None:
 
 
 def _searched(last: "SearchProgress | None") -> str:
-    """What was searched, as the last round told."""
+    """Return for how long and with how many plans a level was searched, in words."""
     if last is None:
         return "without a search"
     return f"in {last.seconds:.0f} s, {plural(last.plans, 'plan')} tried"

@@ -263,7 +263,7 @@ def _line(report: Any) -> str:
 
 
 def _learnt(metrics: Mapping[str, float]) -> list[str]:
-    """How the episodes of an update went; of imitation, which plays none, how well it agrees."""
+    """Return an update's results in words: of episodes, or of imitation its agreement."""
     if "loss/agreement" not in metrics:
         return [
             f"return {_mean(metrics.get(f'{PREFIX}episode_return'))}",

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import tyro
 from tyro.conf import Positional
 
-from kinetix.bundled import named_levels
+from kinetix.bundled import named_levels, refuse_empty
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
@@ -66,8 +66,7 @@ def run(command: Validate) -> int:
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
     """The files that the command line means: folders stand for the JSON files below them."""
     for file in files:
-        if not file:
-            raise LevelError('"": expected a level file or a folder, got an empty word')
+        refuse_empty(file, "a level file or a folder")
         folder = Path(file) if os.path.exists(file) else named_levels(file)
         if folder is not None and os.path.isdir(folder):
             yield from map(str, json_files(folder))

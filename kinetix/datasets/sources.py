@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Literal
 
+from kinetix.bundled import refuse_empty
 from kinetix.datasets.episode import Origin, RecordedEpisode, solution_episode
 from kinetix.datasets.folder import MANIFEST, read_dataset, read_manifest, win_origins
 from kinetix.datasets.offline import is_offline, read_offline
@@ -47,16 +48,7 @@ def episodes_of(source: str) -> Iterator[FoundEpisode]:
 
 
 def check_source(source: str) -> None:
-    """Refuse a word that `episodes_of` would fail on, before anything is played.
-
-    Shards are not read: there may be gigabytes of them.
-
-    Args:
-        source: As for `episodes_of`.
-
-    Raises:
-        KinetixError: The source is missing or damaged.
-    """
+    """Raise what `episodes_of` would, before anything is played; shards are not read."""
     folders = _datasets(source)
     for folder in folders:
         read_manifest(folder)
@@ -84,8 +76,7 @@ def origins_of(source: str) -> Iterator[Origin]:
 
 def _datasets(source: str) -> list[Path]:
     """The folders of data sets at and below a path; nothing is looked for below a data set."""
-    if not source:
-        raise KinetixError('"": expected episodes, levels or a data set, got an empty word')
+    refuse_empty(source, "episodes, levels or a data set")
     path = Path(source)
     if (path / MANIFEST).is_file():
         return [path]

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Final, Literal
 import msgspec
 from msgspec import Meta
 
-from kinetix.bundled import named_levels
+from kinetix.bundled import named_levels, refuse_empty
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.files.limits import LIMITS, MIB
@@ -295,8 +295,7 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     """
     levels: list[SetLevel] = []
     for source in sources:
-        if not str(source):
-            raise LevelError('"": expected a folder, a level or a level set, got an empty word')
+        refuse_empty(source, "a folder, a level or a level set")
         path = Path(source)
         if not os.path.exists(path):
             path = named_levels(source) or path

@@ -79,7 +79,7 @@ def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
 
 
 def test_a_solution_that_wins_early_is_cut_there(tmp_path: Path) -> None:
-    """What a solution drives after the win is no part of the episode, so that it can be told."""
+    """Controls after the win are dropped, so that replaying gives the episode as it is stored."""
     level = load_level(LEVEL)
     found, solution = solution_episode(level), level.solution
     assert found is not None and solution is not None

@@ -31,7 +31,7 @@ class GuideCard:
 
     def __init__(self) -> None:
         self.place: Rect | None = None
-        """Where it stands; None while it is not shown."""
+        """The rectangle of the card [px]; None while it is hidden."""
         self._dragged = False
         """True once it was dragged out of the corner."""
         self._at_bottom = True
