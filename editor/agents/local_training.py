@@ -4,14 +4,14 @@ It writes a run's folder like any other training, so the Training panel shows it
 line can go on with it.
 """
 
-import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO, Final, Protocol
+from typing import Final, Protocol
 
 NICENESS: Final = 5
 """It leaves the processor to the window and to what is played."""
@@ -35,23 +35,21 @@ Start = Callable[[Sequence[str], Path], Process]
 
 
 def start_process(words: Sequence[str], log: Path) -> Process:
-    """Start a command with low priority."""
+    """Start a command with low priority: it has it from its first instruction on."""
     with log.open("wb") as output:
-        return _niced(words, output)
+        return subprocess.Popen(
+            _niced(words),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+        )
 
 
-def _niced(words: Sequence[str], output: IO[bytes]) -> Process:
-    process = subprocess.Popen(
-        list(words),
-        stdout=output,
-        stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    if hasattr(os, "setpriority"):
-        with contextlib.suppress(OSError):  # it may have ended already
-            os.setpriority(os.PRIO_PROCESS, process.pid, NICENESS)
-    return process
+def _niced(words: Sequence[str]) -> list[str]:
+    """Return the command behind POSIX's `nice`, which becomes it; elsewhere the command."""
+    nice = shutil.which("nice") if os.name == "posix" else None
+    return [nice, "-n", str(NICENESS), *words] if nice else list(words)
 
 
 class LocalTraining:
