@@ -21,7 +21,7 @@ def test_ppo_learns_an_easy_level(tmp_path):
         preset="small",
         values={
             "levels": (str(tmp_path / "rocket.json"),),
-            "total_timesteps": 196_608,
+            "total_timesteps": 65_536,
             "eval_freq": 1000,
             "eval_num_attempts": 50,
             "checkpoint_save_freq": 1000,
