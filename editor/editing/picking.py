@@ -126,15 +126,29 @@ def _joint_distance(level: Level, bodies: dict[int, Body], joint: Joint, point: 
 
 
 def bodies_at(
-    level: Level, point: Point, *, without: Collection[EntityId] = (), arena: bool = True
+    level: Level,
+    point: Point,
+    *,
+    without: Collection[EntityId] = (),
+    arena: bool = True,
+    margin: float = 0.0,
 ) -> Selection:
-    """The bodies that contain a point, the uppermost first; the arena's last."""
+    """Return the bodies that contain a point, the uppermost first; the arena's last.
+
+    Args:
+        level: Where to look.
+        point: The point [m].
+        without: Bodies to pass over (locked or hidden).
+        arena: Whether the arena bodies count.
+        margin: How far outside of a body the point may lie [m].
+    """
     circles = [b for b in level.bodies if isinstance(b.shape, Circle)]
     polygons = [b for b in level.bodies if not isinstance(b.shape, Circle)]
-    drawn = (*reversed(circles), *reversed(polygons))
-    found: list[EntityId] = [b.id for b in drawn if b.id not in without and contains(b, point)]
+    drawn = [b for b in (*reversed(circles), *reversed(polygons)) if b.id not in without]
+    found: list[EntityId] = [b.id for b in drawn if signed_distance(b, point) <= margin]
     if arena:
-        found += [n for n in ARENA_NAMES if contains(arena_body(level.arena, n), point)]
+        around = {name: arena_body(level.arena, name) for name in ARENA_NAMES}
+        found += [name for name in ARENA_NAMES if signed_distance(around[name], point) <= margin]
     return tuple(found)
 
 

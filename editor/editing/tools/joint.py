@@ -1,5 +1,7 @@
 """Joins two bodies where they overlap: a hinge, or a weld that also holds the angle."""
 
+import math
+
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Dot, Line, Mark, Outline, Ring, Style
 from editor.base.prompts import Choice, MenuQuestion
@@ -11,6 +13,10 @@ from kinetix.level.geometry import referenced_body, world_vertices
 from kinetix.level.model import BodyReference, Circle, JointKind, Level, Point
 
 TOO_FEW = "A joint needs two overlapping shapes"
+_TOUCHING = 3.0
+"""Shapes nearer to the pointer than this can be joined where none overlap [px]."""
+_HUB = 1 / 3
+"""The part of a circle's radius within which its centre is meant."""
 PAIRS_MAX = 10
 """Pairs offered when several bodies lie under the pointer."""
 
@@ -86,14 +92,37 @@ class JointTool(Tool):
 
     def _point(self, session: ToolContext, event: PointerEvent) -> Point:
         rules = session.rules(event.modifiers)
+        hub = self._hub(session, event.world) if rules.smart else None
+        if hub is not None and self._pairs(session, hub):
+            return hub
         return snap_point(event.world, rules, session.targets()).point
+
+    def _hub(self, session: ToolContext, point: Point) -> Point | None:
+        """Centre of the uppermost wheel that a point lies near the middle of.
+
+        A wheel that turns about another point wobbles.
+        """
+        level = session.document.level
+        for found in bodies_at(level, point, without=session.document.hidden, arena=False):
+            body = referenced_body(level, found)
+            if isinstance(body.shape, Circle):
+                near = math.dist(body.position, point) <= _HUB * body.shape.radius
+                return body.position if near else None
+        return None
 
     def _pairs(
         self, session: ToolContext, point: Point
     ) -> list[tuple[BodyReference, BodyReference]]:
+        """What can be joined there: what overlaps, or else what touches."""
+        margin = _TOUCHING * session.metres
+        return self._pairs_at(session, point, 0.0) or self._pairs_at(session, point, margin)
+
+    def _pairs_at(
+        self, session: ToolContext, point: Point, margin: float
+    ) -> list[tuple[BodyReference, BodyReference]]:
         level = session.document.level
         selected = [i for i in session.selection if any(i == body.id for body in level.bodies)]
-        under = list(bodies_at(level, point, without=session.document.hidden))
+        under = list(bodies_at(level, point, without=session.document.hidden, margin=margin))
         if len(selected) == 2 and set(selected) <= set(under):
             return [(selected[0], selected[1])]  # pyright: ignore[reportReturnType]
         found = [(a, b) for i, a in enumerate(under) for b in under[i + 1 :]]

@@ -7,7 +7,7 @@ import pytest
 from editor import actions
 from editor.editing.tools import TOOLS
 from kinetix.level.geometry import signed_area
-from kinetix.level.model import Level
+from kinetix.level.model import Circle, Level
 from tests.editor.core.helpers import Hand, a_level, a_session, texts
 
 
@@ -120,6 +120,44 @@ def test_a_joint_takes_the_two_bodies_under_it():
     assert joint.anchor_a == pytest.approx((0.15, 0.05), abs=1e-5)
     assert joint.anchor_b == pytest.approx((-0.05, 0.05), abs=1e-5)
     assert joint.motor is not None and joint.motor.on
+
+
+def test_a_click_near_the_hub_of_a_wheel_means_its_centre():
+    session = a_session(a_level().replace(joints=()))
+    session.settings.snap_smart = True
+    hand = Hand(session)
+    hand.key("j")
+    hand.click((2.17, 2.03))
+    (joint,) = session.document.level.joints
+    assert joint.anchor_b == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_the_hub_is_not_taken_where_no_other_shape_is():
+    level = a_level()
+    wheel = level.bodies[1].replace(shape=Circle(radius=0.3), position=(2.28, 2.0))
+    session = a_session(level.replace(joints=(), bodies=(level.bodies[0], wheel)))
+    session.settings.snap_smart = True
+    hand = Hand(session)
+    hand.key("j")
+    hand.click((2.2, 2.03))
+    (joint,) = session.document.level.joints
+    assert {joint.a, joint.b} == {1, 2}
+
+
+def test_shapes_that_only_touch_can_be_joined():
+    level = a_level()
+    other = level.bodies[0].replace(id=9, position=(2.0, 2.5))
+    edge = max(y for _, y in other.shape.vertices)
+    other = other.replace(position=(2.0, 2.0 + 2 * edge + 0.002))
+    session = a_session(level.replace(joints=(), bodies=(level.bodies[0], other), next_id=10))
+    hand = Hand(session)
+    hand.key("j")
+    hand.click((2.0, 2.0 + edge + 0.001))
+    (joint,) = session.document.level.joints
+    assert {joint.a, joint.b} == {1, 9}
+    hand.key("j")
+    hand.click((2.0, 2.0 + edge - 0.1))
+    assert len(session.document.level.joints) == 1
 
 
 def test_a_weld_remembers_the_angle_between_its_bodies():
