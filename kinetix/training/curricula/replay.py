@@ -14,7 +14,6 @@ from jaxtyping import Array, Bool, Int
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.normalisation import Normalisation
-from kinetix.compiler import learning_options
 from kinetix.environment.generators.edits import accel_edit
 from kinetix.environment.generators.starts import accel_start_sampler
 from kinetix.environment.state import EnvState
@@ -27,7 +26,7 @@ from kinetix.training.devices import to_host
 from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
-from kinetix.training.work import Work
+from kinetix.training.work import Work, learning
 
 _NEW, _REPLAY, _MUTATE = "new", "replay", "mutate"
 _TOLD = {_NEW: "new levels", _REPLAY: "replay", _MUTATE: "mutations"}
@@ -81,9 +80,9 @@ class Replay:
         self.turnover: Turnover | None = None
         self._start = jax.jit(self._first_state)
         self._steps = {
-            _NEW: jax.jit(self._new, compiler_options=learning_options()),
-            _REPLAY: jax.jit(self._replay, compiler_options=learning_options()),
-            _MUTATE: jax.jit(self._mutate, compiler_options=learning_options()),
+            _NEW: learning(self._new),
+            _REPLAY: learning(self._replay),
+            _MUTATE: learning(self._mutate),
         }
 
     def start(self) -> ReplayState:

@@ -14,14 +14,13 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.networks.distributions import MultiCategorical
 from kinetix.agents.networks.recurrent import initial_carry
 from kinetix.agents.normalisation import Normalisation, normalise, update
-from kinetix.compiler import learning_options
 from kinetix.pytree import pytree
 from kinetix.training.config import BcConfig
 from kinetix.training.imitation.lessons import Lessons, played_again, state_at
 from kinetix.training.imitation.sources import demonstrations
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
-from kinetix.training.work import Work
+from kinetix.training.work import Work, learning
 
 _UPDATE = "update"
 _SAMPLE = 4096
@@ -66,7 +65,7 @@ class Clone:
         self._train_rows = np.flatnonzero(~kept_back)
         self._held_out = np.flatnonzero(kept_back)
         self._lessons = jax.device_put(lessons)
-        self._update = jax.jit(self._one_update, compiler_options=learning_options())
+        self._update = learning(self._one_update)
         self._judge = jax.jit(self._measured)
 
     def start(self) -> CloneState:
