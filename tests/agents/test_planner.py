@@ -28,7 +28,7 @@ def game():
     """The planner with a small budget, its environment, and a level that random play loses."""
     player = Planner(rounds=1, first=2)
     level = load_level(_LEVEL)
-    env = environment_for(player, capacity_of(level), physics="balanced")
+    env = environment_for(player, capacity_of(level), physics="jax2d")
     return player, env, jax.tree.map(jnp.asarray, level_state(level, env.static_env_params))
 
 
@@ -41,7 +41,7 @@ def test_it_wins_a_level_that_nothing_and_chance_lose(game):
     assert episode.outcome == "won"
     for name in ("noop", "random"):
         other = load_player(name)
-        world = environment_for(other, env.static_env_params.capacity, physics="balanced")
+        world = environment_for(other, env.static_env_params.capacity, physics="jax2d")
         lost = play_episode(world, state, other.policy.decide, carry=other.policy.init_carry(1))
         assert lost.outcome != "won"
 

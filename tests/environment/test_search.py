@@ -55,16 +55,16 @@ def test_runs_say_the_same_as_the_actions():
 @pytest.mark.slow
 def test_one_environment_serves_levels_of_a_size():
     levels = [hopper(2.0), hopper(3.0)]
-    env = solving_env(levels, physics="fast")
+    env = solving_env(levels, physics="jax2d")
     rounds = []
     for level in levels:
-        solution = solve_level(level, physics="fast", env=env, report=rounds.append)
+        solution = solve_level(level, physics="jax2d", env=env, report=rounds.append)
         assert solution is not None
         assert solution.frame_skip == 2
         assert replay_solution(level.replace(solution=solution)) == "won"
     # What nothing drives cannot be won; the search says so after one round.
     idle = hopper(2.0).replace(thrusters=())
-    assert solve_level(idle, physics="fast", env=env, report=rounds.append) is None
+    assert solve_level(idle, physics="jax2d", env=env, report=rounds.append) is None
     assert rounds[-1].won == 0
     assert rounds[-1].distance == pytest.approx(1.97, abs=0.2)
 
@@ -75,11 +75,11 @@ def test_one_environment_serves_levels_of_a_size():
         asked.append(actions)
         return len(asked) > 1
 
-    task = dataclasses.replace(search_task(levels[0], env, physics="fast"), wins=wins)
+    task = dataclasses.replace(search_task(levels[0], env, physics="jax2d"), wins=wins)
     found = next(each for each in stretches(task) if each.actions is not None)
     assert found.plans == BATCH
     assert found.won >= 1 and len(asked) == 2
     assert found.actions is asked[1]
     assert len(found.actions) > STRETCH
-    solution = Solution(physics="fast", frame_skip=2, actions=runs_of(found.actions))
+    solution = Solution(physics="jax2d", frame_skip=2, actions=runs_of(found.actions))
     assert replay_solution(levels[0].replace(solution=solution)) == "won"

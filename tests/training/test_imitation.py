@@ -38,7 +38,7 @@ def data(tmp_path_factory, monkeypatch_module):
     """A teacher's data of some levels, and what it told."""
     monkeypatch_module.setattr(teach, "SHARD", 8)
     out = tmp_path_factory.mktemp("wins")
-    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=1, physics="fast")
+    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=1, physics="jax2d")
     with optimised():
         return out, config, teach.teach(config, 2, out)
 
@@ -64,7 +64,7 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
 @pytest.mark.slow
 def test_the_teacher_wins_random_machines_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(teach, "SHARD", 8)
-    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=0, physics="fast", machines=True)
+    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=0, physics="jax2d", machines=True)
     told = teach.teach(config, 3, tmp_path)
     levels = {level.name for level in random_machines(0, "s", told.levels)}
     episodes = list(read_dataset(tmp_path))
@@ -144,14 +144,14 @@ def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
 
 def test_wins_and_nothing_else_are_learnt_from(tmp_path):
     level = load_level("s/goalkeeper")
-    won = winning_plan(level, [[1, 0, 0, 0, 0, 0]] * 3, physics="fast", frame_skip=2)
+    won = winning_plan(level, [[1, 0, 0, 0, 0, 0]] * 3, physics="jax2d", frame_skip=2)
     lost = dataclasses.replace(won, outcome="lost", physics="balanced")
     add_episodes(tmp_path / "set", [lost])
     with pytest.raises(KinetixError, match="no win to learn from"):
         sources.origin_of([str(tmp_path)])
     add_episodes(tmp_path / "set", [won])
     origin = sources.origin_of([str(tmp_path)])
-    assert origin.physics == "fast"
+    assert origin.physics == "jax2d"
     (found,) = sources.demonstrations([str(tmp_path)], static_env_params_of(origin.capacity))
     assert np.array_equal(found.actions, won.action)
 

@@ -27,7 +27,7 @@ def test_the_planner_wins_on_the_canvas_and_shows_its_futures():
     assert (summary.any_size, summary.network) == (True, "it knows the simulator")
     level = load_level("s/goalkeeper")
     casting = Casting(agent=AgentRef(path="planner"))
-    request = StartEpisode(run=1, level=level, physics="balanced", casting=casting)
+    request = StartEpisode(run=1, level=level, physics="jax2d", casting=casting)
     episode = Episode(request, Silent())
     first: Snapshot = episode.snapshot
     assert first.step == 0
