@@ -78,7 +78,7 @@ def test_a_job_tells_its_progress_and_can_be_cancelled():
     start = time.monotonic()
     settle(worker)
     assert job.state is JobState.CANCELLED
-    assert time.monotonic() - start < 1.0
+    assert time.monotonic() - start < 5.0  # all of it would take ten seconds
     worker.stop()
 
 
