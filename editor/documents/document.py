@@ -113,15 +113,26 @@ class Document:
         self._history: History[Level, Selection] = History(level, ())
         self._saved: Level | None = level
         self._next_id = level.next_id
+        self._counted: tuple[Level, Level] | None = None
+        """A snapshot, and the same level with the document's counter."""
         self._selection: Selection = ()
         self._preview: Level | None = None
         self._issues: tuple[Level, tuple[Issue, ...]] | None = None
 
     @property
     def level(self) -> Level:
-        """The committed level; its `next_id` is the document's counter."""
+        """The committed level; its `next_id` is the document's counter.
+
+        The same object until something changes: after something new was undone too, when the
+        snapshot counts less.
+        """
         level = self._history.current.value
-        return level if level.next_id == self._next_id else level.replace(next_id=self._next_id)
+        if level.next_id == self._next_id:
+            return level
+        known = self._counted
+        if known is None or known[0] is not level or known[1].next_id != self._next_id:
+            known = self._counted = (level, level.replace(next_id=self._next_id))
+        return known[1]
 
     @property
     def committed(self) -> Level:

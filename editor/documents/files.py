@@ -59,7 +59,8 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     """
     if path.is_file() and not os.access(path, os.W_OK):
         raise LevelError(f"{path}: cannot be saved: the file is read-only")
-    if without_outgrown_size(document.level) is not document.level:
+    level = document.level
+    if without_outgrown_size(level) is not level:
         document.commit(SetLevelField(field="size", value=None))
     data = dumps(document.level, format=format, source=document.source).encode()
     write_with_backup(path, data)

@@ -36,6 +36,22 @@ def test_a_save_keeps_the_previous_content_beside_it(path):
     assert load_level(path) == document.level
 
 
+def test_what_was_added_and_undone_costs_a_save_nothing(path):
+    save_level(load_level("m/segway"), path)
+    document = files.open_document(path)
+    opened = document.level
+    document.commit(AddBody(body=opened.bodies[0]))
+    document.undo()
+    assert document.level is document.level
+    files.save_document(document, path, "kinetix-level")
+    saved = load_level(path)
+    assert saved.solution == opened.solution is not None
+    assert saved.size == opened.size == "m"
+    assert saved.bodies == opened.bodies
+    assert document.redo()  # what was undone can still be done again
+    assert len(document.level.bodies) == len(opened.bodies) + 1
+
+
 def an_outgrown_level():
     """A level of size s with more shapes than that has room for."""
     level = a_level()
