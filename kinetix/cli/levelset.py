@@ -9,8 +9,10 @@ from typing import Annotated, Any
 import tyro
 from tyro.conf import Positional
 
+from kinetix.bundled import named_levels
 from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree
+from kinetix.errors import LevelError
 from kinetix.level.codec import load_document
 from kinetix.level.set_building import build_set, split_set
 from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, gather_levels, load_set, save_set
@@ -89,6 +91,7 @@ def _build(command: Build) -> int:
         split=command.split,
         seed=command.seed,
     )
+    command.out.parent.mkdir(parents=True, exist_ok=True)
     save_set(made, command.out, inline=command.inline)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
     if not command.inline:
@@ -97,6 +100,11 @@ def _build(command: Build) -> int:
 
 
 def _split(command: Split) -> int:
+    if not command.source.exists() and named_levels(command.source):
+        raise LevelError(
+            f"{command.source}: is bundled, and stays as it is; make one of your own from it: "
+            f"kinetix levelset build mine.json {command.source}"
+        )
     loaded = load_set(command.source)
     folder = command.source.parent
     made = split_set(loaded, split=command.split, seed=command.seed, folder=folder)

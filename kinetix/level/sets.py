@@ -180,7 +180,7 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
             level = load_document(where if where.is_absolute() else Path.cwd() / where).level
         own = level_hash(level)
         if own != entry.sha256:
-            message = f"expected the level with this hash, got one with {own}"
+            message = f"expected the level with this hash, got one with {own}{_changed(entry)}"
             faults.add("E007", f"$.levels[{k}].sha256", message)
         levels.append(
             SetLevel(
@@ -237,6 +237,12 @@ def _read_manifest(
     return manifest, inline
 
 
+def _changed(entry: SetEntry) -> str:
+    if entry.path is None:
+        return ""
+    return f": {entry.path} has changed since the set was built; build the set again"
+
+
 def _without_level(
     entry: Any, index: int, file: str, inline: dict[int, Level], faults: FaultCollector
 ) -> Any:
@@ -290,6 +296,10 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
         sources: Each a folder (every level below it), a level file or a level set, or the name of
             one that is bundled: `s/first_flight`, `levels/s`, `sets/s`.
 
+    Returns:
+        The levels in this order, each with a name of its own: of several called `x`, which two
+        folders or two titles may be, the second is `x (2)`.
+
     Raises:
         LevelError: Something is missing or bad, or there is no level at all.
     """
@@ -309,7 +319,21 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
             levels.append(_from_file(path, Path(source)))
     if not levels:
         raise LevelError(f"{', '.join(map(str, sources))}: expected levels, found none")
-    return levels
+    return _told_apart(levels)
+
+
+def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
+    """Return the levels with names that differ: results are told by name."""
+    given = {each.name for each in levels}
+    taken: set[str] = set()
+    found: list[SetLevel] = []
+    for each in levels:
+        name, number = each.name, 2
+        while name in taken or (number > 2 and name in given):
+            name, number = f"{each.name} ({number})", number + 1
+        taken.add(name)
+        found.append(each if name == each.name else dataclasses.replace(each, name=name))
+    return found
 
 
 def distinct(levels: Iterable[SetLevel]) -> list[SetLevel]:

@@ -37,6 +37,24 @@ def test_build_and_split(folder, capsys):
     assert load_set(out).manifest.seed == 1
 
 
+def test_a_set_is_built_in_a_new_folder_and_a_bundled_one_stays(folder, capsys):
+    out = folder / "new" / "deep" / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0
+    assert len(load_set(out).levels) == 5
+    capsys.readouterr()
+    assert main(["levelset", "split", "sets/s", "--seed", "9"]) == 1
+    assert "sets/s: is bundled, and stays as it is" in capsys.readouterr().err
+
+
+def test_a_level_that_changed_is_named(folder, capsys):
+    out = folder / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder)]) == 0
+    save_level(load_level(folder / "c1.json").replace(max_timesteps=77), folder / "c1.json")
+    assert main(["levelset", "verify", str(out)]) == 1
+    told = capsys.readouterr()
+    assert "c1.json has changed since the set was built; build the set again" in told.err
+
+
 def test_an_inline_set_stands_alone(folder, tmp_path_factory, capsys):
     out = tmp_path_factory.mktemp("elsewhere") / "set.json"
     assert main(["levelset", "build", str(out), "--levels", str(folder)]) == 0

@@ -53,6 +53,15 @@ def made(folder):
     return build_set(gather_levels([folder]), name="games", folder=folder)
 
 
+def test_levels_of_one_name_are_told_apart(tmp_path):
+    for k, name in enumerate(("p/x", "q/x", "q/x (2)", "r/x")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        save_level(game(k), tmp_path / f"{name}.json")
+    found = gather_levels([tmp_path / "p", tmp_path / "q", tmp_path / "r"])
+    assert [each.name for each in found] == ["x", "x (2)", "x (3)", "x (4)"]
+    assert [each.path.parent.name for each in found] == ["p", "q", "q", "r"]
+
+
 def test_a_folder_is_every_level_below_it_but_no_set(folder, made):
     save_set(made, folder / "set.json")
     assert [path.name for path in level_files(folder)] == [

@@ -64,7 +64,9 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
 @pytest.mark.slow
 def test_the_teacher_wins_random_machines_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(teach, "SHARD", 8)
-    config = teach.TeachConfig(size="s", rounds=2, batch=8, copies=0, physics="jax2d", machines=True)
+    config = teach.TeachConfig(
+        size="s", rounds=2, batch=8, copies=0, physics="jax2d", machines=True
+    )
     told = teach.teach(config, 3, tmp_path)
     levels = {level.name for level in random_machines(0, "s", told.levels)}
     episodes = list(read_dataset(tmp_path))
