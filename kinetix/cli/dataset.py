@@ -116,7 +116,11 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
             untold += not episode.replays
             yield episode
 
-    told = add_episodes(out, counted())
+    try:
+        told = add_episodes(out, counted())
+    except KeyboardInterrupt:
+        print(f"{out}: keeps the episodes that were there until now", file=sys.stderr)
+        raise
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
@@ -226,16 +230,22 @@ def _verify(command: VerifyDataset) -> int:
         "shards": len(manifest.shards),
         "levels": len(levels),
         **{name: dict(counter) for name, counter in counts.items()},
-        "differ": differ,
+        "differ": None if command.no_replay else differ,
         "untold": untold,
     }
     if command.json:
         print(json_module.dumps(told))
     else:
         for name, value in told.items():
-            print(f"{name:9} {value if not isinstance(value, list) else len(value)}")
+            print(f"{name:9} {_briefly(value)}")
         _tell_untold(command.folder, untold)
     return 1 if differ else 0
+
+
+def _briefly(value: Any) -> Any:
+    if value is None:
+        return "not checked"
+    return len(value) if isinstance(value, list) else value
 
 
 def _export(command: ExportDataset) -> int:

@@ -124,7 +124,9 @@ def win_origins(folder: Path) -> Iterator[Origin]:
 
 
 def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
-    """Add episodes to a data set, which is made where there is none; stopping loses one shard.
+    """Add episodes to a data set, which is made where there is none.
+
+    Whatever ends it early, Ctrl+C too, what was taken until then is written; a kill loses a shard.
 
     Args:
         folder: The data set; a new or an empty folder, or one.
@@ -168,25 +170,27 @@ class DatasetWriter:
         self._known = {name for path in shards for name in read_ids(path)}
 
     def add(self, episodes: Iterable[RecordedEpisode]) -> Added:
-        """Write episodes; afterwards all of them are on disk.
+        """Write episodes; afterwards all that were taken are on disk, also where taking one failed.
 
         Args:
             episodes: Taken one by one; those that are there already are left out.
         """
         waiting: list[RecordedEpisode] = []
         steps = added = twice = empty = 0
-        for episode in episodes:
-            if episode.identity in self._known or not episode.length:
-                twice, empty = twice + bool(episode.length), empty + (not episode.length)
-                continue
-            self._known.add(episode.identity)
-            waiting.append(episode)
-            steps, added = steps + episode.length, added + 1
-            if steps >= SHARD_STEPS:
+        try:
+            for episode in episodes:
+                if episode.identity in self._known or not episode.length:
+                    twice, empty = twice + bool(episode.length), empty + (not episode.length)
+                    continue
+                self._known.add(episode.identity)
+                waiting.append(episode)
+                steps, added = steps + episode.length, added + 1
+                if steps >= SHARD_STEPS:
+                    self._write(waiting)
+                    waiting, steps = [], 0
+        finally:
+            if waiting:
                 self._write(waiting)
-                waiting, steps = [], 0
-        if waiting:
-            self._write(waiting)
         return Added(added=added, known=twice, empty=empty)
 
     def _write(self, episodes: list[RecordedEpisode]) -> None:

@@ -69,6 +69,18 @@ def test_a_stopped_recording_keeps_whole_shards(
     assert add_episodes(tmp_path, [episode(), episode(steps=6)]).added == 1
 
 
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, KinetixError])
+def test_what_was_recorded_before_a_stop_is_kept(tmp_path: Path, stop: type) -> None:
+    def stopping():
+        yield episode()
+        yield episode(steps=6)
+        raise stop
+
+    with pytest.raises(stop):
+        add_episodes(tmp_path, stopping())
+    assert read_manifest(tmp_path).episodes == len(list(read_dataset(tmp_path))) == 2
+
+
 def test_an_exchanged_shard_is_told(tmp_path: Path) -> None:
     """The manifest's hash guards the file, the identities guard its content."""
     add_episodes(tmp_path, [episode()])
