@@ -11,6 +11,7 @@ from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Pro
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
+from kinetix.files.regular import FileError, open_regular
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -50,9 +51,9 @@ class _Document(msgspec.Struct, frozen=True, kw_only=True):
 def is_comparison(path: Path) -> bool:
     """Return whether a file begins like a stored comparison; what cannot be read does not."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path, "kept") as file:
             return f'"{FORMAT}"'.encode() in file.read(200)
-    except OSError:
+    except FileError:
         return False
 
 

@@ -186,7 +186,7 @@ def _showing(command: Render, agent: str) -> Showing:
 
 def _patient(moments: Iterator[Moment]) -> Iterator[Moment]:
     """Pass an episode on; say that its step is compiled where the first ones take long."""
-    with announced("compiling the player and the step: the next time they are there"):
+    with announced("preparing the player and the step"):
         yield from itertools.islice(moments, 2)
     yield from moments
 

@@ -223,7 +223,7 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         named: Likewise.
 
     Raises:
-        KinetixError: A parameter or a choice of the action is out of its range.
+        KinetixError: A parameter or a choice of the action is out of its range, or is no number.
     """
     for argument in (*arguments, *named.values()):
         if isinstance(argument, EnvParams):
@@ -235,9 +235,14 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
 
 def _check_choice(action: Any, actions: AbstractAction) -> None:
     space: Any = actions.action_space
-    if isinstance(space, Box):
-        return  # reals are clipped, as agents that draw them expect
     chosen = np.asarray(action)
+    if isinstance(space, Box):  # reals are clipped, as agents that draw them expect
+        if chosen.dtype.kind == "f" and np.isnan(chosen).any():
+            raise KinetixError(
+                f"action {chosen.tolist()}: expected numbers ({actions.name}); under jit what is "
+                "none drives nothing"
+            )
+        return
     if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
         return  # `check_action` says so
     choices = getattr(space, "number_of_dims_per_distribution", None)
@@ -270,9 +275,14 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
     A state that was made for another solver keeps its bodies; its memory of contacts starts empty.
 
     Raises:
-        KinetixError: The state has other capacities than the environment; the message says which
-            of polygons, circles, joints, thrusters and by how much.
+        KinetixError: It is no state, or has other capacities than the environment; the message
+            says which of polygons, circles, joints, thrusters and by how much.
     """
+    if not isinstance(state, EnvState):
+        raise KinetixError(
+            f"expected the EnvState that an episode starts in, got {_kind(state)}: a reset "
+            "function returns one, and so does level_state"
+        )
     have, need = capacity_of_world(state.world), engine.spec.capacity
     if have != need:
         raise KinetixError(f"the level does not fit the environment: {_difference(have, need)}")

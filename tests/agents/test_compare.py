@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 
 import pytest
 
@@ -120,6 +121,12 @@ def test_a_stored_comparison_is_read_again(tmp_path):
     found = read_comparison(path)
     assert found.contenders == (A, B, C) and found.hashes == hashes
     assert text_of(".json", found.contenders, found.hashes, "1.0") == text
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of POSIX systems")
+def test_a_pipe_is_no_comparison_and_nothing_waits_for_it(tmp_path):
+    os.mkfifo(tmp_path / "pipe.json")
+    assert not is_comparison(tmp_path / "pipe.json")
 
 
 @pytest.mark.parametrize(

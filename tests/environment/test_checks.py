@@ -73,6 +73,10 @@ def test_states_of_something_else(small_env, small_state):
     assert "another physics than the environment's: start from env.reset" in sentence(
         small_env, KEY, other, ACTION
     )
+    with pytest.raises(
+        KinetixError, match="expected the EnvState that an episode starts in, got an array"
+    ):
+        small_env.reset(KEY, None, 3)
     # And that is what works.
     _, state = small_env.reset(KEY, None, other)
     small_env.step(KEY, state, ACTION)
@@ -199,6 +203,9 @@ def test_choices_that_do_not_exist(small_env, small_state, small_static):
         assert "expected whole numbers from 0 and up to 10" in sentence(
             single, KEY, small_state, bad
         )
+    smooth = make_kinetix_env("continuous", "blind", lambda key: small_state, None, small_static)
+    nothing = jnp.zeros(6).at[1].set(jnp.nan)
+    assert "expected numbers (continuous)" in sentence(smooth, KEY, small_state, nothing)
     # Where values are not known they cannot be refused.
     jax.jit(small_env.step)(KEY, small_state, ACTION + 7)
 
