@@ -274,6 +274,8 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
         _ask_moment(session, tab, lambda: if_settled(session, tab, then))
         return
     if not document.dirty:
+        if document.origin:  # restored, and all of it undone or saved: it is not offered again
+            session.autosaves.forget(document)
         then()
         return
 

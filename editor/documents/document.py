@@ -4,6 +4,7 @@ import dataclasses
 import datetime
 import hashlib
 import itertools
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
@@ -12,8 +13,10 @@ from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.history import Entry, History
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
+from kinetix.level.integrity import level_faults
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.model import ARENA_NAMES, Level
+from kinetix.level.sizes import without_outgrown_size
 from kinetix.level.validate import Issue, validate, value_issues
 
 Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
@@ -21,7 +24,9 @@ Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
 _NUMBERS = itertools.count(1)
 _TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
 """Fields that may change without making a recorded solution invalid."""
-_OUT_OF_RANGE: Final = "E106"
+_OUT_OF_RANGE: Final = ("E106", "E107")
+_TOLD_AS_VALUES: Final = ("E011", "E012")
+"""Faults of shapes, which `value_issues` tells by the shape's name."""
 
 
 def same_content(a: Level, b: Level) -> bool:
@@ -38,15 +43,26 @@ def same_simulation(a: Level, b: Level) -> bool:
 
 
 def _refuse_unwritable(after: Level, before: Level) -> None:
-    """Refuse a change to values that a file could be written with, but not opened again.
+    """Refuse a change with which a file could be written, but not opened again.
 
     Raises:
-        CommandError: The change makes such a value; the sentence names it and its range.
+        CommandError: The change does that; the sentence says what no file can hold.
     """
-    new = {issue.message for issue in value_issues(after) if issue.code == _OUT_OF_RANGE}
-    new -= {issue.message for issue in value_issues(before)} if new else set()
+    new = set(_unreadable(after))
+    new -= set(_unreadable(before)) if new else set()
     if new:
         raise CommandError(f"{min(new)} Nothing was changed.")
+
+
+def _unreadable(level: Level) -> Iterator[str]:
+    """Yield a sentence for all that a reader of the file would refuse.
+
+    A size that the level has outgrown is left out: a save makes it automatic.
+    """
+    yield from (issue.message for issue in value_issues(level) if issue.code in _OUT_OF_RANGE)
+    for fault in level_faults(without_outgrown_size(level)):
+        if fault.code not in _TOLD_AS_VALUES:
+            yield f"Level{fault.path[1:]}: {fault.message}."
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

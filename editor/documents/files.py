@@ -60,10 +60,13 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     if path.is_file() and not os.access(path, os.W_OK):
         raise LevelError(f"{path}: cannot be saved: the file is read-only")
     level = document.level
-    if without_outgrown_size(level) is not level:
-        document.commit(SetLevelField(field="size", value=None))
-    data = dumps(document.level, format=format, source=document.source).encode()
+    fitting = without_outgrown_size(level)
+    if fitting is not level:
+        fitting = fitting.replace(solution=None)  # as any change of what is played
+    data = dumps(fitting, format=format, source=document.source).encode()
     write_with_backup(path, data)
+    if fitting is not level:  # after the write, which may fail and then changes nothing
+        document.commit(SetLevelField(field="size", value=None))
     document.mark_saved(path, format)
     # What another program writes from here on is a change from outside.
     written = read_stamp(path)

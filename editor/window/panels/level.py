@@ -66,7 +66,7 @@ class LevelPanel(Panel):
         """A text that commits on Enter or when the field is left."""
 
         def commit(typed: str) -> None:
-            stored = typed.split() if field == "tags" else typed
+            stored = list(dict.fromkeys(typed.split())) if field == "tags" else typed
             session.queue(SetLevelField(field=field, value=stored))
 
         self._texts.line(session, f"level.{field}", value, commit)

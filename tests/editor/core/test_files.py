@@ -1,5 +1,6 @@
 """Saving, autosave, recovery and changes from outside."""
 
+import errno
 import json
 import os
 
@@ -10,8 +11,10 @@ from editor.actions import file
 from editor.base.settings import RECENTS_MAX, Settings
 from editor.documents import files, recovery
 from editor.documents.commands.bodies import AddBody
-from editor.documents.commands.group import Move
-from kinetix.errors import LevelError
+from editor.documents.commands.fields import SetField, SetLevelField
+from editor.documents.commands.group import Move, Scale
+from editor.documents.document import Document
+from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import load_level, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
 
@@ -66,6 +69,46 @@ def test_a_level_that_outgrew_its_size_can_be_opened_again(path, format):
     assert any("does not fit size s" in text for text in texts(session))
     assert not session.document.dirty
     assert len(load_level(path).bodies) == len(session.document.level.bodies)
+
+
+def test_a_failed_save_of_a_level_that_outgrew_its_size_changes_nothing(path, monkeypatch):
+    session = a_session(level=an_outgrown_level())
+
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    entries = len(session.document.history.entries)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        assert not file.save_now(session, session.document, path, "kinetix-level")
+    assert session.document.level.size == "s"
+    assert len(session.document.history.entries) == entries
+    assert file.save_now(session, session.document, path, "kinetix-level")
+    assert any("does not fit size s" in text for text in texts(session))
+
+
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        (Scale(ids=(1,), factor=0.01, pivot=(2.0, 2.0)), "area"),
+        (SetLevelField(field="tags", value=["jump", "jump"]), "each tag once"),
+    ],
+)
+def test_what_no_file_could_hold_is_refused_at_once(path, command, says):
+    document = files.open_document(path)
+    before = document.level
+    with pytest.raises(CommandError, match=f"{says}.* Nothing was changed"):
+        document.commit(command)
+    assert document.level == before
+    files.save_document(document, path, "kinetix-level")
+    assert load_level(path) == before
+
+
+def test_every_fixed_shape_of_the_library_can_be_set_free():
+    for name in ("m/trebuchet", "l/rover_ridge", "l/clockwork", "s/wheelie"):
+        document = Document(load_level(name))
+        for body in document.level.bodies:
+            document.commit(SetField(ids=(body.id,), field="fixed", value=not body.fixed))
 
 
 def test_the_copy_of_a_level_that_outgrew_its_size_can_be_restored(tmp_path):
