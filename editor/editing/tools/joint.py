@@ -104,7 +104,7 @@ class JointTool(Tool):
         """
         level = session.document.level
         for found in bodies_at(level, point, without=session.document.hidden, arena=False):
-            body = referenced_body(level, found)
+            body = referenced_body(level, found)  # pyright: ignore[reportArgumentType]
             if isinstance(body.shape, Circle):
                 near = math.dist(body.position, point) <= _HUB * body.shape.radius
                 return body.position if near else None
