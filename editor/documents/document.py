@@ -264,15 +264,19 @@ class Document:
         created: Selection = tuple(e.id for e in after.entities() if e.id not in known)
         self._next_id = max(self._next_id, after.next_id)
         self._selection = self._surviving(after)
-        self._history.push(
-            Entry(
-                label=command.label,
-                value=after,
-                selection=self._selection,
-                merge_key=command.merge_key,
-                time=time,
-            )
+        entry = Entry(
+            label=command.label,
+            value=after,
+            selection=self._selection,
+            merge_key=command.merge_key,
+            time=time,
         )
+        first = self._history.before(entry)
+        if first.solution is not before.solution and same_simulation(after, first):
+            # Steps there and back, which are one entry.
+            entry = dataclasses.replace(entry, value=after.replace(solution=first.solution))
+            notices.append("The recorded solution is back: the level plays as before.")
+        self._history.push(entry)
         return Outcome(changed=True, created=created, notices=tuple(notices))
 
     def undo(self) -> str | None:

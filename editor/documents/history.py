@@ -63,18 +63,24 @@ class History(Generic[T, S]):
 
     def push(self, entry: Entry[T, S]) -> None:
         """Add a snapshot after the cursor; merges with the last one where the rules allow it."""
-        last = self._entries[self._cursor]
-        merges = (
+        del self._entries[self._cursor + (0 if self._merges(entry) else 1) :]
+        self._entries.append(entry)
+        if len(self._entries) > ENTRIES_MAX:
+            del self._entries[0]
+        self._cursor = len(self._entries) - 1
+
+    def before(self, entry: Entry[T, S]) -> T:
+        """Return the snapshot that undo would show after such a push."""
+        return self._entries[self._cursor - (1 if self._merges(entry) else 0)].value
+
+    def _merges(self, entry: Entry[T, S]) -> bool:
+        last = self.current
+        return (
             self._cursor > 0
             and entry.merge_key is not None
             and entry.merge_key == last.merge_key
             and entry.time - last.time <= MERGE_SECONDS
         )
-        del self._entries[self._cursor + (0 if merges else 1) :]
-        self._entries.append(entry)
-        if len(self._entries) > ENTRIES_MAX:
-            del self._entries[0]
-        self._cursor = len(self._entries) - 1
 
     def seal(self) -> None:
         """End a run of merging entries: the next one stands alone."""

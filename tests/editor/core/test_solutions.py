@@ -13,8 +13,9 @@ from editor.session import Session
 from editor.worker.jobs import Worker
 from editor.worker.recording import Trace
 from editor.worker.requests import Opened, PlaySolution
+from kinetix.level.codec import load_level
 from kinetix.level.model import Solution
-from tests.editor.core.helpers import FakeSimulator, a_level
+from tests.editor.core.helpers import FakeSimulator, a_level, a_session
 
 
 @pytest.fixture
@@ -120,3 +121,20 @@ def test_a_recorded_solution_is_a_replay(session, level):
     assert viewing.mode is Mode.REPLAY
     assert viewing.playback.player == "recorded solution"
     worker.stop()
+
+
+def test_steps_there_and_back_keep_the_solution():
+    level = load_level("s/wheelie")
+    session = a_session(level)
+    session.selection = (level.bodies[0].id,)
+    run(session, "transform.nudge_left")
+    assert session.document.level.solution is None
+    run(session, "transform.nudge_right")
+    assert session.document.level.solution == level.solution is not None
+    assert not session.document.dirty
+    # A solution that was taken away by itself does not come back.
+    without = session.document.level.replace(solution=None)
+    session.execute(ReplaceLevel(level=without, label="Forget"))
+    run(session, "transform.nudge_left")
+    run(session, "transform.nudge_right")
+    assert session.document.level.solution is None
