@@ -223,7 +223,7 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         named: Likewise.
 
     Raises:
-        KinetixError: A parameter or a choice of the action is out of its range, or is no number.
+        KinetixError: A parameter or a choice of the action is out of its range.
     """
     for argument in (*arguments, *named.values()):
         if isinstance(argument, EnvParams):
@@ -235,14 +235,9 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
 
 def _check_choice(action: Any, actions: AbstractAction) -> None:
     space: Any = actions.action_space
+    if isinstance(space, Box):
+        return  # reals are clipped, as agents that draw them expect
     chosen = np.asarray(action)
-    if isinstance(space, Box):  # reals are clipped, as agents that draw them expect
-        if chosen.dtype.kind == "f" and np.isnan(chosen).any():
-            raise KinetixError(
-                f"action {chosen.tolist()}: expected numbers ({actions.name}); under jit what is "
-                "none drives nothing"
-            )
-        return
     if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
         return  # `check_action` says so
     choices = getattr(space, "number_of_dims_per_distribution", None)

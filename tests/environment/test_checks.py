@@ -203,9 +203,6 @@ def test_choices_that_do_not_exist(small_env, small_state, small_static):
         assert "expected whole numbers from 0 and up to 10" in sentence(
             single, KEY, small_state, bad
         )
-    smooth = make_kinetix_env("continuous", "blind", lambda key: small_state, None, small_static)
-    nothing = jnp.zeros(6).at[1].set(jnp.nan)
-    assert "expected numbers (continuous)" in sentence(smooth, KEY, small_state, nothing)
     # Where values are not known they cannot be refused.
     jax.jit(small_env.step)(KEY, small_state, ACTION + 7)
 
