@@ -24,7 +24,8 @@ Format: TypeAlias = Literal["kinetix-level", "kinetix-env"]
 _NUMBERS = itertools.count(1)
 _TEXT_FIELDS: Final = ("name", "description", "tags", "solution", "next_id")
 """Fields that may change without making a recorded solution invalid."""
-_OUT_OF_RANGE: Final = ("E106", "E107")
+_UNREADABLE: Final = ("E106", "E107")
+"""Issues of values that no reader takes: out of range, or no shape."""
 _TOLD_AS_VALUES: Final = ("E011", "E012")
 """Faults of shapes, which `value_issues` tells by the shape's name."""
 
@@ -59,7 +60,7 @@ def _unreadable(level: Level) -> Iterator[str]:
 
     A size that the level has outgrown is left out: a save makes it automatic.
     """
-    yield from (issue.message for issue in value_issues(level) if issue.code in _OUT_OF_RANGE)
+    yield from (issue.message for issue in value_issues(level) if issue.code in _UNREADABLE)
     for fault in level_faults(without_outgrown_size(level)):
         if fault.code not in _TOLD_AS_VALUES:
             yield f"Level{fault.path[1:]}: {fault.message}."

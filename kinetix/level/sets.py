@@ -6,6 +6,7 @@ README.md describes the file. Free of JAX.
 import contextlib
 import dataclasses
 import importlib.metadata
+import itertools
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -328,9 +329,9 @@ def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
     taken: set[str] = set()
     found: list[SetLevel] = []
     for each in levels:
-        name, number = each.name, 2
-        while name in taken or (number > 2 and name in given):
-            name, number = f"{each.name} ({number})", number + 1
+        numbered = (f"{each.name} ({number})" for number in itertools.count(2))
+        names = itertools.chain([each.name], (name for name in numbered if name not in given))
+        name = next(name for name in names if name not in taken)
         taken.add(name)
         found.append(each if name == each.name else dataclasses.replace(each, name=name))
     return found

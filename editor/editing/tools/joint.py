@@ -113,7 +113,7 @@ class JointTool(Tool):
     def _pairs(
         self, session: ToolContext, point: Point
     ) -> list[tuple[BodyReference, BodyReference]]:
-        """What can be joined there: what overlaps, or else what touches."""
+        """Return the pairs of bodies that overlap at a point; where none do, those that touch."""
         margin = _TOUCHING * session.metres
         return self._pairs_at(session, point, 0.0) or self._pairs_at(session, point, margin)
 

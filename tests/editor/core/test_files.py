@@ -104,7 +104,7 @@ def test_what_no_file_could_hold_is_refused_at_once(path, command, says):
     assert load_level(path) == before
 
 
-def test_every_fixed_shape_of_the_library_can_be_set_free():
+def test_fixed_shapes_can_be_set_free_and_free_ones_fixed():
     for name in ("m/trebuchet", "l/rover_ridge", "l/clockwork", "s/wheelie"):
         document = Document(load_level(name))
         for body in document.level.bodies:
