@@ -1,6 +1,7 @@
 """Build, check and split level sets."""
 
 import dataclasses
+import itertools
 import json as json_module
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,11 +12,19 @@ from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
 from kinetix.cli.paths import NamedPath
-from kinetix.cli.validate import issue_tree
+from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_document
 from kinetix.level.set_building import build_set, split_set
-from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, gather_levels, load_set, save_set
+from kinetix.level.sets import (
+    DEFAULT_SPLIT,
+    LoadedSet,
+    SetLevel,
+    gather_levels,
+    load_set,
+    read_levels,
+    save_set,
+)
 from kinetix.level.validate import Issue, has_errors, validate
 from kinetix.wording import plural
 
@@ -130,7 +139,7 @@ class Verdict:
     """Outcome of doing nothing; None where the level could not be played."""
     solution: str | None
     """Outcome of the recorded solution; None where there is none."""
-    unsolved: bool
+    unsolved: bool = False
     """True if the level is tagged so, which makes it only reported."""
     records: bool = True
     """True if its file can record a solution: those of kinetix-env cannot."""
@@ -156,17 +165,19 @@ class Verdict:
 def _verify(command: Verify) -> int:
     import jax  # only playing needs it
 
+    levels, unreadable = read_levels([command.source])
     ok = True
     # A level is one world, which keeps one core busy.
     with ThreadPoolExecutor(jax.local_device_count()) as threads:
-        for verdict in threads.map(verdict_on, _levels(command.source)):
+        played = threads.map(verdict_on, levels)
+        for verdict in itertools.chain(itertools.starmap(_unreadable, unreadable.items()), played):
             ok = ok and verdict.ok
             print(_json_line(verdict) if command.json else _text(verdict), flush=True)
     return 0 if ok else 1
 
 
-def _levels(source: str) -> list[SetLevel]:
-    return gather_levels([source])
+def _unreadable(name: str, error: LevelError) -> Verdict:
+    return Verdict(level=name, issues=tuple(reading_issues(error)), noop=None, solution=None)
 
 
 def verdict_on(each: SetLevel) -> Verdict:

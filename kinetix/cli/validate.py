@@ -92,7 +92,7 @@ def file_report(file: str) -> FileReport:
         ]
         issues = (*validate(loaded.level), *mended)
     except LevelError as error:
-        return FileReport(file=file, format=None, issues=tuple(_reading_issues(error)))
+        return FileReport(file=file, format=None, issues=tuple(reading_issues(error)))
     except Exception as error:  # a fault of ours in one file must not hide the others
         message = crash_sentence(error, "kinetix validate", [file])
         issue = Issue(code="E001", severity="error", path="$", message=message)
@@ -108,7 +108,8 @@ def _set_issues(path: Path) -> Iterator[Issue]:
             yield dataclasses.replace(issue, path=where, message=message)
 
 
-def _reading_issues(error: LevelError) -> Iterator[Issue]:
+def reading_issues(error: LevelError) -> Iterator[Issue]:
+    """Yield what is wrong with a file that cannot be read."""
     for fault in error.faults:
         yield Issue(code=fault.code, severity="error", path=fault.path, message=fault.message)
     if not error.faults:

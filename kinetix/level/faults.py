@@ -11,6 +11,8 @@ from kinetix.errors import LevelError
 MOST_FAULTS: Final = 20
 """A reader gives up after so many."""
 _LONGEST: Final = 60
+_NAMED: Final = 3
+"""Files that one sentence names."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -68,6 +70,25 @@ def fail(file: str, faults: Sequence[Fault]) -> NoReturn:
         f" (and {others} more: {'; '.join(fault.path for fault in faults[1:4])})" if others else ""
     )
     raise LevelError(f"{file}: {faults[0]}{more}", tuple(faults))
+
+
+def refuse_all(wrong: Sequence[str], *, of: int, what: str) -> None:
+    """Raise one sentence for several files, if there are any.
+
+    Args:
+        wrong: What is wrong with each, with its name.
+        of: Files that were looked at.
+        what: What `wrong` has in common: `levels have errors`.
+
+    Raises:
+        LevelError: There are.
+    """
+    if len(wrong) == 1:
+        raise LevelError(wrong[0])
+    if wrong:
+        more = [f"and {len(wrong) - _NAMED} more"] if len(wrong) > _NAMED else []
+        listed = "; ".join([*wrong[:_NAMED], *more])
+        raise LevelError(f"{len(wrong)} of {of} {what}: {listed}")
 
 
 def found(value: Any) -> str:

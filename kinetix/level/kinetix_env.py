@@ -250,5 +250,6 @@ def lost_fields(level: Level, *, stem: str | None = None) -> tuple[str, ...]:
         (bool(level.tags), "tags"),
         (level.solution is not None, "solution"),
         (level.unnamed() is not level, "names of shapes, joints and thrusters"),
+        (level.inertia_model != "kinetix", "how masses follow from shapes (they stay as numbers)"),
     )
     return tuple(what for applies, what in told if applies)

@@ -4,9 +4,9 @@ import dataclasses
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 from kinetix.errors import LevelError
+from kinetix.level.faults import refuse_all
 from kinetix.level.model import SizeHint, SizeName
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
@@ -57,10 +57,6 @@ def build_set(
     return _with_split(made, split, seed, folder)
 
 
-_NAMED: Final = 3
-"""Levels with errors that one sentence names."""
-
-
 def _refuse_errors(levels: Sequence[SetLevel]) -> None:
     """Refuse levels with errors, and name them at once.
 
@@ -73,12 +69,7 @@ def _refuse_errors(levels: Sequence[SetLevel]) -> None:
         if errors:
             first = errors[0]
             wrong.append(f"{each.path or each.name}: {first.path}: {first.code} {first.message}")
-    if len(wrong) == 1:
-        raise LevelError(wrong[0])
-    if wrong:
-        more = [f"and {len(wrong) - _NAMED} more"] if len(wrong) > _NAMED else []
-        listed = "; ".join([*wrong[:_NAMED], *more])
-        raise LevelError(f"{len(wrong)} of {len(levels)} levels have errors: {listed}")
+    refuse_all(wrong, of=len(levels), what="levels have errors")
 
 
 def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:

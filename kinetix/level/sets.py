@@ -28,7 +28,7 @@ from kinetix.level.codec import (
     load_document,
     resolve_path,
 )
-from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
+from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found, refuse_all
 from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
 from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
 from kinetix.level.schema import check_tree
@@ -169,6 +169,17 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
     if manifest is None or faults.faults:
         fail(file, faults.faults)
     levels = []
+    with contextlib.suppress(EnoughFaults):
+        levels = _listed_levels(manifest, inline, folder, faults)
+    if faults.faults:
+        fail(file, faults.faults)
+    return LoadedSet(manifest=manifest, levels=tuple(levels), path=Path(file))
+
+
+def _listed_levels(
+    manifest: LevelSet, inline: dict[int, Level], folder: Path, faults: FaultCollector
+) -> list[SetLevel]:
+    levels = []
     for k, entry in enumerate(manifest.levels):
         if entry.path is None:
             level, where = inline[k], None
@@ -178,7 +189,11 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
             continue
         else:
             where = folder / entry.path
-            level = load_document(where if where.is_absolute() else Path.cwd() / where).level
+            try:
+                level = load_document(where if where.is_absolute() else Path.cwd() / where).level
+            except LevelError as error:
+                faults.add("E007", f"$.levels[{k}].path", str(error))
+                continue
         own = level_hash(level)
         if own != entry.sha256:
             message = f"expected the level with this hash, got one with {own}{_changed(entry)}"
@@ -194,9 +209,7 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
                 path=where,
             )
         )
-    if faults.faults:
-        fail(file, faults.faults)
-    return LoadedSet(manifest=manifest, levels=tuple(levels), path=Path(file))
+    return levels
 
 
 def _plain_name(path: str) -> str:
@@ -304,23 +317,49 @@ def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     Raises:
         LevelError: Something is missing or bad, or there is no level at all.
     """
+    levels, unreadable = read_levels(sources)
+    refuse_all(
+        [str(error) for error in unreadable.values()],
+        of=len(levels) + len(unreadable),
+        what="files cannot be read",
+    )
+    return levels
+
+
+def read_levels(
+    sources: Sequence[str | Path],
+) -> tuple[list[SetLevel], dict[str, LevelError]]:
+    """Like `gather_levels`, but the damaged files of a folder do not keep its others away.
+
+    Returns:
+        The levels, and by name what is wrong with each file of a folder that could not be read.
+
+    Raises:
+        LevelError: A source is missing, or is a damaged level or level set itself; or there is no
+            level at all.
+    """
     levels: list[SetLevel] = []
+    unreadable: dict[str, LevelError] = {}
     for source in sources:
         refuse_empty(source, "a folder, a level or a level set")
         path = Path(source)
         if not os.path.exists(path):
             path = named_levels(source) or path
         if os.path.isdir(path):
-            levels += [_from_file(file, file.relative_to(path)) for file in level_files(path)]
+            for file in level_files(path):
+                try:
+                    levels.append(_from_file(file, file.relative_to(path)))
+                except LevelError as error:
+                    unreadable[str(file)] = error
             continue
         path = resolve_path(source)
         if is_set_file(path):
             levels += load_set(path).levels
         else:
             levels.append(_from_file(path, Path(source)))
-    if not levels:
+    if not levels and not unreadable:
         raise LevelError(f"{', '.join(map(str, sources))}: expected levels, found none")
-    return _told_apart(levels)
+    return _told_apart(levels), unreadable
 
 
 def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:

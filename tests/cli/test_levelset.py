@@ -113,6 +113,20 @@ def test_verify_tells_why_a_level_fails(folder, outcomes, capsys):
     assert found[4]["noop"] is None
 
 
+def test_damaged_files_do_not_keep_the_others_from_being_verified(folder, outcomes, capsys):
+    (folder / "c1.json").write_text("{")
+    (folder / "c3.json").write_text('{"format": "kinetix-level"}')
+    assert main(["levelset", "verify", str(folder), "--json"]) == 1
+    found = {Path(each["level"]).stem: each for each in verdicts(capsys)}
+    assert [name for name in sorted(found) if not found[name]["ok"]] == ["c1", "c3"]
+    assert found["c1"]["problems"][0].startswith("E001") and found["c1"]["noop"] is None
+    # Commands that need every level name all that cannot be read.
+    assert main(["levelset", "build", str(folder / "set.json"), "--levels", str(folder)]) != 0
+    told = capsys.readouterr().err
+    assert "2 of 5 files cannot be read" in told
+    assert "c1.json" in told and "c3.json" in told
+
+
 def test_verify_in_words(folder, outcomes, capsys):
     outcomes[(104, True)] = "timeout"
     assert main(["levelset", "verify", str(folder)]) == 1

@@ -255,6 +255,7 @@ def test_what_the_peer_loses_is_named():
     )
     assert lost_fields(level, stem="everything") == (
         "automatic motors", "gravity", "max_timesteps", "name", "description", "tags", "solution",
+        "how masses follow from shapes (they stay as numbers)",
     )  # fmt: skip
 
 
