@@ -115,7 +115,8 @@ ensure_dependencies() {
   fingerprint >"$stamp"
 }
 
-mapfile -t packages < <(wanted_packages)
+packages=()
+while read -r package; do packages+=("$package"); done < <(wanted_packages)  # macOS's bash has no mapfile
 ensure_packages "${packages[@]}"
 ensure_venv
 ensure_dependencies
