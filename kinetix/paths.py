@@ -1,5 +1,6 @@
 """Paths of bundled levels and checkpoints, and of the user's own folders."""
 
+import os
 from pathlib import Path
 
 import platformdirs
@@ -11,7 +12,7 @@ _APP = "kinetix-editor"
 
 def _bundled(name: str) -> Path:
     installed = _PACKAGE / "_data" / name
-    return installed if installed.is_dir() else _CHECKOUT / name
+    return installed if os.path.isdir(installed) else _CHECKOUT / name
 
 
 def levels_dir() -> Path:

@@ -3,6 +3,7 @@
 import ast
 import collections
 import importlib
+import re
 import subprocess
 import sys
 import tomllib
@@ -86,6 +87,12 @@ def test_nothing_public_is_defined_twice_in_a_module():
         )
         twice += [f"{module_name(path)}.{name}" for name, count in names.items() if count > 1]
     assert twice == []
+
+
+def test_questions_about_files_never_raise():
+    """`Path.exists` and its like raise where a folder is locked or a drive is gone; `os.path` not."""
+    asked = re.compile(r"\.(exists|is_dir|is_file)\(\)")
+    assert [module_name(path) for path in SOURCES if asked.search(path.read_text())] == []
 
 
 def test_opening_and_saving_a_level_loads_no_jax(tmp_path):

@@ -1,5 +1,6 @@
 """Our checkpoints: a directory with `agent.json` and `params/`. Nothing in it can execute."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -46,9 +47,10 @@ def write_checkpoint(
     Raises:
         CheckpointError: The target is not a checkpoint, or cannot be written.
     """
-    if directory.exists() and not directory.is_dir():
+    if os.path.exists(directory) and not os.path.isdir(directory):
         raise CheckpointError(f"{directory}: expected a folder, got a file; choose another place")
-    if directory.exists() and any(directory.iterdir()) and not (directory / CARD).is_file():
+    is_agent = os.path.isfile(directory / CARD)
+    if os.path.exists(directory) and any(directory.iterdir()) and not is_agent:
         raise CheckpointError(f"{directory}: is not empty and holds no agent; choose another place")
     shapes = {name: tuple(leaf.shape) for name, leaf in flatten(params)}
     with replacing_directory(directory) as temporary:
@@ -150,12 +152,12 @@ def steps_of_run(run: Path) -> list[int]:
         run: The run's directory.
     """
     folder = run / RUN_CHECKPOINTS
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         return []
     return sorted(
         int(path.name)
         for path in folder.iterdir()
-        if path.name.isascii() and path.name.isdecimal() and (path / CARD).is_file()
+        if path.name.isascii() and path.name.isdecimal() and os.path.isfile(path / CARD)
     )
 
 
@@ -168,12 +170,12 @@ def newest_checkpoint(directory: Path) -> Path:
     Raises:
         CheckpointError: There is none.
     """
-    if (directory / CARD).is_file():
+    if os.path.isfile(directory / CARD):
         return directory
     steps = steps_of_run(directory)
     if steps:
         return directory / RUN_CHECKPOINTS / str(steps[-1])
-    if (directory / RUN_CHECKPOINTS).is_dir():
+    if os.path.isdir(directory / RUN_CHECKPOINTS):
         raise CheckpointError(f"{directory}: this training run has no complete checkpoint yet")
     raise CheckpointError(
         f"{directory}: expected an agent: {CARD} with {PARAMS}/, or params.safetensors with "

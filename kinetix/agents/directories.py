@@ -48,9 +48,9 @@ def _replace(source: Path, target: Path) -> None:
         target: Its place; what is there is removed.
     """
     for path in source.rglob("*"):
-        if path.is_file():
+        if os.path.isfile(path):
             _sync(path)
-    if target.exists():
+    if os.path.exists(target):
         # A directory cannot be replaced in one step; whoever dies in between leaves the old one
         # under this name, where `surviving` finds it.
         old = target.with_name(f".{target.name}.{os.getpid()}{_OLD}")
@@ -71,7 +71,7 @@ def surviving(directory: Path) -> Path:
     if os.path.exists(directory):
         return directory
     pattern = f".{glob.escape(directory.name)}.*{_OLD}"
-    former = [path for path in sorted(directory.parent.glob(pattern)) if path.is_dir()]
+    former = [path for path in sorted(directory.parent.glob(pattern)) if os.path.isdir(path)]
     return former[-1] if former else directory
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ _OUR_ONLY = ("name", "description", "model", "observation_type", "action_type")
 
 def is_peer_checkpoint(directory: Path) -> bool:
     """Return whether a directory holds an agent in kinetix-env's form."""
-    return (directory / TENSORS).is_file() and (directory / CONFIG).is_file()
+    return os.path.isfile(directory / TENSORS) and os.path.isfile(directory / CONFIG)
 
 
 def read_peer_checkpoint(

@@ -1,6 +1,7 @@
 """Turn a level file from one format into the other, and say what the other cannot hold."""
 
 import dataclasses
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -57,4 +58,4 @@ def run(command: Convert) -> int:
 
 
 def _same_file(source: Path | None, target: Path) -> bool:
-    return source is not None and target.exists() and source.samefile(target)
+    return source is not None and os.path.exists(target) and source.samefile(target)

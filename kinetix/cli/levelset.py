@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import json as json_module
+import os
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
@@ -109,7 +110,7 @@ def _build(command: Build) -> int:
 
 
 def _split(command: Split) -> int:
-    if not command.source.exists() and named_levels(command.source):
+    if not os.path.exists(command.source) and named_levels(command.source):
         raise LevelError(
             f"{command.source}: is bundled, and stays as it is; make one of your own from it: "
             f"kinetix levelset build mine.json {command.source}"

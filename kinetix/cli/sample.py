@@ -1,6 +1,7 @@
 """Make random levels and write them as native files."""
 
 import dataclasses
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -78,7 +79,7 @@ def _write(path: Path, data: bytes, *, overwrite: bool) -> None:
     from kinetix.files.regular import read_bytes
     from kinetix.level.atomic import write_with_backup
 
-    if not overwrite and path.exists() and read_bytes(path, "level") != data:
+    if not overwrite and os.path.exists(path) and read_bytes(path, "level") != data:
         raise KinetixError(
             f"{path}: the file holds another level, perhaps this one with changes; choose another "
             "folder or --seed, or pass --overwrite, which keeps it as a .bak file"

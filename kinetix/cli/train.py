@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Union
@@ -194,7 +195,7 @@ def _default_preset(command: Common, out: Path) -> str | None:
     """The small preset for a new run where nothing is chosen."""
     from kinetix.training.settings import CONFIG
 
-    chosen = command.preset or command.config or (out / CONFIG).is_file()
+    chosen = command.preset or command.config or os.path.isfile(out / CONFIG)
     return None if chosen else _SMALL
 
 

@@ -6,6 +6,7 @@ or file of this machine does as well. Pickles are never read.
 
 import importlib
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -79,7 +80,7 @@ def load_train_state_from_wandb_artifact_path(
     if not return_extra:
         return train_state
     file = folder / CONFIG
-    return train_state, json.loads(file.read_text()) if file.is_file() else {}
+    return train_state, json.loads(file.read_text()) if os.path.isfile(file) else {}
 
 
 def save_params_to_wandb(params: Mapping[str, Any], timesteps: int, config: Any) -> None:
@@ -135,16 +136,16 @@ def _wandb() -> Any:
 
 def _folder(name: str, target: str | None) -> Path:
     """The folder or file of a checkpoint; what is not on this machine is downloaded."""
-    if Path(name).exists():
+    if os.path.exists(Path(name)):
         return Path(name)
     return Path(_wandb().Api().artifact(name).download(root=target))
 
 
 def _params_in(folder: Path) -> dict[str, Any]:
-    if folder.is_file():
+    if os.path.isfile(folder):
         return load_params(folder)
     named = folder / WEIGHTS
-    found = [named] if named.is_file() else sorted(folder.glob("*.safetensors"))
+    found = [named] if os.path.isfile(named) else sorted(folder.glob("*.safetensors"))
     if len(found) != 1:
         raise CheckpointError(
             f"{folder}: expected one file {WEIGHTS}, found {len(found)} (pickles are not read)"

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import hashlib
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
@@ -74,7 +75,7 @@ def read_manifest(folder: Path) -> Manifest:
         KinetixError: There is no data set, or its manifest is bad; one sentence.
     """
     path = folder / MANIFEST
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise KinetixError(f"{folder}: expected a data set of episodes ({MANIFEST}), found none")
     try:
         manifest = msgspec.convert(read_json(path, "kept"), Manifest)
@@ -221,7 +222,7 @@ def _opened(folder: Path) -> Iterator[Manifest]:
     except OSError as error:
         raise KinetixError(f"{folder}: cannot be written: {error.strerror or error}") from error
     with locked_folder(folder, "another recording"):
-        if (folder / MANIFEST).is_file():
+        if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)
             return
         if any(not entry.name.startswith(".") for entry in folder.iterdir()):

@@ -7,6 +7,7 @@ state. Its published shards are zarr archives; these are `.npz` files with the s
 import dataclasses
 import io
 import json
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -145,7 +146,7 @@ def _told(states: Any, name: str) -> Any:
 
 def is_offline(folder: Path) -> bool:
     """Return whether a folder's first shard has the fields of kinetix-env's layout."""
-    shards = sorted(folder.glob("*.npz")) if folder.is_dir() else []
+    shards = sorted(folder.glob("*.npz")) if os.path.isdir(folder) else []
     if not shards:
         return False
     mark = f"{PREFIX}timestep"

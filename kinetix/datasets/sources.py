@@ -1,6 +1,7 @@
 """Episodes wherever they are: data sets, kinetix-env's layout, the editor's files, solutions."""
 
 import dataclasses
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Literal
@@ -78,9 +79,9 @@ def _datasets(source: str) -> list[Path]:
     """The folders of data sets at and below a path; nothing is looked for below a data set."""
     refuse_empty(source, "episodes, levels or a data set")
     path = Path(source)
-    if (path / MANIFEST).is_file():
+    if os.path.isfile(path / MANIFEST):
         return [path]
-    return sorted(each.parent for each in path.rglob(MANIFEST)) if path.is_dir() else []
+    return sorted(each.parent for each in path.rglob(MANIFEST)) if os.path.isdir(path) else []
 
 
 def _others(source: str, folders: list[Path]) -> Iterator[FoundEpisode]:
@@ -92,7 +93,7 @@ def _others(source: str, folders: list[Path]) -> Iterator[FoundEpisode]:
         for episode in read_offline(path):
             yield FoundEpisode(episode=episode, place="offline", name=source)
         return
-    saved = sorted(path.rglob(f"*{SUFFIX}")) if path.is_dir() else [path]
+    saved = sorted(path.rglob(f"*{SUFFIX}")) if os.path.isdir(path) else [path]
     traces = [each for each in saved if each.suffix == SUFFIX and each.parent not in folders]
     for each in traces:
         yield FoundEpisode(episode=episode_of_trace(each), place="trace", name=str(each))

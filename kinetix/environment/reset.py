@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -280,8 +281,8 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
 
 
 def _names_set(path: str | Path) -> bool:
-    file = Path(path) if Path(path).is_file() else named_levels(path)
-    return file is not None and file.is_file() and is_set_file(file)
+    file = Path(path) if os.path.isfile(Path(path)) else named_levels(path)
+    return file is not None and os.path.isfile(file) and is_set_file(file)
 
 
 def _static_of(loaded: LoadedLevel) -> StaticEnvParams:

@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import os
 import shutil
 import time
 from collections.abc import Iterator
@@ -86,5 +87,5 @@ def _contents(folder: Path) -> Iterator[tuple[float, int, Path]]:
             about = path.lstat()
         except OSError:
             continue  # another process was faster
-        if not path.is_dir():
+        if not os.path.isdir(path):
             yield max(about.st_atime, about.st_mtime), about.st_size, path

@@ -1,5 +1,6 @@
 """The arrays of a recorded episode (`.npz`), compared with its level and with each other."""
 
+import os
 from pathlib import Path
 from typing import Final
 
@@ -46,7 +47,7 @@ def read_episode(path: Path) -> tuple[Level, dict[str, np.ndarray]]:
     try:
         arrays = read_npz(path, "trace")
     except FileError as error:
-        if not path.is_file():
+        if not os.path.isfile(path):
             raise
         raise _unexpected(path, error.reason) from error
     try:

@@ -1,5 +1,6 @@
 """Films of the agent in training: an episode per level, now and then, kept with the run."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -87,7 +88,7 @@ def drop_films(run: Path, *, after: int) -> None:
 
 def _steps(run: Path) -> list[int]:
     folder = run / FILMS
-    names = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+    names = [path.name for path in folder.iterdir()] if os.path.isdir(folder) else []
     return [int(name) for name in names if name.isascii() and name.isdecimal()]
 
 

@@ -146,7 +146,7 @@ def read_metrics(run: Path) -> list[dict[str, float]]:
         FileError: The file is there and cannot be read.
     """
     path = run / JSONL
-    if not path.is_file():
+    if not os.path.isfile(path):
         return []
     rows: dict[float, dict[str, float]] = {}
     text = read_bytes(path, "metrics").decode("utf-8", errors="replace")

@@ -1,5 +1,6 @@
 """The stored states of a run: the two newest, each with a digest; the newest sound one resumes."""
 
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -63,7 +64,7 @@ def read_newest(
     folders = [out / RUN_CHECKPOINTS / str(step) for step in reversed(_all_steps(out))]
     damaged: list[Path] = []
     for folder in folders:
-        if (folder / CARD).is_file() and not (folder / STATE).is_dir():
+        if os.path.isfile(folder / CARD) and not os.path.isdir(folder / STATE):
             continue  # an older agent, whose state made room
         try:
             state, progress = _read(folder, like())
@@ -107,7 +108,7 @@ def put_aside(damaged: list[Path]) -> None:
     """
     for folder in damaged:
         target, number = folder.with_name(folder.name + DAMAGED), 2
-        while target.exists():
+        while os.path.exists(target):
             target = folder.with_name(f"{folder.name}{DAMAGED}{number}")
             number += 1
         folder.rename(target)
@@ -136,7 +137,7 @@ def forget_older(out: Path) -> None:
 def _all_steps(out: Path) -> list[int]:
     """Return the steps of all checkpoints, also of those that lack their description."""
     folder = out / RUN_CHECKPOINTS
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         return []
-    names = [path.name for path in folder.iterdir() if path.is_dir()]
+    names = [path.name for path in folder.iterdir() if os.path.isdir(path)]
     return sorted(int(name) for name in names if name.isascii() and name.isdecimal())

@@ -6,6 +6,7 @@ import functools
 import importlib.metadata
 import json
 import math
+import os
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -213,7 +214,7 @@ def _begin(
         if not taught and (config.teacher_coef or config.critic_warmup):
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
             raise KinetixError(f"{name}: there is no agent to start from; name it with --from")
-        if (out / CONFIG).is_file():
+        if os.path.isfile(out / CONFIG):
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
@@ -389,7 +390,7 @@ def _sweep(out: Path) -> None:
     """Remove what kills have left half written."""
     for folder in (out, out / RUN_CHECKPOINTS):
         for path in [*folder.glob(".*.tmp"), *folder.glob(".*.old")]:
-            if path.is_dir():
+            if os.path.isdir(path):
                 shutil.rmtree(path, ignore_errors=True)
             else:
                 path.unlink(missing_ok=True)
@@ -398,7 +399,7 @@ def _sweep(out: Path) -> None:
 def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> None:
     """Refuse to go on with a run under other hyper-parameters than it began with."""
     path = out / CONFIG
-    if not path.is_file():
+    if not os.path.isfile(path):
         if any(not entry.name.startswith(".") for entry in out.iterdir()):
             raise KinetixError(f"{out}: is not empty and holds no training run")
         return

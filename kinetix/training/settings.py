@@ -7,6 +7,7 @@ import functools
 import inspect
 import itertools
 import json
+import os
 import textwrap
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -113,7 +114,7 @@ def _sources(
 ) -> Iterator[tuple[dict[str, Any], str]]:
     """Tables of values and what they are from, weakest first."""
     stored = None if run is None else run / CONFIG
-    if stored is not None and stored.is_file():
+    if stored is not None and os.path.isfile(stored):
         content = _parse(_read(stored), str(stored))
         if content.get("algorithm") != algorithm:
             raise KinetixError(

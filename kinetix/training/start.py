@@ -1,5 +1,6 @@
 """Training from Python: one call from words to an agent."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ def train(
     """
     out = Path(out)
     if isinstance(config, str):
-        fresh = not (out / CONFIG).is_file()
+        fresh = not os.path.isfile(out / CONFIG)
         algorithm = config
         config = make_config(
             algorithm, preset=preset or ("small" if fresh else None), values=fields, run=out

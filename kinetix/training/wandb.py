@@ -2,6 +2,7 @@
 
 import importlib
 import math
+import os
 import uuid
 from collections.abc import Mapping
 from pathlib import Path
@@ -37,7 +38,7 @@ class WandbSink:
                 "wandb_project: the package wandb is missing; pip install 'kinetix-editor[wandb]'"
             ) from None
         known = run / RUN_ID
-        if not known.is_file():
+        if not os.path.isfile(known):
             known.write_text(uuid.uuid4().hex[:12], encoding="utf-8")
         self._wandb = wandb
         self._run = wandb.init(

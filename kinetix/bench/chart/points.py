@@ -68,7 +68,7 @@ def read_points(results: Path) -> list[Point]:
         point
         for speeds, errors in ((SPEED, ACCURACY), (PEER_SPEED, PEER_ACCURACY))
         for file in sorted((results / speeds).glob("*.jsonl"))
-        if (rows := results / errors / file.name).exists()
+        if os.path.exists(rows := results / errors / file.name)
         for point in points_of(read_rows(file), read_rows(rows))
     ]
 
@@ -89,13 +89,13 @@ def write_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
 
 def missing_scenes(file: Path, scenes: str) -> str:
     """The ids among `scenes` (as on a command line) of which a file has no row, with commas."""
-    stored = {row["scene"] for row in read_rows(file)} if file.exists() else set()
+    stored = {row["scene"] for row in read_rows(file)} if os.path.exists(file) else set()
     return ",".join(scene.id for scene in scenes_named(scenes) if scene.id not in stored)
 
 
 def append_rows(file: Path, rows: Iterable[Mapping[str, Any]]) -> None:
     """Add rows of the suite to a file, which keeps the order of the catalogue."""
-    every = [*(read_rows(file) if file.exists() else []), *rows]
+    every = [*(read_rows(file) if os.path.exists(file) else []), *rows]
     write_rows(file, sorted(every, key=lambda row: list(SCENES).index(row["scene"])))
 
 
@@ -112,7 +112,8 @@ def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[s
     # Programs may come from a cache.
     fresh = [{**head, **row, "compile_s": None} for row in rows]
     batches = {row["batch"] for row in fresh}
-    kept = [row for row in read_rows(file) if row["batch"] not in batches] if file.exists() else []
+    stored = read_rows(file) if os.path.exists(file) else []
+    kept = [row for row in stored if row["batch"] not in batches]
     write_rows(file, [*kept, *fresh])
 
 

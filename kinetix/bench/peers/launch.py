@@ -52,7 +52,7 @@ class Peer:
     @property
     def installed(self) -> bool:
         """True if `make bench-peers` has installed it."""
-        return self.python.exists()
+        return os.path.exists(self.python)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -114,7 +114,7 @@ def ask(
             raise KinetixError(f"{peer.name}: its program ended with {done.returncode}: {last}")
         told = json.loads((folder / "answer.json").read_text())
         motions = folder / "motions.npz"
-        return Answer(told=told, motions=_arrays(motions) if motions.exists() else {})
+        return Answer(told=told, motions=_arrays(motions) if os.path.exists(motions) else {})
 
 
 def _arrays(file: Path) -> dict[str, np.ndarray]:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -82,7 +83,7 @@ def page_path(run: Path, update: int) -> Path:
 def page_updates(run: Path) -> list[int]:
     """Return the updates of which there are pages, in order; none where there is no history."""
     folder = run / FOLDER
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         return []
     stems = [path.stem for path in folder.glob("*.npz")]
     return sorted(int(stem) for stem in stems if stem.isascii() and stem.isdecimal())

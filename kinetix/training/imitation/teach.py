@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 import random
 import time
 from collections.abc import Callable
@@ -159,7 +160,7 @@ def _note(config: TeachConfig, so_far: Yield, out: Path) -> None:
 
 def _resumed(config: TeachConfig, out: Path) -> Yield:
     path = out / PROGRESS
-    if not path.is_file():
+    if not os.path.isfile(path):
         if read_manifest(out).shards:
             raise KinetixError(f"{out}: holds episodes that are not a teacher's; choose another")
         _note(config, Yield(), out)
