@@ -72,7 +72,7 @@ def _welcome() -> Path | None:
     """The level that the app opens on when none is named."""
     for name in ("l/rover_ridge", "s/first_flight"):
         path = levels_dir() / f"{name}.json"
-        if path.is_file():
+        if os.path.isfile(path):
             return path
     return next(iter(sorted(levels_dir().glob("*/*.json"))), None)
 
@@ -241,7 +241,7 @@ def _stand_somewhere() -> None:
     try:
         Path.cwd()
     except FileNotFoundError:
-        home = Path.home() if Path.home().is_dir() else Path(Path.home().anchor)
+        home = Path.home() if os.path.isdir(Path.home()) else Path(Path.home().anchor)
         os.chdir(home)
         sys.stderr.write(f"kinetix-editor: the current folder is gone; {home} takes its place\n")
 

@@ -1,6 +1,7 @@
 """Actions of the viewer: load agents, let them play, give them seeds, compare, take over."""
 
 import functools
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -29,7 +30,7 @@ _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
 
 def is_agent_folder(path: Path) -> bool:
     """Return whether a folder looks like an agent or a training run."""
-    return path.is_dir() and any((path / name).is_file() for name in _AGENT_FILES)
+    return os.path.isdir(path) and any(os.path.isfile(path / name) for name in _AGENT_FILES)
 
 
 def about_agent(path: Path) -> str:
@@ -48,7 +49,7 @@ def about_agent(path: Path) -> str:
 
 def is_run(path: Path) -> bool:
     """Return whether a folder is a training run's; choosing its agent watches the run too."""
-    return (path / "checkpoints").is_dir() and (path / "metrics.jsonl").is_file()
+    return os.path.isdir(path / "checkpoints") and os.path.isfile(path / "metrics.jsonl")
 
 
 def run_of(path: Path) -> Path | None:
@@ -83,7 +84,7 @@ def agent_folder(path: Path) -> Path | None:
     """The agent that a dropped or chosen path means: itself, or the folder that a file is in."""
     if is_agent_folder(path):
         return path
-    if path.name in _AGENT_FILES and path.is_file():
+    if path.name in _AGENT_FILES and os.path.isfile(path):
         return path.parent
     return None
 
@@ -117,7 +118,7 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
         slot: Which place it takes.
     """
     path = str(path)
-    if path not in BUILT_IN and not Path(path).is_dir():
+    if path not in BUILT_IN and not os.path.isdir(path):
         path = str(named_agent(path) or path)
     place = session.viewer.slots[slot]
     place.path, place.error, place.loading = path, "", True
@@ -241,7 +242,7 @@ def browse(session: Session, slot: SlotName) -> None:
 
 def _folder(session: Session) -> Path:
     recents = [Path(path).parent for path in session.settings.recent_agents]
-    return next((path for path in recents if path.is_dir()), checkpoints_dir())
+    return next((path for path in recents if os.path.isdir(path)), checkpoints_dir())
 
 
 def play_agent(session: Session) -> None:

@@ -1,5 +1,6 @@
 """Recorded play as data: the episode on show goes into a data set."""
 
+import os
 from pathlib import Path
 
 from editor.base.prompts import FileQuestion
@@ -35,7 +36,7 @@ def ask_dataset(session: Session) -> None:
         FileQuestion(
             purpose="folder",
             title="Add the episode to a data set",
-            folder=last if last.is_dir() else Path.cwd(),
+            folder=last if os.path.isdir(last) else Path.cwd(),
             suffixes=(),
             describe=about_dataset,
             wanted="a data set of episodes or an empty folder",
@@ -62,7 +63,7 @@ def add_episode(session: Session, level: Level, trace: Trace, folder: Path) -> N
 def about_dataset(folder: Path) -> str:
     """Return what a folder is as a place for episodes; empty where they cannot go there."""
     try:
-        if (folder / MANIFEST).is_file():
+        if os.path.isfile(folder / MANIFEST):
             manifest = read_manifest(folder)
             many = plural(manifest.episodes, "episode")
             return f"A data set of {many}, {plural(manifest.steps, 'step')}."

@@ -216,6 +216,8 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
         elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
         ids = moving_ids(session)
+        if not ids and any(body.id in session.selection for body in session.document.level.bodies):
+            raise CommandError("What is selected is locked: unlock it first.")
         shift = (x * step, y * step)
         session.execute(Move(ids=ids, shift=shift, merge_key=("nudge", ids)))
 

@@ -1,6 +1,7 @@
 """Exports: pictures, films and traces of what is on show."""
 
 import dataclasses
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -287,6 +288,6 @@ def since(trace: Trace, step: int) -> Trace:
 def free_name(folder: Path, title: str, suffix: str) -> Path:
     """A file name in a folder that nothing has yet: `title-001.png`."""
     stem, number = Path(title).stem, 1
-    while (path := folder / f"{stem}-{number:03}{suffix}").exists():
+    while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}"):
         number += 1
     return path

@@ -1,5 +1,6 @@
 """Folders that file dialogs begin in."""
 
+import os
 from pathlib import Path
 
 from editor.gallery import filing
@@ -11,7 +12,7 @@ def to_open(session: Session) -> Path:
     """Return that of the level in front, or of the newest that is still there."""
     if session.document.path is not None:
         return session.document.path.parent
-    recent = next((Path(p).parent for p in session.settings.recents if Path(p).exists()), None)
+    recent = next((Path(p).parent for p in session.settings.recents if os.path.exists(p)), None)
     return recent or levels_dir()
 
 
@@ -21,5 +22,5 @@ def to_save(session: Session) -> Path:
     if path is not None and not filing.bundled(path):
         return path.parent
     last = Path(session.settings.save_folder)
-    own = last.is_absolute() and last.is_dir() and not filing.bundled(last)
+    own = last.is_absolute() and os.path.isdir(last) and not filing.bundled(last)
     return last if own else user_levels_dir()

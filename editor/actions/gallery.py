@@ -1,5 +1,6 @@
 """Actions of the gallery: open it, open, rename, duplicate and delete levels, assemble sets."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -25,7 +26,13 @@ MAX_OPENED: Final = 12
 def folders(session: Session) -> list[Path]:
     """Return the folders of the gallery: the app's levels, the user's, and the folders added."""
     found = [levels_dir(), user_levels_dir(), *map(Path, session.settings.gallery_folders)]
-    return list(dict.fromkeys(path for path in found if path.is_dir()))
+    return list(dict.fromkeys(path for path in found if os.path.isdir(path)))
+
+
+def unreachable(session: Session) -> list[Path]:
+    """Return the folders that the user has added and that cannot be looked into now."""
+    added = map(Path, session.settings.gallery_folders)
+    return [path for path in dict.fromkeys(added) if not os.path.isdir(path)]
 
 
 def look(session: Session) -> None:
@@ -182,7 +189,8 @@ def delete(session: Session) -> None:
         for card in chosen:
             thrown.append(filing.throw_away(card.file))
     finally:
-        session.gallery.thrown = tuple(thrown)
+        if thrown:
+            session.gallery.thrown.append(tuple(thrown))
         session.gallery.selection = ()
         for one in thrown:
             session.gallery.tray.pop(str(one.origin), None)
@@ -197,12 +205,27 @@ def can_restore(session: Session) -> bool:
 
 
 def restore(session: Session) -> None:
-    """Bring back what was deleted last."""
-    thrown, session.gallery.thrown = session.gallery.thrown, ()
-    for one in thrown:
-        filing.bring_back(one)
-    session.gallery.selection = tuple(str(one.origin) for one in thrown)
+    """Bring back what was deleted last; what cannot come back now waits behind all others.
+
+    Raises:
+        LevelError: Something cannot.
+    """
+    deletions = session.gallery.thrown
+    back, waiting, reason = [], [], None
+    for one in deletions.pop():
+        try:
+            filing.bring_back(one)
+            back.append(one)
+        except LevelError as error:
+            waiting.append(one)
+            reason = reason or error
+    if waiting:
+        deletions.insert(0, tuple(waiting))
+    session.gallery.selection = tuple(str(one.origin) for one in back)
     look(session)
+    if reason is not None:
+        others = f" (and {len(waiting) - 1} more)" if len(waiting) > 1 else ""
+        raise LevelError(f"{reason}{others}")
 
 
 def add_folder(session: Session) -> None:
@@ -340,4 +363,4 @@ def _set_folder(session: Session) -> Path:
     if first is not None and not filing.bundled(first):
         return first.parent
     own = user_levels_dir()
-    return own if own.is_dir() else Path.home()
+    return own if os.path.isdir(own) else Path.home()

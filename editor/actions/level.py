@@ -1,5 +1,6 @@
 """Actions of the Level menu: random levels, mutations, neighbours in the folder, quick fixes."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -122,7 +123,7 @@ def neighbour(step: int) -> Callable[[Session], None]:
         path = session.document.path
         if path is None:
             raise CommandError("Save the level first: it has no folder yet.")
-        siblings = sorted(p for p in path.parent.glob("*.json") if p.is_file())
+        siblings = sorted(p for p in path.parent.glob("*.json") if os.path.isfile(p))
         if len(siblings) < 2:
             raise CommandError("There is no other level in this folder.")
         resolved = [p.resolve() for p in siblings]

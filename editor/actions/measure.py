@@ -1,5 +1,6 @@
 """Evaluations: which levels, start, keep the results, open an attempt."""
 
+import os
 from pathlib import Path
 from typing import Final
 
@@ -59,7 +60,7 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
 def _name_of(path: Path) -> str:
     """A bundled level by its name, so that results are called as on the command line."""
     resolved = path.resolve()
-    if resolved.is_file() and resolved.is_relative_to(levels_dir().resolve()):
+    if os.path.isfile(resolved) and resolved.is_relative_to(levels_dir().resolve()):
         return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()
     return str(path)
 
@@ -135,7 +136,7 @@ _EVERY: Final = "every:"
 def steps_in(run: Path) -> list[Path]:
     """Return the folders of a training run's checkpoints, the oldest first."""
     folder = run / "checkpoints"
-    found = [path for path in folder.glob("*") if path.name.isdecimal()] if folder.is_dir() else []
+    found = [path for path in folder.glob("*") if path.name.isdecimal()]
     return sorted(found, key=lambda path: int(path.name))
 
 

@@ -1,5 +1,8 @@
 """Changes of the file in front by another program."""
 
+import os
+from pathlib import Path
+
 from editor.base.prompts import Choice, MenuQuestion
 from editor.base.wording import describe
 from editor.documents import files
@@ -20,12 +23,22 @@ def check(session: Session) -> None:
         return
     assert document.path is not None
     path = document.path
-    if not path.exists():
+    if not os.path.exists(path):
         document.stamp, document.outside = None, ""
         document.mark_unsaved()
-        session.toast(f"{path.name} was removed; the level is only here now.", "warning")
+        why = "was removed" if _is_gone(path) else "cannot be reached any more"
+        session.toast(f"{path.name} {why}; the level is only here now.", "warning")
         return
     document.outside = f"{path.name} was changed outside the editor. {_summary(session)}"
+
+
+def _is_gone(path: Path) -> bool:
+    """Return whether there is no such file, rather than one that nobody may look at."""
+    try:
+        path.stat()
+    except OSError as error:
+        return isinstance(error, (FileNotFoundError, NotADirectoryError))
+    return False
 
 
 def is_changed(session: Session) -> bool:

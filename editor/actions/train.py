@@ -1,5 +1,6 @@
 """Train an agent on the level in front: one click, then it shows what it has learnt."""
 
+import os
 import re
 from pathlib import Path
 from typing import Final
@@ -31,7 +32,11 @@ def train_here(session: Session) -> None:
     if not channels_in_use(level):
         raise CommandError("There is nothing to drive: the level needs a motor or a thruster.")
     run = _free_folder(level.name)
-    run.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        run.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or error
+        raise CommandError(f"{run.parent}: cannot be made: {reason}") from error
     file = run.with_suffix(".json")
     save_level(level, file)
     training.begin(file, run)
@@ -46,7 +51,7 @@ def _free_folder(name: str) -> Path:
     """A new folder among the user's agents that is called after a level."""
     plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:_LONGEST] or "level"
     number, folder = 1, user_agents_dir() / plain
-    while folder.exists() or folder.with_suffix(".json").exists():
+    while os.path.exists(folder) or os.path.exists(folder.with_suffix(".json")):
         number += 1
         folder = user_agents_dir() / f"{plain}_{number}"
     return folder

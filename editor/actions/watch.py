@@ -1,6 +1,7 @@
 """Views beside the episode: the second player, training runs, the agent's observation."""
 
 import functools
+import os
 from pathlib import Path
 
 from editor.actions.agents import load_agent
@@ -71,7 +72,7 @@ def add_run(session: Session, path: str) -> None:
 
 def _about_run(path: Path) -> str:
     files = ("metrics.jsonl", "checkpoints", "config.toml")
-    found = any((path / name).exists() for name in files)
+    found = any(os.path.exists(path / name) for name in files)
     return f"{path.name}: a training run." if found else ""
 
 

@@ -2,14 +2,18 @@
 
 import contextlib
 import dataclasses
+import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self, get_type_hints
 
 import msgspec
 from msgspec import Meta
 
+from editor.base.physics import PHYSICS
 from editor.base.state_file import read_state, write_state
 from kinetix.paths import config_dir
+from kinetix.render.palette import PALETTES
 
 RECENTS_MAX: Final = 10
 GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
@@ -25,6 +29,11 @@ TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)
 
 DEBUG_FIRST: Final = ("centres", "velocities", "contacts", "anchors", "limits")
 """Debug drawings that are switched on with the first debug drawing ever."""
+
+
+def _one_of(names: Iterable[str]) -> str:
+    """Return the pattern of what may be chosen: what a later version offers is passed over."""
+    return f"^({'|'.join(map(re.escape, names))})$"
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -57,7 +66,7 @@ class Settings:
     """True if rectangles grow from their centre (Alt as a switch)."""
     keep_tool: bool = False
     """True if a tool stays after it has made something."""
-    physics: str = "balanced"
+    physics: Annotated[str, Meta(pattern=_one_of(PHYSICS))] = "balanced"
     restart_automatically: bool = False
     language: Annotated[str, Meta(max_length=16)] = "en"
     """Code of the language of the interface; there is a file of words for each but English."""
@@ -73,7 +82,7 @@ class Settings:
     """True if two fingers that move apart zoom."""
     theme: Literal["dark", "light"] = "dark"
     """Colours of the window; those of levels are the palette's."""
-    palette: str = "kinetix"
+    palette: Annotated[str, Meta(pattern=_one_of(PALETTES))] = "kinetix"
     glyphs: bool = True
     """Role marks on bodies."""
     patterns: bool = False

@@ -7,6 +7,7 @@ is offered to the next one.
 
 import datetime
 import json
+import os
 import secrets
 import threading
 import time
@@ -288,7 +289,7 @@ class Autosaves:
 def _runs(base: Path | None = None) -> list[Path]:
     """Return the folders of all runs."""
     try:
-        return sorted(path for path in (base or autosave_dir()).iterdir() if path.is_dir())
+        return sorted(path for path in (base or autosave_dir()).iterdir() if os.path.isdir(path))
     except OSError:
         return []
 
@@ -337,7 +338,7 @@ def left_behind(base: Path | None = None) -> list[Path]:
     Among them those of version 0.1.0, which lie in the folder itself and are named by process ids.
     """
     folder = base or autosave_dir()
-    found = sorted(folder.glob("*-*.json")) if folder.is_dir() else []
+    found = sorted(folder.glob("*-*.json")) if os.path.isdir(folder) else []
     for run in _runs(base):
         if goes_on(run):
             continue

@@ -57,7 +57,7 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     Raises:
         LevelError: The file cannot be written; the old one is as it was.
     """
-    if path.is_file() and not os.access(path, os.W_OK):
+    if os.path.isfile(path) and not os.access(path, os.W_OK):
         raise LevelError(f"{path}: cannot be saved: the file is read-only")
     level = document.level
     fitting = without_outgrown_size(level)

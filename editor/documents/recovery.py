@@ -73,7 +73,7 @@ def find(base: Path | None = None) -> Found:
         try:
             read.append(_read(file))
         except KinetixError as error:
-            if file.exists():  # else another run that starts has removed it
+            if os.path.exists(file):  # else another run that starts has removed it
                 unreadable.append(f"A copy of unsaved work cannot be read. {error}")
     saved = [recovery for recovery in read if _saved(recovery)]
     gone = {file for recovery in saved for file in (recovery.file, *recovery.origin)}

@@ -7,6 +7,7 @@ import shutil
 import sys
 import urllib.parse
 from pathlib import Path
+from typing import Final
 
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_document, save_level
@@ -18,19 +19,38 @@ def bundled(path: Path) -> bool:
     return path.resolve().is_relative_to(levels_dir().resolve())
 
 
+_NOTE: Final = ".trashinfo"
+
+
 def stem_of(name: str) -> str:
     """A file name without suffix for a level's name."""
     kept = "".join(c if c.isalnum() or c in "-_ " else "" for c in name).strip()
     return "_".join(kept.lower().split())[:80] or "level"
 
 
-def free_path(path: Path) -> Path:
-    """The path, with a number when something is there already."""
-    candidate, number = path, 2
-    while candidate.exists():
-        candidate = path.with_name(f"{path.stem}_{number}{path.suffix}")
+_LONGEST_NAME: Final = 255
+"""Bytes of a file's name on the usual file systems."""
+
+
+def free_path(path: Path, *, room: int = 0) -> Path:
+    """The path, with a number when something is there already; a name that is too long is cut.
+
+    Args:
+        path: The wish.
+        room: Bytes that the name has to leave, for an ending that will be added.
+    """
+    candidate, number = _named(path, "", room), 2
+    while os.path.lexists(candidate):
+        candidate = _named(path, f"_{number}", room)
         number += 1
     return candidate
+
+
+def _named(path: Path, ending: str, room: int) -> Path:
+    stem = path.stem
+    while len(os.fsencode(f"{stem}{ending}{path.suffix}")) + room > _LONGEST_NAME and stem:
+        stem = stem[:-1]
+    return path.with_name(f"{stem}{ending}{path.suffix}")
 
 
 def rename(path: Path, name: str) -> Path:
@@ -101,18 +121,29 @@ def throw_away(path: Path) -> Trashed:
     folder, notes = _trash()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        target = free_path(folder / path.name)
-        note = None
-        if notes is not None:
-            notes.mkdir(parents=True, exist_ok=True)
-            note = notes / f"{target.name}.trashinfo"
+        target = free_path(folder / path.name, room=len(_NOTE))
+        note = None if notes is None else notes / f"{target.name}{_NOTE}"
+        if note is not None:
+            note.parent.mkdir(parents=True, exist_ok=True)
             when = datetime.datetime.now().replace(microsecond=0).isoformat()
             origin = urllib.parse.quote(str(path.resolve()))
             note.write_text(f"[Trash Info]\nPath={origin}\nDeletionDate={when}\n")
-        shutil.move(path, target)
+        _move(path, target, note)
     except OSError as error:
         raise LevelError(f"{path}: cannot be deleted: {error.strerror or error}") from error
     return Trashed(origin=path, file=target, note=note)
+
+
+def _move(path: Path, target: Path, note: Path | None) -> None:
+    """Move a file into the trash; when that fails nothing stays there."""
+    try:
+        shutil.move(path, target)
+    except OSError:
+        if note is not None:
+            note.unlink(missing_ok=True)
+        if os.path.lexists(path):  # copied to another disk, but it cannot be taken away here
+            target.unlink(missing_ok=True)
+        raise
 
 
 def bring_back(thrown: Trashed) -> None:
@@ -121,7 +152,7 @@ def bring_back(thrown: Trashed) -> None:
     Raises:
         LevelError: Something else is there now, or the trash was emptied.
     """
-    if thrown.origin.exists():
+    if os.path.exists(thrown.origin):
         raise LevelError(f"{thrown.origin}: another file of this name is there now.")
     try:
         shutil.move(thrown.file, thrown.origin)

@@ -262,7 +262,7 @@ class Library:
                 )
                 return _Known(kind="set", card=card)
             card, level = read_card(path)
-            if level is not None and not self._file(card.sha256).is_file():
+            if level is not None and not os.path.isfile(self._file(card.sha256)):
                 self._store(card.sha256, draw_thumbnail(level))
         except OSError:
             return None

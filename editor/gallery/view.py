@@ -34,8 +34,8 @@ class GalleryView:
     """Paths of the set being put together, with their weights."""
     plan: SetPlan | None = None
     """Form of the export, while that is being asked."""
-    thrown: tuple[Trashed, ...] = ()
-    """Last deleted files, to bring them back."""
+    thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
+    """Deleted files, the last deletion at the end, to bring them back."""
     _shown: tuple[tuple[object, ...], list[Card]] | None = None
 
     def shown(self, library: Library, results: Results) -> list[Card]:

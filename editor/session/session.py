@@ -249,10 +249,12 @@ class Session:
     @property
     def control_keys(self) -> dict[str, controls.Drive]:
         """The play keys, rebound ones included."""
+        stored = self.settings.controls.items()
         rebound = {
-            key: controls.Drive(channel=value[0], value=value[1])
-            for key, value in self.settings.controls.items()
-            if len(value) == 2
+            key: drive
+            for key, pair in stored
+            for drive in controls.DEFAULT_KEYS.values()
+            if pair == [drive.channel, drive.value]
         }
         return rebound or dict(controls.DEFAULT_KEYS)
 

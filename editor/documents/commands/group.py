@@ -285,20 +285,22 @@ class Mirror:
         boxes = [bounds(body) for body in bodies]
         middle = (min(box[k] for box in boxes) + max(box[k + 2] for box in boxes)) / 2
 
+        ids = {body.id for body in bodies}  # the arena may be selected too, and stays
+
         def joint(old: Joint) -> Joint:
-            mirrored: list[End] = [end for end in BOTH if getattr(old, end) in self.ids]
+            mirrored: list[End] = [end for end in BOTH if getattr(old, end) in ids]
             return mirrored_joint(old, self.axis, mirrored)
 
         def thruster(old: Thruster) -> Thruster:
-            return mirrored_thruster(old, self.axis) if old.body in self.ids else old
+            return mirrored_thruster(old, self.axis) if old.body in ids else old
 
         mirrored = with_bodies(
-            level, self.ids, lambda old: mirrored_body(old, self.axis, middle)
+            level, ids, lambda old: mirrored_body(old, self.axis, middle)
         ).replace(
             joints=tuple(joint(old) for old in level.joints),
             thrusters=tuple(thruster(old) for old in level.thrusters),
         )
-        return reanchored(mirrored, self.ids)
+        return reanchored(mirrored, ids)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -99,7 +100,7 @@ def _folder(path: str) -> Path | None:
     if path in BUILT_IN:
         return None
     folder = Path(path)
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise CheckpointError(
             f"{path}: there is no such directory, nor a bundled agent of this name; "
             f"{agent_hint(path, BUILT_IN)}"

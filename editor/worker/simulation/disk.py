@@ -56,7 +56,7 @@ def _stamp() -> str:
 def _processor() -> str:
     """Return the processor's name and features."""
     listed = Path("/proc/cpuinfo")
-    if listed.is_file():
+    if os.path.isfile(listed):
         told = listed.read_text(encoding="utf-8", errors="replace").splitlines()
         kinds = ("model name", "flags", "Features")
         return "\n".join(sorted({line for line in told if line.startswith(kinds)}))
@@ -65,7 +65,7 @@ def _processor() -> str:
 
 def has(key: object) -> bool:
     """Return whether a step lies on disk."""
-    return _file(key).is_file()
+    return os.path.isfile(_file(key))
 
 
 def load(key: object, arguments: Any, results: Any) -> Any | None:

@@ -1,6 +1,7 @@
 """Evaluations in the background, their episodes opened again, training runs looked at."""
 
 import dataclasses
+import os
 from pathlib import Path
 from typing import Any
 
@@ -224,7 +225,7 @@ def read_run(request: ReadRun) -> RunNews:
         KinetixError: There is no such folder.
     """
     run = Path(request.path)
-    if not run.is_dir():
+    if not os.path.isdir(run):
         raise KinetixError(f"{run}: expected the folder of a training run, found none")
     rows = read_metrics(run)
     steps = steps_of_run(run)

@@ -81,6 +81,13 @@ def test_every_action_runs_or_is_disabled(action_id, playing):
     assert "Something went wrong" not in " ".join(texts(session))
 
 
+def test_a_nudge_of_what_is_locked_says_so(session, hand):
+    session.selection = (3,)
+    actions.run(session, "edit.lock")
+    hand.key("left")
+    assert "What is selected is locked: unlock it first." in texts(session)
+
+
 def test_an_unknown_action_names_the_known_ones(session):
     with pytest.raises(CommandError, match=r"edit\.undo"):
         actions.run(session, "edit.undoo")

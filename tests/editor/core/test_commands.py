@@ -17,7 +17,13 @@ from editor.documents.commands.group import Mirror, Remove, Reorder, Rotate, Sca
 from editor.documents.commands.joints import Reanchor, ReassignJoint
 from editor.documents.commands.level import Permute
 from kinetix.errors import CommandError
-from kinetix.level.geometry import polygon_fault, referenced_body, to_world, world_vertices
+from kinetix.level.geometry import (
+    polygon_fault,
+    referenced_body,
+    to_local,
+    to_world,
+    world_vertices,
+)
 from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster
 from tests.editor.core.helpers import a_level
 
@@ -155,6 +161,16 @@ def test_a_mirrored_outline_is_the_outline_mirrored(axis):
         assert min(math.dist(vertex, other) for other in found) < 1e-5
     assert polygon_fault(after.shape.vertices) is None
     assert after.velocity[k] == -body.velocity[k]
+
+
+def test_a_joint_to_the_floor_stays_whole_when_the_floor_is_selected_too():
+    joint = a_level().joints[0]
+    floor = referenced_body(a_level(), "floor")
+    anchor = to_local(floor, to_world(a_level().body(joint.a), joint.anchor_a))
+    level = a_level().replace(joints=(joint.replace(b="floor", anchor_b=anchor),))
+    alone = Mirror(ids=(joint.a,), axis="x").apply(level)
+    assert gap(alone, alone.joints[0]) < 1e-6
+    assert Mirror(ids=(joint.a, "floor"), axis="x").apply(level) == alone
 
 
 def test_a_mirrored_motor_turns_the_other_way():

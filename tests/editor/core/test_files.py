@@ -7,8 +7,9 @@ import os
 import pytest
 
 from editor import actions
-from editor.actions import file
-from editor.base.settings import RECENTS_MAX, Settings
+from editor.actions import file, folders
+from editor.base.controls import Drive
+from editor.base.settings import RECENTS_MAX, Settings, SettingsKeeper
 from editor.documents import files, recovery
 from editor.documents.commands.bodies import AddBody
 from editor.documents.commands.fields import SetField, SetLevelField
@@ -16,6 +17,7 @@ from editor.documents.commands.group import Move, Scale
 from editor.documents.document import Document
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import load_level, save_level
+from kinetix.paths import levels_dir, user_levels_dir
 from tests.editor.core.helpers import a_level, a_session, texts
 
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
@@ -272,9 +274,34 @@ def test_broken_settings_are_the_defaults(tmp_path, text):
 @pytest.mark.parametrize("number", ["NaN", "1e999", "-1", "10000", "true", '"2"', "[2]"])
 def test_a_scale_that_no_window_can_have_is_passed_over(tmp_path, number):
     file = tmp_path / "settings.json"
-    file.write_text(f'{{"ui_scale": {number}, "text_scale": {number}, "palette": "mine"}}')
+    file.write_text(f'{{"ui_scale": {number}, "text_scale": {number}, "wheel": "pan"}}')
     loaded = Settings.load(file)
-    assert (loaded.ui_scale, loaded.text_scale, loaded.palette) == (0.0, 1.0, "mine")
+    assert (loaded.ui_scale, loaded.text_scale, loaded.wheel) == (0.0, 1.0, "pan")
+
+
+def test_what_only_a_later_version_offers_is_passed_over(tmp_path):
+    file = tmp_path / "settings.json"
+    controls = {"a": [99, 99], "left": [0, 2]}
+    file.write_text(json.dumps({"physics": "quantum", "palette": "x", "controls": controls}))
+    loaded = Settings.load(file)
+    assert (loaded.physics, loaded.palette) == ("balanced", "kinetix")
+    assert a_session(controls=loaded.controls).control_keys == {"left": Drive(channel=0, value=2)}
+    keeper = SettingsKeeper(loaded, file)
+    loaded.minimap = True
+    keeper.save()
+    assert json.loads(file.read_text())["physics"] == "quantum"  # which has it still
+
+
+def test_folders_that_cannot_be_reached_keep_no_dialog_away(tmp_path):
+    unreachable = tmp_path / ("x" * 300)  # an error for everybody, as a locked folder is for most
+    session = a_session()
+    session.settings.recents = [str(unreachable / "a.json")]
+    session.settings.save_folder = str(unreachable)
+    session.settings.recent_agents = [str(unreachable)]
+    assert folders.to_open(session) == levels_dir()
+    assert folders.to_save(session) == user_levels_dir()
+    assert actions.run(session, "agent.choose_a")
+    assert session.prompts
 
 
 def test_a_recent_file_whose_name_is_not_utf_8_does_not_stop_saving(tmp_path):

@@ -271,6 +271,33 @@ def test_what_is_thrown_away_lies_in_the_trash_and_comes_back(folder, tmp_path):
     assert not thrown.note.exists()
 
 
+def test_a_delete_that_fails_leaves_nothing_in_the_trash(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    before = (folder / "rocket.json").read_bytes()
+
+    def copy_alone(source, target):
+        Path(target).write_bytes(Path(source).read_bytes())
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("editor.gallery.filing.shutil.move", copy_alone)
+    with pytest.raises(LevelError, match="cannot be deleted: Permission denied"):
+        filing.throw_away(folder / "rocket.json")
+    assert (folder / "rocket.json").read_bytes() == before
+    assert [path for path in (tmp_path / "data").rglob("*") if path.is_file()] == []
+
+
+def test_names_of_every_length_are_copied_and_thrown_away(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    longest = folder / f"{'é' * 125}.json"
+    save_level(playable("Long"), longest)
+    copies = [filing.duplicate(longest), filing.duplicate(longest)]
+    assert len({longest, *copies}) == 3
+    thrown = [filing.throw_away(path) for path in (longest, *copies)]
+    for one in thrown:
+        filing.bring_back(one)
+    assert all(load_level(path) for path in (longest, *copies))
+
+
 @pytest.mark.parametrize("form", ["file", "folder"])
 def test_a_set_splits_weighs_and_leaves_doubles_out(folder, tmp_path, form):
     for k in range(8):
@@ -376,6 +403,30 @@ def test_delete_and_bring_back(session, folder):
     assert "Rocket" in names_of(session)
 
 
+def test_every_deletion_comes_back_the_last_one_first(session, folder):
+    for name in ("Rocket", "Hill cart"):
+        choose(session, name)
+        actions.run(session, "gallery.delete")
+        assert name not in names_of(session)
+    actions.run(session, "gallery.restore")
+    assert "Hill cart" in names_of(session) and not (folder / "rocket.json").exists()
+    actions.run(session, "gallery.restore")
+    assert {"Rocket", "Hill cart"} <= names_of(session)
+    assert not doing.can_restore(session)
+
+
+def test_what_cannot_come_back_keeps_nothing_else_away_and_waits(session, folder):
+    choose(session, "Rocket", "Hill cart")
+    actions.run(session, "gallery.delete")
+    (folder / "rocket.json").write_text("another one")
+    actions.run(session, "gallery.restore")
+    assert any("another file of this name" in text for text in texts(session))
+    assert "Hill cart" in names_of(session)
+    (folder / "rocket.json").unlink()
+    actions.run(session, "gallery.restore")
+    assert "Rocket" in names_of(session)
+
+
 def test_renaming_follows_into_the_open_tab(session, folder):
     choose(session, "Rocket")
     actions.run(session, "gallery.open")
@@ -456,6 +507,16 @@ def test_folders_come_and_go(session, tmp_path):
     doing.remove_folder(session, other)
     assert "Guest" not in names_of(session)
     assert session.gallery.folder is None
+
+
+def test_a_folder_that_cannot_be_reached_stays_in_the_list_and_hides_no_other(session, tmp_path):
+    unreachable = tmp_path / ("x" * 300)  # an error for everybody, as a locked folder is for most
+    session.settings.gallery_folders.append(str(unreachable))
+    doing.look(session)
+    assert "Rocket" in names_of(session)
+    assert doing.unreachable(session) == [unreachable]
+    doing.remove_folder(session, unreachable)
+    assert doing.unreachable(session) == []
 
 
 def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):

@@ -34,6 +34,8 @@ def draw_places(session: "Session") -> None:
         _place(session, folder, label, counts.get(str(folder), 0))
         for inner in _inner(folder, counts):
             _place(session, inner, inner.name, counts[str(inner)], indent=1)
+    for folder in doing.unreachable(session):
+        _place(session, folder, folder.name, None)
     imgui.dummy((0, px(2)))
     if widgets.icon_button(session, "gallery.add_folder", Icons.plus, label="Add a folder…"):
         session.queue("gallery.add_folder")
@@ -52,8 +54,17 @@ def draw_places(session: "Session") -> None:
 
 
 def _place(
-    session: "Session", folder: Path | None, label: str, count: int, *, indent: int = 0
+    session: "Session", folder: Path | None, label: str, count: int | None, *, indent: int = 0
 ) -> None:
+    """One line.
+
+    Args:
+        session: The session.
+        folder: What a click shows alone; None: everything.
+        label: Its name.
+        count: Levels in it; None: it cannot be looked into now.
+        indent: Levels of folders above it.
+    """
     gallery = session.gallery
     start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
     height = imgui.get_text_line_height() + px(9)
@@ -62,7 +73,8 @@ def _place(
         gallery.folder = folder
     widgets.probe(session, f"gallery.folder.{folder.name if folder else 'all'}")
     if folder is not None:
-        widgets.tooltip(label, str(folder))
+        gone = "" if count is not None else f"\n{tr('It cannot be reached now.')}"
+        widgets.tooltip(label, f"{folder}{gone}")
         added = str(folder) in session.settings.gallery_folders
         if added and imgui.begin_popup_context_item(f"place-menu-{folder}"):
             if imgui.menu_item_simple(tr("Show it no more")):
@@ -73,8 +85,10 @@ def _place(
     left = start.x + px(8 + 16 * indent)
     icon = Icons.folder if folder is not None else Icons.gallery
     draw.add_text((left, top), u32(COLOURS.info if folder else COLOURS.muted), icon)
-    draw.add_text((left + px(24), top), u32(COLOURS.text), tr(label))
-    words = str(count)
+    draw.add_text(
+        (left + px(24), top), u32(COLOURS.faint if count is None else COLOURS.text), tr(label)
+    )
+    words = "–" if count is None else str(count)
     right = start.x + width - px(8) - imgui.calc_text_size(words).x
     draw.add_text((right, top), u32(COLOURS.faint), words)
 
