@@ -90,7 +90,7 @@ def test_nothing_public_is_defined_twice_in_a_module():
 
 
 def test_questions_about_files_never_raise():
-    """`Path.exists` and its like raise where a folder is locked or a drive is gone; `os.path` not."""
+    """`Path.exists` and its like raise where a folder is locked or a drive is gone."""
     asked = re.compile(r"\.(exists|is_dir|is_file)\(\)")
     assert [module_name(path) for path in SOURCES if asked.search(path.read_text())] == []
 
