@@ -19,7 +19,7 @@ from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock
 from kinetix.engine.solvers.joint_system import JointSystem, Step
-from kinetix.engine.solvers.response import Responses, speed_of_row
+from kinetix.engine.solvers.response import Motion, Responses, speed_of_row
 from kinetix.engine.solvers.rows import (
     Directions,
     Links,
@@ -47,9 +47,13 @@ class ContactSystem:
     live: Bool[Array, "m n"]
     responses: Responses
     """Responses of all bodies to the impulses, with the joints eliminated."""
+    answers: Float[Array, "m k n"]
+    """Impulses of the joints that answer to one on a row, as they stand when the step begins."""
     prepared: Any
     gaps: Rows
     """Those of the rows that have a gap: the contacts' normals and the limits."""
+    most_push: Float[Array, "c n"]
+    """Speed at which an overlap is resolved at most [m/s]."""
     friction: Float[Array, "c n"]
     restitution: Float[Array, "c n"]
     loose: Float[Array, "c n"]
@@ -92,7 +96,7 @@ def contact_system(
     )
     live = jnp.concatenate([used, used, limit_live], axis=0)
     mobility = store(diagonal(rows))
-    of_rows, answered, by_other = _responses(rows, used.shape[0], joints, step)
+    of_rows, answers, answered, by_other = _responses(rows, used.shape[0], joints, step)
     own = mobility + answered
     live = store(live & (own > constants.LEAST_PIVOT * mobility))
     # Bodies that joints hold may overlap beyond remedy; yielding bounds what pushes them apart.
@@ -126,7 +130,12 @@ def contact_system(
         gaps=first_of_links(rows),
         live=live,
         responses=responses,
+        answers=answers,
         prepared=block.prepare(responses, _contrast(load_a, load_b, used)),
+        # A body that turns on a pivot right behind the contact has to turn far to part by little.
+        most_push=store(
+            constants.PUSH_SPEED * jnp.sqrt(jnp.clip(own / nonzero(mobility), 0, 1)[: len(used)])
+        ),
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
         loose=store(jnp.minimum(loose_a, loose_b)),
@@ -135,9 +144,45 @@ def contact_system(
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
 
 
+def pushed(
+    step: Step,
+    system: ContactSystem,
+    impulse: Float[Array, "m n"],
+    motion: Motion,
+    velocity: Velocity,
+) -> tuple[Velocity, Float[Array, "k n"]]:
+    """The velocities after impulses on the rows, just as whoever chose the impulses foresaw them.
+
+    The joints answer as they stood when the step began. With their present answer instead, an arm
+    that has turned past the point right below its pivot would be thrown by what held it before.
+
+    Args:
+        step: The masses.
+        system: The contacts and limits.
+        impulse: On its rows.
+        motion: What the impulses make, by the system's responses.
+        velocity: Before.
+
+    Returns:
+        The velocities after, and the joints' answers.
+    """
+    if system.answers.shape[1] == 0:
+        return apply(system.rows, impulse, velocity, step.masses), jnp.zeros_like(impulse[:0])
+    x, y, turn = (jnp.pad(part, ((ARENA_BODIES, 0), (0, 0))) for part in motion)
+    moved = Velocity(linear=Vec(x=x, y=y), angular=turn)
+
+    def add(k: Int[Array, ""], total: Float[Array, "k n"]) -> Float[Array, "k n"]:
+        return total + row(system.answers, k)[0] * row(impulse, k)[0]
+
+    nothing = jnp.zeros(system.answers.shape[1:], impulse.dtype)
+    return velocity + moved, system.rows.links.in_use.each(add, nothing)
+
+
 def _responses(
     rows: Rows, count: int, joints: JointSystem, step: Step
-) -> tuple[Float[Array, "m 3 b n"], Float[Array, "m n"], Float[Array, "m n"]]:
+) -> tuple[
+    Float[Array, "m 3 b n"], Float[Array, "m k n"], Float[Array, "m n"], Float[Array, "m n"]
+]:
     """Compute what each row in use does.
 
     Args:
@@ -147,8 +192,8 @@ def _responses(
         step: Masses, and what keeps intermediate results.
 
     Returns:
-        The change of all velocities, what the joints' answer does to the row itself, and what a
-        tangent row does to its normal row.
+        The change of all velocities, the joints' answers, what these do to the row itself, and
+        what a tangent row does to its normal row.
     """
     store, masses = step.store, step.masses
     worlds, bodies = rows.turn_a.shape[-1], masses.angular.shape[0]
@@ -159,26 +204,28 @@ def _responses(
     unit = jnp.ones((1, worlds), rows.turn_a.dtype)
 
     def visit(k: Int[Array, ""], carry: tuple[Array, ...]) -> tuple[Array, ...]:
-        responses, answered, by_other = carry
+        responses, answers, answered, by_other = carry
         one = one_row(rows, k)
         moved = apply(one, unit, at_rest, masses)
         if joints.live.shape[0]:
             pull = store(jnp.where(joints.live, coupling(joints.rows, one)[:, 0], 0))
             given = store(jnp.where(joints.live, answering.product(joints.answers, pull), 0))
             moved = apply(joints.rows, given, moved, masses)
+            answers = put(answers, given[None], k, 0)
             answered = put(answered, answering.inner(pull, given)[None], k, 0)
         motion = jnp.stack([moved.linear.x, moved.linear.y, moved.angular])[:, ARENA_BODIES:]
         motion = store(motion)
         on_normal = speed_of_row(rows, jnp.maximum(k - count, 0), motion)
         return (
             put(responses, motion[None], k, 0),
+            answers,
             answered,
             put(by_other, on_normal[None], k, 0),
         )
 
     none = jnp.zeros_like(rows.turn_a)
-    of_rows, answered, by_other = rows.links.in_use.each(visit, (nothing, none, none))
-    return of_rows, answered, by_other
+    unanswered = jnp.zeros((len(none), *joints.live.shape), none.dtype)
+    return rows.links.in_use.each(visit, (nothing, unanswered, none, none))
 
 
 def _loads(world: World) -> Float[Array, "b n"]:

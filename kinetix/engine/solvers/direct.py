@@ -25,7 +25,7 @@ from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, unvec, vec
 from kinetix.engine.solvers import impacts
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
-from kinetix.engine.solvers.contact_system import ContactSystem, contact_system
+from kinetix.engine.solvers.contact_system import ContactSystem, contact_system, pushed
 from kinetix.engine.solvers.joint_system import (
     JointSystem,
     Step,
@@ -37,7 +37,7 @@ from kinetix.engine.solvers.joint_system import (
     settle,
 )
 from kinetix.engine.solvers.room import usual_room
-from kinetix.engine.solvers.rows import Links, Masses, Velocity, apply, match, speeds
+from kinetix.engine.solvers.rows import Links, Masses, Velocity, match, speeds
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
@@ -174,7 +174,6 @@ class Direct(AbstractSolver):
         return _finish(state, end, found, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
-        masses = step.masses
         h = step.parameters.dt / self.substeps
         count = system.friction.shape[0]
         live, limit_live = system.live[:count], system.live[2 * count :]
@@ -194,7 +193,8 @@ class Direct(AbstractSolver):
         # How arms bend hangs on how bodies turn once joints have answered to the contacts.
         pushed_motion = system.responses.moved(bias_impulse)
         turning = velocity.angular.at[ARENA_BODIES:].add(pushed_motion[2])
-        velocity = apply(system.rows, bias_impulse, velocity, masses)
+        velocity, answer = pushed(step, system, bias_impulse, pushed_motion, velocity)
+        joint_impulse += answer
         bias += curvature(step, phase.joints, turning, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
 
@@ -210,8 +210,8 @@ class Direct(AbstractSolver):
         position, rotation = position + mend.linear, rotation + mend.angular
         gap = phase.gap + speeds(system.gaps, move + mend)
         velocity, relaxed = project(step, joints, velocity, nothing, nothing)
-        pushed = jnp.concatenate([bias_impulse[:count], bias_impulse[2 * count :]], axis=0) > 0
-        closed = pushed | (gap <= constants.CLOSED_DISTANCE)
+        pressed = jnp.concatenate([bias_impulse[:count], bias_impulse[2 * count :]], axis=0) > 0
+        closed = pressed | (gap <= constants.CLOSED_DISTANCE)
         cone = dataclasses.replace(
             cone, closed=live & closed[:count], limited=limit_live & closed[count:]
         )
@@ -228,8 +228,9 @@ class Direct(AbstractSolver):
             )
         start = bias_impulse + phase.relax_impulse - own
         total = own + self.block.solve(system.prepared, system.responses, offset, start, cone)
-        velocity = apply(system.rows, total - bias_impulse + knock, velocity, masses)
-        velocity, relaxed = project(step, joints, velocity, relaxed, nothing)
+        more = total - bias_impulse + knock
+        velocity, answer = pushed(step, system, more, system.responses.moved(more), velocity)
+        velocity, relaxed = project(step, joints, velocity, relaxed + answer, nothing)
         return Phase(
             position=position,
             rotation=rotation,
@@ -255,7 +256,10 @@ class Direct(AbstractSolver):
         share = self.contact_bias + (1 - self.contact_bias) * (1 - system.loose)
         share = jnp.concatenate([share, jnp.full_like(gap[count:], self.contact_bias)], axis=0)
         overlap = jnp.minimum(gap + constants.SLOP, 0) * (share / h)
-        bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -constants.PUSH_SPEED))
+        most = jnp.concatenate(
+            [system.most_push, jnp.full_like(gap[count:], constants.PUSH_SPEED)], axis=0
+        )
+        bias = jnp.where(gap > 0, gap / h, jnp.maximum(overlap, -most))
         tangents = jnp.zeros_like(bias[:count])
         return jnp.concatenate([bias[:count], tangents, bias[count:]], axis=0)
 
@@ -274,13 +278,16 @@ def _effective_masses(
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
     stiffness = jnp.zeros_like(inverse_inertia)
-    angle_a, angle_b = links.look_up(state.rotation)
-    for body, angle, anchor, sign in (
-        (joints.body_a, angle_a, joints.anchor_a, -1),
-        (joints.body_b, angle_b, joints.anchor_b, 1),
+    ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
+    (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
+    for body, angle, anchor, sign, mass, inertia, other in (
+        (joints.body_a, angle_a, joints.anchor_a, -1, mass_a, inertia_a, mass_b),
+        (joints.body_b, angle_b, joints.anchor_b, 1, mass_b, inertia_b, mass_a),
     ):
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
-        stiffness += sign * onto(dot(arm, force), body, count)
+        # On a pivot that stands still a body turns about it, not about its own centre.
+        about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
+        stiffness += sign * onto(dot(arm, force) * about, body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
     masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
     return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
