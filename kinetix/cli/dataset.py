@@ -207,9 +207,12 @@ def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
 def _verify(command: VerifyDataset) -> int:
     from collections import Counter
 
-    from kinetix.datasets.folder import read_dataset, read_manifest
+    from kinetix.datasets.folder import read_dataset, read_manifest, unlisted_shards
 
     manifest = read_manifest(command.folder)
+    unlisted = unlisted_shards(command.folder)
+    for path in unlisted:
+        print(f"{path}: lies there, but dataset.json does not name it", file=sys.stderr)
     counts: dict[str, Counter[str]] = {name: Counter() for name in ("source", "outcome", "physics")}
     levels: set[str] = set()
     differ: list[str] = []
@@ -239,7 +242,7 @@ def _verify(command: VerifyDataset) -> int:
         for name, value in told.items():
             print(f"{name:9} {_briefly(value)}")
         _tell_untold(command.folder, untold)
-    return 1 if differ else 0
+    return 1 if differ or unlisted else 0
 
 
 def _briefly(value: Any) -> Any:

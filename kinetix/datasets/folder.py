@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import hashlib
+import itertools
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -38,8 +39,8 @@ class ShardEntry(msgspec.Struct, frozen=True, kw_only=True):
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     """Content of `dataset.json`."""
 
-    format: str = FORMAT
-    version: int = VERSION
+    format: str
+    version: int
     written_by: str = ""
     shards: tuple[ShardEntry, ...] = ()
 
@@ -197,7 +198,10 @@ class DatasetWriter:
     def _write(self, episodes: list[RecordedEpisode]) -> None:
         data = pack(episodes)
         shards = self._manifest.shards
-        name = f"episodes-{len(shards):05d}.npz"
+        # A file that no manifest names may be all that is left of somebody's episodes.
+        numbers = itertools.count(len(shards))
+        names = (f"episodes-{number:05d}.npz" for number in numbers)
+        name = next(name for name in names if not os.path.lexists(self._folder / name))
         write_atomically(self._folder / name, data)
         entry = ShardEntry(
             file=name,
@@ -206,8 +210,25 @@ class DatasetWriter:
             steps=sum(episode.length for episode in episodes),
             origins=_origins(episodes),
         )
-        self._manifest = Manifest(written_by=__version__, shards=(*shards, entry))
+        self._manifest = _manifest((*shards, entry))
         _write_manifest(self._folder, self._manifest)
+
+
+def _manifest(shards: tuple[ShardEntry, ...]) -> Manifest:
+    return Manifest(format=FORMAT, version=VERSION, written_by=__version__, shards=shards)
+
+
+def unlisted_shards(folder: Path) -> list[Path]:
+    """Return the shards that lie in a data set and that its manifest does not name.
+
+    Args:
+        folder: The data set.
+
+    Raises:
+        KinetixError: There is no data set.
+    """
+    listed = {shard.file for shard in read_manifest(folder).shards}
+    return sorted(path for path in folder.glob("*.npz") if path.name not in listed)
 
 
 def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
@@ -229,7 +250,7 @@ def _opened(folder: Path) -> Iterator[Manifest]:
             raise KinetixError(
                 f"{folder}: is not empty and holds no data set of episodes; choose another"
             )
-        yield Manifest()
+        yield _manifest(())
 
 
 def _write_manifest(folder: Path, manifest: Manifest) -> None:

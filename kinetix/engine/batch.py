@@ -299,8 +299,9 @@ def worlds_first(batched: Callable[..., Tree]) -> Callable[..., Tree]:
     @many.def_vmap
     def _(size: int, mapped: list[Any], *trees: Tree) -> tuple[Tree, Tree]:
         trees = _with_axis(size, mapped, trees)
-        flat = many(*jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), trees))
-        out = jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), flat)
+        # By numbers: where a size has no room for something, -1 could be any.
+        flat = many(*jax.tree.map(lambda x: x.reshape(size * x.shape[1], *x.shape[2:]), trees))
+        out = jax.tree.map(lambda x: x.reshape(size, len(x) // size, *x.shape[1:]), flat)
         return out, jax.tree.map(lambda _: True, out)
 
     @custom_vmap

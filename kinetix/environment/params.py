@@ -69,6 +69,11 @@ class EnvParams:
 
     __repr__ = short_repr
 
+    @property
+    def max_steps_in_episode(self) -> int:
+        """What gymnax calls `max_timesteps`."""
+        return self.max_timesteps
+
 
 @pytree
 class StaticEnvParams:

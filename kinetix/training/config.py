@@ -5,11 +5,14 @@ except that `parity` is off (see `presets/kinetix-3.toml`).
 """
 
 import dataclasses
-from typing import Literal, get_args
+from typing import Final, Literal, get_args
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.training.ranges import check_ranges
+
+_MOST_UPDATES: Final = 2_000_000_000
+"""More cannot be counted in 32 bits."""
 
 Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr", "bc"]
 LevelMode = Literal["random", "random_all", "locomotion", "empty", "list"]
@@ -191,6 +194,11 @@ class PpoConfig:
                 f"total_timesteps = {self.total_timesteps} is less than one update of "
                 f"{self.steps_per_update}: ask for that many at least, or make updates smaller "
                 "(num_steps, num_train_envs)"
+            )
+        if self.num_updates > _MOST_UPDATES:
+            raise KinetixError(
+                f"total_timesteps = {self.total_timesteps} is more than {_MOST_UPDATES:,} updates "
+                f"of {self.steps_per_update}"
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")

@@ -5,7 +5,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -14,6 +14,7 @@ from kinetix.level.atomic import write_atomically
 from kinetix.training.config import PpoConfig
 from kinetix.training.events import EventFile
 from kinetix.training.films import drop_films, stored_films
+from kinetix.training.resume import damaged_name
 from kinetix.training.settings import as_table
 
 JSONL: Final = "metrics.jsonl"
@@ -156,6 +157,26 @@ def read_metrics(run: Path) -> list[dict[str, float]]:
             rows.pop(row[UPDATE], None)
             rows[row[UPDATE]] = row
     return list(rows.values())
+
+
+def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> None:
+    """Keep a copy of metrics of which a run that goes on would lose rows.
+
+    Args:
+        run: The run's directory.
+        updates: How many updates are done.
+        say: Takes a sentence where an update has no row.
+    """
+    path = run / JSONL
+    rows = sum(row[UPDATE] <= updates for row in read_metrics(run))
+    if rows >= updates:
+        return
+    lost = f"{path}: has rows of {rows} of {updates} updates; the others are lost"
+    if os.path.isfile(path):
+        kept = damaged_name(path)
+        write_atomically(kept, read_bytes(path, "metrics"))
+        lost += f", and {kept.name} keeps the file as it was"
+    say(lost)
 
 
 def _row(line: str) -> dict[str, float] | None:

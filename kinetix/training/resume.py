@@ -107,11 +107,16 @@ def put_aside(damaged: list[Path]) -> None:
         damaged: The checkpoints.
     """
     for folder in damaged:
-        target, number = folder.with_name(folder.name + DAMAGED), 2
-        while os.path.exists(target):
-            target = folder.with_name(f"{folder.name}{DAMAGED}{number}")
-            number += 1
-        folder.rename(target)
+        folder.rename(damaged_name(folder))
+
+
+def damaged_name(path: Path) -> Path:
+    """Return a free name beside a file or folder that cannot be read."""
+    name, number = path.with_name(f"{path.name}{DAMAGED}"), 2
+    while os.path.lexists(name):
+        name = path.with_name(f"{path.name}{DAMAGED}{number}")
+        number += 1
+    return name
 
 
 def recover(out: Path) -> None:

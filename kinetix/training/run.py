@@ -34,7 +34,14 @@ from kinetix.training.devices import is_leader, to_host, wait_for_all
 from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.films import Filming
 from kinetix.training.imitation.clone import Clone
-from kinetix.training.logging import STEPS, UPDATE, Sink, open_sinks, read_metrics
+from kinetix.training.logging import (
+    STEPS,
+    UPDATE,
+    Sink,
+    keep_damaged_rows,
+    open_sinks,
+    read_metrics,
+)
 from kinetix.training.pace import Pace
 from kinetix.training.ppo.rollout import as_updates_leave_it
 from kinetix.training.ppo.train import Ppo
@@ -170,6 +177,7 @@ def train(
             put_aside(damaged)
             _sweep(out)
             write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
+            keep_damaged_rows(out, progress.updates, say)
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
             stack.callback(sink.close)
@@ -215,12 +223,27 @@ def _begin(
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
             raise KinetixError(f"{name}: there is no agent to start from; name it with --from")
         if os.path.isfile(out / CONFIG):
+            _refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
     state, progress, damaged = found
     say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
     return as_updates_leave_it(state), progress, damaged
+
+
+def _refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
+    """Refuse to begin anew where a run has come further than to its first checkpoint.
+
+    Raises:
+        KinetixError: It has; a kill before the first checkpoint leaves fewer rows.
+    """
+    done = max((row[UPDATE] for row in read_metrics(out)), default=0)
+    if done > (config.checkpoint_save_freq or config.num_updates):
+        raise KinetixError(
+            f"{out}: has the metrics of {done:.0f} updates and no checkpoint, and a new start "
+            "would overwrite the run; bring its checkpoints back, or choose another directory"
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -116,10 +116,11 @@ def _sources(
     stored = None if run is None else run / CONFIG
     if stored is not None and os.path.isfile(stored):
         content = _parse(_read(stored), str(stored))
-        if content.get("algorithm") != algorithm:
-            raise KinetixError(
-                f"{stored}: this run was started with {content.get('algorithm')}, not {algorithm}"
-            )
+        began = content.get("algorithm")
+        if began is None:
+            raise KinetixError(f"{stored}: does not say its algorithm; it is damaged")
+        if began != algorithm:
+            raise KinetixError(f"{stored}: this run was started with {began}, not {algorithm}")
         yield content, str(stored)
     if preset is not None:
         yield _preset(preset), f"preset {preset!r}"

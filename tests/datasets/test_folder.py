@@ -7,8 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinetix.cli import main
 from kinetix.datasets.episode import RecordedEpisode, solution_episode, winning_plan
-from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset, read_manifest
+from kinetix.datasets.folder import (
+    MANIFEST,
+    add_episodes,
+    read_dataset,
+    read_manifest,
+    unlisted_shards,
+)
 from kinetix.datasets.shard import SCHEMA, read_shard
 from kinetix.errors import KinetixError
 from kinetix.level.codec import level_hash, load_level
@@ -125,6 +132,22 @@ def test_a_manifest_names_no_file_elsewhere(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("episodes-00000.npz", "../secret.npz"))
     with pytest.raises(KinetixError, match="without a folder"):
         list(read_dataset(tmp_path))
+
+
+def test_no_shard_is_ever_overwritten(tmp_path: Path) -> None:
+    """A manifest that says nothing is refused; one that forgot a shard has it told and left."""
+    add_episodes(tmp_path, [episode()])
+    path, (shard,) = tmp_path / MANIFEST, tmp_path.glob("*.npz")
+    tree, data = json.loads(path.read_text()), shard.read_bytes()
+    path.write_text("{}")
+    with pytest.raises(KinetixError, match=r"dataset\.json: .*format"):
+        add_episodes(tmp_path, [episode("s/first_flight")])
+    path.write_text(json.dumps(tree | {"shards": []}))
+    assert unlisted_shards(tmp_path) == [shard]
+    assert main(["dataset", "verify", str(tmp_path)]) == 1
+    add_episodes(tmp_path, [episode("s/first_flight")])
+    assert shard.read_bytes() == data
+    assert len(list(read_dataset(tmp_path))) == 1
 
 
 def test_solutions_become_episodes() -> None:

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine.batch import TILE, worlds_last
+from kinetix.engine.batch import TILE, worlds_first, worlds_last
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +55,15 @@ def test_nested(function):
         matrix, vector[:, 0], 0.5
     )
     assert_equal(found, wanted)
+
+
+def test_nested_where_there_is_no_room():
+    """Worlds without thrusters, say, have arrays without elements."""
+    function = worlds_first(lambda tree: {"more": tree["some"] + 1, "none": tree["none"]})
+    tree = {"some": np.ones((2, 3, 4)), "none": np.ones((2, 3, 0))}
+    found = jax.vmap(jax.vmap(function))(tree)
+    assert found["none"].shape == (2, 3, 0)
+    np.testing.assert_array_equal(found["more"], tree["some"] + 1)
 
 
 @pytest.mark.parametrize("count", [TILE, 3 * TILE + 7])

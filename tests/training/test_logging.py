@@ -11,7 +11,7 @@ from PIL import Image
 
 from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig
-from kinetix.training.logging import MetricsLog, open_sinks, read_metrics
+from kinetix.training.logging import MetricsLog, keep_damaged_rows, open_sinks, read_metrics
 
 
 def _row(update, **more):
@@ -52,6 +52,21 @@ def test_a_line_that_a_kill_cut_off_is_left_out(run):
     assert len(read_metrics(run)) == 3
     MetricsLog(run, updates=3).close()
     assert len(path.read_text().splitlines()) == 3
+
+
+def test_metrics_that_would_lose_rows_are_kept_and_told(run):
+    path, said = run / "metrics.jsonl", []
+    keep_damaged_rows(run, 3, said.append)
+    assert said == []
+    lines = path.read_text().splitlines(keepends=True)
+    damaged = "".join([lines[0], "{\n", lines[2]])
+    path.write_text(damaged)
+    keep_damaged_rows(run, 3, said.append)
+    assert "rows of 2 of 3 updates" in said[0] and "metrics.jsonl.damaged keeps" in said[0]
+    assert (run / "metrics.jsonl.damaged").read_text() == damaged
+    path.unlink()
+    keep_damaged_rows(run, 3, said.append)
+    assert said[1].endswith("rows of 0 of 3 updates; the others are lost")
 
 
 def _all_events(run):

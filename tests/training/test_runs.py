@@ -71,6 +71,14 @@ def test_a_finished_run_can_be_made_longer(finished, tmp_path):
     assert len(read_metrics(longer)) == 8
 
 
+def test_a_run_that_lost_its_checkpoints_is_not_overwritten(finished, tmp_path):
+    emptied = shutil.copytree(finished, tmp_path / "emptied")
+    shutil.rmtree(emptied / "checkpoints")
+    with pytest.raises(KinetixError, match="metrics of 6 updates and no checkpoint"):
+        train("ppo", _config("ppo", dummy_env=True), emptied)
+    assert read_metrics(emptied) == read_metrics(finished)
+
+
 def test_a_run_does_not_go_on_under_other_hyper_parameters(finished):
     with pytest.raises(KinetixError, match=r"started with gamma = 0\.995, now it is 0\.9"):
         train("ppo", _config("ppo", dummy_env=True, gamma=0.9), finished)

@@ -225,7 +225,9 @@ def _responses(
 
     none = jnp.zeros_like(rows.turn_a)
     unanswered = jnp.zeros((len(none), *joints.live.shape), none.dtype)
-    return rows.links.in_use.each(visit, (nothing, unanswered, none, none))
+    start = (nothing, unanswered, none, none)
+    of_rows, answers, answered, by_other = rows.links.in_use.each(visit, start)
+    return of_rows, answers, answered, by_other
 
 
 def _loads(world: World) -> Float[Array, "b n"]:
