@@ -64,6 +64,7 @@ def test_levels_bring_the_mode_and_the_size():
     [
         ({"num_minibatches": 30}, "num_minibatches = 30 must divide num_train_envs = 2048"),
         ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
+        ({"total_timesteps": 10**16}, r"total_timesteps = 1\d+ is more than 2,000,000,000 updates"),
         ({"observation_type": "smell"}, "Invalid enum value 'smell'"),
         ({"num_steps": 0}, "num_steps: expected at least 1"),
         ({"checkpoint_save_freq": 0}, "checkpoint_save_freq: expected at least 1, got 0"),
