@@ -238,6 +238,8 @@ def _damaged(directory: Path, error: Exception) -> CheckpointError:
 
 def _reason(error: Exception) -> str:
     """Return the system's own message out of pages of context, or else the first line."""
+    if isinstance(error, (AttributeError, KeyError, TypeError)):  # met where a part is not there
+        return "one of their files is missing or damaged"
     text = str(error).strip()
     for said in ("No space left on device", "Permission denied", "Read-only file system"):
         if said in text:

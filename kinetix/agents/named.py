@@ -7,6 +7,7 @@ from kinetix.agents.agent import load_agent
 from kinetix.agents.planner.player import Planner
 from kinetix.agents.player import PLANNER, Player
 from kinetix.agents.scripted import SCRIPTED, ScriptedPlayer
+from kinetix.errors import CheckpointError
 
 BUILT_IN: Final = (PLANNER, *SCRIPTED)
 """Names of the players that need no checkpoint."""
@@ -21,6 +22,8 @@ def load_player(name: str | Path) -> Player:
     Raises:
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
+    if not str(name):
+        raise CheckpointError('"": expected an agent, got an empty word')
     if name == PLANNER:
         return Planner()
     return ScriptedPlayer(str(name)) if name in SCRIPTED else load_agent(name)

@@ -228,7 +228,10 @@ def _begin(
         status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
     state, progress, damaged = found
-    say(f"resuming from update {progress.updates} of {trainer.setup.config.num_updates}")
+    if progress.updates > config.num_updates:
+        say(f"nothing is left to do: update {progress.updates} is done already")
+    else:
+        say(f"resuming from update {progress.updates} of {config.num_updates}")
     return as_updates_leave_it(state), progress, damaged
 
 

@@ -67,8 +67,10 @@ def make_config(
         raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")
     fields: dict[str, Any] = dict(ALGORITHM_DEFAULTS.get(algorithm, {}))
     network: dict[str, Any] = {}
+    told = "training configuration"
     for content, where in _sources(algorithm, preset=preset, file=file, run=run):
         _take(fields, network, content, algorithm, where)
+        told = f"{told}, {where}"
     size_of_preset = "" if preset is None else _preset(preset).get("size", "")
     known = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} | set(_NETWORK_NAMES)
     for name, value in (values or {}).items():
@@ -91,7 +93,7 @@ def make_config(
             CONFIGS[algorithm],
         )
     except (msgspec.ValidationError, ValueError) as error:
-        raise KinetixError(f"training configuration: {error}") from None
+        raise KinetixError(f"{told}: {error}") from None
     config.check()
     return config
 
