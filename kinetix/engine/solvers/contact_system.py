@@ -19,7 +19,7 @@ from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock
 from kinetix.engine.solvers.joint_system import JointSystem, Step
-from kinetix.engine.solvers.response import Motion, Responses, speed_of_row
+from kinetix.engine.solvers.response import Responses, speed_of_row
 from kinetix.engine.solvers.rows import (
     Directions,
     Links,
@@ -58,6 +58,8 @@ class ContactSystem:
     restitution: Float[Array, "c n"]
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
+    unpulled: Float[Array, "c n"]
+    """The same of `Step.unpulled`."""
     free: Bool[Array, "b n"]
     """True for bodies that are not fixed."""
 
@@ -118,12 +120,10 @@ def contact_system(
         inverse_own=store(responses.inverse_own),
     )
     of_a, of_b = touching.look_up(
-        (bodies.friction, bodies.restitution, _loads(step.world), step.loose)
+        (bodies.friction, bodies.restitution, _loads(step.world), step.loose, step.unpulled)
     )
-    (friction_a, restitution_a, load_a, loose_a), (friction_b, restitution_b, load_b, loose_b) = (
-        of_a,
-        of_b,
-    )
+    friction_a, restitution_a, load_a, loose_a, unpulled_a = of_a
+    friction_b, restitution_b, load_b, loose_b, unpulled_b = of_b
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
     system = ContactSystem(
         rows=rows,
@@ -139,43 +139,44 @@ def contact_system(
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
         loose=store(jnp.minimum(loose_a, loose_b)),
+        unpulled=store(jnp.minimum(unpulled_a, unpulled_b)),
         free=bodies.inverse_mass > 0,
     )
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
 
 
 def pushed(
-    step: Step,
-    system: ContactSystem,
-    impulse: Float[Array, "m n"],
-    motion: Motion,
-    velocity: Velocity,
+    step: Step, system: ContactSystem, impulse: Float[Array, "m n"], velocity: Velocity
 ) -> tuple[Velocity, Float[Array, "k n"]]:
-    """The velocities after impulses on the rows, just as whoever chose the impulses foresaw them.
+    """The velocities after impulses on the rows, for joints that have turned since the step began.
 
-    The joints answer as they stood when the step began. With their present answer instead, an arm
-    that has turned past the point right below its pivot would be thrown by what held it before.
+    Loose joints answer as they stood then, just as whoever chose the impulses foresaw it. With
+    their present answer, an arm that has turned past the point right below its pivot would be
+    thrown by what held it before. Taut ones answer as they stand: their tension has turned too.
 
     Args:
         step: The masses.
         system: The contacts and limits.
         impulse: On its rows.
-        motion: What the impulses make, by the system's responses.
         velocity: Before.
 
     Returns:
-        The velocities after, and the joints' answers.
+        The velocities after, and what joints have answered; present answers are still to come.
     """
     if system.answers.shape[1] == 0:
         return apply(system.rows, impulse, velocity, step.masses), jnp.zeros_like(impulse[:0])
+    limits = jnp.zeros_like(impulse[2 * len(system.unpulled) :])
+    foreseen = impulse * jnp.concatenate([system.unpulled, system.unpulled, limits], axis=0)
+    motion = system.responses.moved(foreseen)
     x, y, turn = (jnp.pad(part, ((ARENA_BODIES, 0), (0, 0))) for part in motion)
-    moved = Velocity(linear=Vec(x=x, y=y), angular=turn)
+    velocity += Velocity(linear=Vec(x=x, y=y), angular=turn)
 
     def add(k: Int[Array, ""], total: Float[Array, "k n"]) -> Float[Array, "k n"]:
-        return total + row(system.answers, k)[0] * row(impulse, k)[0]
+        return total + row(system.answers, k)[0] * row(foreseen, k)[0]
 
     nothing = jnp.zeros(system.answers.shape[1:], impulse.dtype)
-    return velocity + moved, system.rows.links.in_use.each(add, nothing)
+    answer = system.rows.links.in_use.each(add, nothing)
+    return apply(system.rows, impulse - foreseen, velocity, step.masses), answer
 
 
 def _responses(

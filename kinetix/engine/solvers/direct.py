@@ -137,7 +137,7 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         links = joint_links(world, spec.features)
-        masses, loose = store(_effective_masses(world, state, links, h))
+        masses, loose, unpulled = store(_effective_masses(world, state, links, h))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
@@ -146,6 +146,7 @@ class Direct(AbstractSolver):
             masses=masses,
             held=held(world, control, links, masses, loose, state.cache.joint_turn, store),
             loose=loose,
+            unpulled=unpulled,
             store=store,
             features=spec.features,
         )
@@ -193,7 +194,7 @@ class Direct(AbstractSolver):
         # How arms bend hangs on how bodies turn once joints have answered to the contacts.
         pushed_motion = system.responses.moved(bias_impulse)
         turning = velocity.angular.at[ARENA_BODIES:].add(pushed_motion[2])
-        velocity, answer = pushed(step, system, bias_impulse, pushed_motion, velocity)
+        velocity, answer = pushed(step, system, bias_impulse, velocity)
         joint_impulse += answer
         bias += curvature(step, phase.joints, turning, h)
         velocity, joint_impulse = project(step, phase.joints, velocity, joint_impulse, bias)
@@ -229,7 +230,7 @@ class Direct(AbstractSolver):
         start = bias_impulse + phase.relax_impulse - own
         total = own + self.block.solve(system.prepared, system.responses, offset, start, cone)
         more = total - bias_impulse + knock
-        velocity, answer = pushed(step, system, more, system.responses.moved(more), velocity)
+        velocity, answer = pushed(step, system, more, velocity)
         velocity, relaxed = project(step, joints, velocity, relaxed + answer, nothing)
         return Phase(
             position=position,
@@ -266,8 +267,10 @@ class Direct(AbstractSolver):
 
 def _effective_masses(
     world: World, state: State, links: Links, h: Float[Array, " n"]
-) -> tuple[Masses, Float[Array, "b n"]]:
+) -> tuple[Masses, Float[Array, "b n"], Float[Array, "b n"]]:
     """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
+
+    The last result is the same for the joints to bodies that move alone.
 
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
     not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
@@ -277,7 +280,7 @@ def _effective_masses(
     inverse_inertia = bodies.inverse_inertia
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
-    stiffness = jnp.zeros_like(inverse_inertia)
+    of_pivots = of_others = jnp.zeros_like(inverse_inertia)
     ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
     (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
     for body, angle, anchor, sign, mass, inertia, other in (
@@ -286,11 +289,20 @@ def _effective_masses(
     ):
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         # On a pivot that stands still a body turns about it, not about its own centre.
-        about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
-        stiffness += sign * onto(dot(arm, force) * about, body, count)
-    swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
-    return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
+        about = mass / nonzero(mass + dot(arm, arm) * inertia)
+        along = sign * dot(arm, force)
+        of_others += onto(jnp.where(other > 0, along, 0), body, count)
+        of_pivots += onto(jnp.where(other > 0, 0, along * about), body, count)
+
+    def swing(stiffness: Float[Array, "b n"]) -> Float[Array, "b n"]:
+        return h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
+
+    def loose(swing: Float[Array, "b n"]) -> Float[Array, "b n"]:
+        return jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
+
+    every = swing(of_pivots + of_others)
+    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, every))
+    return masses, loose(every), loose(swing(of_others))
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:

@@ -91,6 +91,8 @@ class Step:
     held: Held
     loose: Float[Array, "b n"]
     """1 for a body that swings slowly for the substep, 0 for one under great tension."""
+    unpulled: Float[Array, "b n"]
+    """The same, where the tension of pivots that stand still does not count."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
