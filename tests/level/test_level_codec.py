@@ -288,7 +288,9 @@ def test_a_file_of_version_1_has_no_names():
 
 def test_kinetix_env_has_no_place_for_names(tmp_path):
     level = loads((FIXTURES / "v1" / "cart_and_bell.json").read_text())
-    level = level.replace(thrusters=(), solution=None, tags=(), description="", name="b")
+    level = level.replace(
+        thrusters=(), solution=None, tags=(), description="", name="b", inertia_model="kinetix"
+    )
     named = level.replace(bodies=tuple(b.replace(name="Box") for b in level.bodies))
     lost = save_level(named, tmp_path / "b.json", format="kinetix-env")
     assert lost == ("names of shapes, joints and thrusters",)
@@ -339,7 +341,8 @@ def test_saving_and_loading_both_formats(tmp_path):
     assert load_document(tmp_path / "a.json").format == "kinetix-level"
     assert load_level(tmp_path / "a.json") == level
     lost = save_level(level, tmp_path / "b.json", format="kinetix-env")
-    assert lost == ("name", "description", "tags", "solution")
+    rule = "how masses follow from shapes (they stay as numbers)"
+    assert lost == ("name", "description", "tags", "solution", rule)
     loaded = load_document(tmp_path / "b.json")
     assert loaded.format == "kinetix-env"
     assert loaded.path == tmp_path / "b.json"
