@@ -58,8 +58,8 @@ class ContactSystem:
     restitution: Float[Array, "c n"]
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
-    unpulled: Float[Array, "c n"]
-    """The same of `Step.unpulled`."""
+    pivoted: Float[Array, "c n"]
+    """1 where a body turns on a pivot that stands still and neither hangs on what moves, else 0."""
     free: Bool[Array, "b n"]
     """True for bodies that are not fixed."""
 
@@ -120,10 +120,10 @@ def contact_system(
         inverse_own=store(responses.inverse_own),
     )
     of_a, of_b = touching.look_up(
-        (bodies.friction, bodies.restitution, _loads(step.world), step.loose, step.unpulled)
+        (bodies.friction, bodies.restitution, _loads(step.world), step.loose, step.pivoted)
     )
-    friction_a, restitution_a, load_a, loose_a, unpulled_a = of_a
-    friction_b, restitution_b, load_b, loose_b, unpulled_b = of_b
+    friction_a, restitution_a, load_a, loose_a, pivoted_a = of_a
+    friction_b, restitution_b, load_b, loose_b, pivoted_b = of_b
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
     system = ContactSystem(
         rows=rows,
@@ -139,7 +139,7 @@ def contact_system(
         friction=store(step.parameters.base_friction * friction),
         restitution=store(jnp.minimum(restitution_a, restitution_b)),
         loose=store(jnp.minimum(loose_a, loose_b)),
-        unpulled=store(jnp.minimum(unpulled_a, unpulled_b)),
+        pivoted=store(jnp.clip(pivoted_a + pivoted_b, 0, 1)),
         free=bodies.inverse_mass > 0,
     )
     return system, jnp.concatenate([points.separation, limit_gap], axis=0)
@@ -150,9 +150,10 @@ def pushed(
 ) -> tuple[Velocity, Float[Array, "k n"]]:
     """The velocities after impulses on the rows, for joints that have turned since the step began.
 
-    Loose joints answer as they stood then, just as whoever chose the impulses foresaw it. With
-    their present answer, an arm that has turned past the point right below its pivot would be
-    thrown by what held it before. Taut ones answer as they stand: their tension has turned too.
+    Pivots that stand still answer as they stood then, just as whoever chose the impulses foresaw
+    it. With their present answer, an arm that has turned past the point right below its pivot would
+    be thrown by what held it before. Joints between bodies that move answer as they stand: a taut
+    chain would get energy from what its tension was.
 
     Args:
         step: The masses.
@@ -165,8 +166,8 @@ def pushed(
     """
     if system.answers.shape[1] == 0:
         return apply(system.rows, impulse, velocity, step.masses), jnp.zeros_like(impulse[:0])
-    limits = jnp.zeros_like(impulse[2 * len(system.unpulled) :])
-    foreseen = impulse * jnp.concatenate([system.unpulled, system.unpulled, limits], axis=0)
+    limits = jnp.zeros_like(impulse[2 * len(system.pivoted) :])
+    foreseen = impulse * jnp.concatenate([system.pivoted, system.pivoted, limits], axis=0)
     motion = system.responses.moved(foreseen)
     x, y, turn = (jnp.pad(part, ((ARENA_BODIES, 0), (0, 0))) for part in motion)
     velocity += Velocity(linear=Vec(x=x, y=y), angular=turn)

@@ -137,7 +137,7 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         links = joint_links(world, spec.features)
-        masses, loose, unpulled = store(_effective_masses(world, state, links, h))
+        masses, loose = store(_effective_masses(world, state, links, h))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
@@ -146,7 +146,7 @@ class Direct(AbstractSolver):
             masses=masses,
             held=held(world, control, links, masses, loose, state.cache.joint_turn, store),
             loose=loose,
-            unpulled=unpulled,
+            pivoted=store(_pivoted(world, links)),
             store=store,
             features=spec.features,
         )
@@ -267,10 +267,8 @@ class Direct(AbstractSolver):
 
 def _effective_masses(
     world: World, state: State, links: Links, h: Float[Array, " n"]
-) -> tuple[Masses, Float[Array, "b n"], Float[Array, "b n"]]:
+) -> tuple[Masses, Float[Array, "b n"]]:
     """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
-
-    The last result is the same for the joints to bodies that move alone.
 
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
     not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
@@ -280,7 +278,7 @@ def _effective_masses(
     inverse_inertia = bodies.inverse_inertia
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
-    of_pivots = of_others = jnp.zeros_like(inverse_inertia)
+    stiffness = jnp.zeros_like(inverse_inertia)
     ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
     (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
     for body, angle, anchor, sign, mass, inertia, other in (
@@ -289,20 +287,23 @@ def _effective_masses(
     ):
         arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
         # On a pivot that stands still a body turns about it, not about its own centre.
-        about = mass / nonzero(mass + dot(arm, arm) * inertia)
-        along = sign * dot(arm, force)
-        of_others += onto(jnp.where(other > 0, along, 0), body, count)
-        of_pivots += onto(jnp.where(other > 0, 0, along * about), body, count)
+        about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
+        stiffness += sign * onto(dot(arm, force) * about, body, count)
+    swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
+    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
+    return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
 
-    def swing(stiffness: Float[Array, "b n"]) -> Float[Array, "b n"]:
-        return h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
 
-    def loose(swing: Float[Array, "b n"]) -> Float[Array, "b n"]:
-        return jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
-
-    every = swing(of_pivots + of_others)
-    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, every))
-    return masses, loose(every), loose(swing(of_others))
+def _pivoted(world: World, links: Links) -> Float[Array, "b n"]:
+    """1 for bodies that hang on fixed ones alone, negative for those that hang on what moves."""
+    joints, inverse_mass = world.joints, world.bodies.inverse_mass
+    mass_a, mass_b = links.look_up(inverse_mass)
+    count = inverse_mass.shape[0]
+    hangs = jnp.zeros_like(inverse_mass)
+    for body, other in ((joints.body_a, mass_b), (joints.body_b, mass_a)):
+        weight = jnp.where(other > 0, -float(count), 1.0)
+        hangs += onto(jnp.where(joints.active, weight, 0), body, count)
+    return jnp.where(inverse_mass > 0, jnp.minimum(hangs, 1), 0)
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:

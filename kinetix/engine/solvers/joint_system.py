@@ -91,8 +91,8 @@ class Step:
     held: Held
     loose: Float[Array, "b n"]
     """1 for a body that swings slowly for the substep, 0 for one under great tension."""
-    unpulled: Float[Array, "b n"]
-    """The same, where the tension of pivots that stand still does not count."""
+    pivoted: Float[Array, "b n"]
+    """1 for a body that hangs on fixed ones alone, negative for one that hangs on what moves."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
