@@ -301,7 +301,7 @@ def _pivoted(world: World, links: Links) -> Float[Array, "b n"]:
     count = inverse_mass.shape[0]
     hangs = jnp.zeros_like(inverse_mass)
     for body, other in ((joints.body_a, mass_b), (joints.body_b, mass_a)):
-        weight = jnp.where(other > 0, -float(count), 1.0)
+        weight = jnp.where(other > 0, -float(count), jnp.ones_like(other))
         hangs += onto(jnp.where(joints.active, weight, 0), body, count)
     return jnp.where(inverse_mass > 0, jnp.minimum(hangs, 1), 0)
 
