@@ -24,6 +24,7 @@ from jaxtyping import Array, Bool, Int, Shaped
 
 from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
+from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.store import Store
 
 Tree = Any
@@ -115,11 +116,13 @@ def _alone(program: _Program) -> Callable[..., list[Array]]:
 
 
 def _on_processor(*leaves: Array, program: _Program) -> list[Array]:
-    return _compiled(program, takes_whole_batches())(*leaves)
+    with usual_promotion():
+        return _compiled(program, takes_whole_batches())(*leaves)
 
 
 def _on_accelerator(*leaves: Array, program: _Program) -> list[Array]:
-    return _compiled(program, True)(*leaves)
+    with usual_promotion():
+        return _compiled(program, True)(*leaves)
 
 
 @functools.lru_cache(maxsize=64)

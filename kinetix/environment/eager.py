@@ -15,6 +15,7 @@ from jax.extend.core import get_opaque_trace_state
 
 from kinetix.compiler import quick_options
 from kinetix.environment.checks import check_values, refuse_what_is_no_array
+from kinetix.engine.promotion import usual_promotion
 
 _QUICK: Final = dict(quick_options())
 """Options of a program for a processor."""
@@ -45,7 +46,8 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         program = alone if outside and jax.default_backend() == "cpu" else inside
         # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
         compiled = jax.disable_jit(False) if jax.config.values["jax_disable_jit"] else nullcontext()
-        with compiled, _naming_what_is_no_array(method, (arguments, named)):
+        naming = _naming_what_is_no_array(method, (arguments, named))
+        with compiled, usual_promotion(), naming:
             return program(self, *arguments, **named)
 
     return call
@@ -64,7 +66,7 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
-        with _naming_what_is_no_array(method, (arguments, named)):
+        with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)
 
     return call

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key, UInt
 
 from kinetix.engine.batch import worlds_first
+from kinetix.engine.promotion import usual_promotion
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
@@ -125,7 +126,12 @@ def sampler_of(
         batched: Draws a level from each row of numbers.
     """
     single = worlds_first(batched)
-    return jax.jit(lambda key: single(raw_keys(key)))
+
+    def draw(key: Key[Array, ""]) -> EnvState:
+        with usual_promotion():
+            return single(raw_keys(key))
+
+    return jax.jit(draw)
 
 
 class Tape:
