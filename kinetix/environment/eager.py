@@ -14,8 +14,8 @@ import jax
 from jax.extend.core import get_opaque_trace_state
 
 from kinetix.compiler import quick_options
-from kinetix.environment.checks import check_values, refuse_what_is_no_array
 from kinetix.engine.promotion import usual_promotion
+from kinetix.environment.checks import check_values, refuse_what_is_no_array
 
 _QUICK: Final = dict(quick_options())
 """Options of a program for a processor."""
