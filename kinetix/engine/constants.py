@@ -82,3 +82,10 @@ free bodies. Zero: wedged bodies get impulses without bound; larger: heavy loads
 
 USUAL_CONTRAST = 3.0
 """Ratio of the loads of two touching bodies up to which they count as alike."""
+
+USUAL_BURDEN = 12.0
+"""Times its own weight up to which what a body bears asks for no more sweeps."""
+
+WEIGHT_OF_BURDEN = 4.0
+"""What a burden counts beside the ratio of two loads, contact point by contact point. With less,
+towers that become heavier and heavier upwards begin to rock."""

@@ -15,7 +15,7 @@ from kinetix.engine import constants
 from kinetix.engine.collision import Found
 from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import nearer_limit
-from kinetix.engine.lookup import put, row
+from kinetix.engine.lookup import onto, put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.blocks import AbstractBlock
 from kinetix.engine.solvers.joint_system import JointSystem, Step
@@ -49,6 +49,8 @@ class ContactSystem:
     """Responses of all bodies to the impulses, with the joints eliminated."""
     answers: Float[Array, "m k n"]
     """Impulses of the joints that answer to one on a row, as they stand when the step begins."""
+    contrast: Float[Array, " n"]
+    """How unlike the loads of touching bodies are, and how much the most burdened one bears."""
     prepared: Any
     gaps: Rows
     """Those of the rows that have a gap: the contacts' normals and the limits."""
@@ -65,7 +67,12 @@ class ContactSystem:
 
 
 def contact_system(
-    step: Step, state: State, found: Found, joints: JointSystem, block: AbstractBlock
+    step: Step,
+    state: State,
+    found: Found,
+    joints: JointSystem,
+    block: AbstractBlock,
+    force: Float[Array, "c n"],
 ) -> tuple[ContactSystem, Float[Array, "g n"]]:
     """The contacts and limits at the start of a step.
 
@@ -75,6 +82,7 @@ def contact_system(
         found: The contacts.
         joints: The joints at the same pose.
         block: Who will solve the system.
+        force: That the contacts bore in the last step [N].
 
     Returns:
         The system, and the gaps of the contacts [m] and limits [rad].
@@ -119,19 +127,22 @@ def contact_system(
         compliance=store(responses.compliance),
         inverse_own=store(responses.inverse_own),
     )
+    loads = _loads(step.world)
     of_a, of_b = touching.look_up(
-        (bodies.friction, bodies.restitution, _loads(step.world), step.loose, step.pivoted)
+        (bodies.friction, bodies.restitution, loads, step.loose, step.pivoted)
     )
     friction_a, restitution_a, load_a, loose_a, pivoted_a = of_a
     friction_b, restitution_b, load_b, loose_b, pivoted_b = of_b
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
+    contrast = _contrast(load_a, load_b, used) + _burden(step, found, loads, force)
     system = ContactSystem(
         rows=rows,
         gaps=first_of_links(rows),
         live=live,
         responses=responses,
         answers=answers,
-        prepared=block.prepare(responses, _contrast(load_a, load_b, used)),
+        contrast=contrast,
+        prepared=block.prepare(responses, contrast),
         # A body that turns on a pivot right behind the contact has to turn far to part by little.
         most_push=store(
             constants.PUSH_SPEED * jnp.sqrt(jnp.clip(own / nonzero(mobility), 0, 1)[: len(used)])
@@ -254,6 +265,26 @@ def _contrast(
     ratio = jnp.maximum(load_a, load_b) / nonzero(jnp.minimum(load_a, load_b))
     unlike = used & (load_a > 0) & (load_b > 0) & (ratio > constants.USUAL_CONTRAST)
     return jnp.sum(jnp.where(unlike, ratio, 0), axis=0)
+
+
+def _burden(
+    step: Step, found: Found, loads: Float[Array, "b n"], force: Float[Array, "c n"]
+) -> Float[Array, " n"]:
+    """How many times its own weight the body bears that bears most; 0 up to a usual burden.
+
+    Sweeps are slowed down by what lies on a body, though no two neighbours need be unlike. All
+    bodies together can weigh no more than they do: what presses harder is a motor or a blow.
+    """
+    points, bodies, count = found.points, step.world.bodies, len(loads)
+    pressed = onto(force, points.body_a, count) + onto(force, points.body_b, count)
+    gravity = jnp.sqrt(jnp.sum(step.world.gravity**2, axis=0))
+    inverse = jnp.where(bodies.active, bodies.inverse_mass, 0)
+    total = jnp.sum(jnp.where(inverse > 0, 1 / nonzero(inverse), 0), axis=0)
+    # What lies still is pressed from below as much as from above.
+    borne = jnp.minimum(pressed / 2 / nonzero(gravity), total)
+    burden = jnp.where(loads > 0, borne / nonzero(loads), 0)
+    most = jnp.max(burden, axis=0)
+    return jnp.where(most > constants.USUAL_BURDEN, constants.WEIGHT_OF_BURDEN * most, 0)
 
 
 def _limit_directions(

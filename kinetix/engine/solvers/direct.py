@@ -48,7 +48,7 @@ DEFAULT_BLOCK = Pgs()
 
 @pytree
 class DirectCache:
-    """Kept for the next step: impulses by contact key, and the joints' last forces."""
+    """Kept for the next step: impulses by contact key, the joints' last forces, what was hard."""
 
     key: Int[Array, "c n"]
     bias_normal: Float[Array, "c n"]
@@ -61,6 +61,8 @@ class DirectCache:
     joint_force_y: Float[Array, "j n"]
     joint_turn: Float[Array, "j n"]
     """Rate at which a joint's force turned in the last step [rad/s]."""
+    contrast: Float[Array, " n"]
+    """As the contacts of the last step had it (`ContactSystem.contrast`)."""
 
 
 @pytree
@@ -110,6 +112,7 @@ class Direct(AbstractSolver):
             return np.zeros(count, np.float32)
 
         empty_keys: Any = np.full(points, -1, np.int32)
+        no_contrast: Any = np.zeros((), np.float32)
         return DirectCache(
             key=empty_keys,
             bias_normal=zeros(points),
@@ -121,13 +124,16 @@ class Direct(AbstractSolver):
             joint_force_x=zeros(joints),
             joint_force_y=zeros(joints),
             joint_turn=zeros(joints),
+            contrast=no_contrast,
         )
 
     def effort(self, world: World, state: State) -> Int[Array, " n"]:
-        """The joints, and among as many joints the contact points of the last step."""
-        points = jnp.sum(state.cache.key >= 0, axis=0, dtype=jnp.int32)
+        """The block's rounds, then the joints, then the contact points of the last step."""
+        cache = state.cache
+        points = jnp.sum(cache.key >= 0, axis=0, dtype=jnp.int32)
         joints = jnp.sum(world.joints.active, axis=0, dtype=jnp.int32)
-        return joints * (state.cache.key.shape[0] + 1) + points
+        rounds = self.block.rounds(cache.contrast) * (len(world.joints.active) + 1) + joints
+        return rounds * (len(cache.key) + 1) + points
 
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
@@ -153,8 +159,9 @@ class Direct(AbstractSolver):
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
         joints = joint_system(this, position, state.rotation, velocity, h / 2)
-        system, gap = contact_system(this, state, found, joints, self.block)
         bias_impulse, relax_impulse = store(_warm_start(state.cache, found))
+        force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
+        system, gap = contact_system(this, state, found, joints, self.block, force)
         start = Phase(
             position=position,
             rotation=state.rotation,
@@ -172,7 +179,7 @@ class Direct(AbstractSolver):
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
         end = _before_walls(world, state, found, store(end))
-        return _finish(state, end, found, h, parameters)
+        return _finish(state, end, found, system.contrast, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
         h = step.parameters.dt / self.substeps
@@ -355,7 +362,12 @@ def _before_walls(world: World, state: State, found: Found, end: Phase) -> Phase
 
 
 def _finish(
-    state: State, end: Phase, found: Found, h: Float[Array, " n"], parameters: Parameters
+    state: State,
+    end: Phase,
+    found: Found,
+    contrast: Float[Array, " n"],
+    h: Float[Array, " n"],
+    parameters: Parameters,
 ) -> State:
     """The new state: clipped, with the impulses kept by their keys."""
     bound = parameters.clip_position
@@ -384,6 +396,7 @@ def _finish(
             joint_force_x=force.x,
             joint_force_y=force.y,
             joint_turn=_turn(last, force) / parameters.dt,
+            contrast=contrast,
         ),
     )
 

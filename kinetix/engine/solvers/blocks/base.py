@@ -4,7 +4,7 @@ import abc
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.solvers.response import Responses
 from kinetix.pytree import pytree
@@ -50,6 +50,10 @@ class AbstractBlock(abc.ABC):
             responses: A, row by row.
             contrast: How unlike the loads of touching bodies are: the sum of their ratios.
         """
+
+    def rounds(self, contrast: Float[Array, " n"]) -> Int[Array, " n"]:
+        """How often a solve goes through the rows, if that hangs on the contrast; else 0."""
+        return jnp.zeros(contrast.shape, jnp.int32)
 
     @abc.abstractmethod
     def solve(

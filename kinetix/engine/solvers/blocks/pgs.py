@@ -40,13 +40,14 @@ class Pgs(AbstractBlock):
     iterations: int = 10
 
     def prepare(self, responses: Responses, contrast: Float[Array, " n"]) -> Any:
-        """The number of sweeps.
-
-        What a conjugate gradient method needs grows with the root of the contrast.
-        """
+        """The number of sweeps."""
         del responses
+        return self.rounds(contrast)
+
+    def rounds(self, contrast: Float[Array, " n"]) -> Int[Array, " n"]:
+        """See the contract; a conjugate gradient method needs more by the root of the contrast."""
         share = jnp.clip(jnp.sqrt(contrast / EASY_CONTRAST), 1, MOST_SWEEPS)
-        return jnp.round(self.iterations * share)
+        return jnp.round(self.iterations * share).astype(jnp.int32)
 
     def solve(
         self,
@@ -112,7 +113,7 @@ class Pgs(AbstractBlock):
             jnp.zeros_like(motion),
             jnp.zeros_like(start[0]),
         )
-        most = jnp.max(prepared).astype(jnp.int32)
+        most = jnp.max(prepared)
         result, *_ = jax.lax.fori_loop(0, most, accelerated, carry)
         return project(cone, result)
 
