@@ -1,9 +1,17 @@
 """Environments with names, for the registries of gymnax and Gymnasium."""
 
+import os
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any, Final
 
+from kinetix.bundled import named_levels
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
+from kinetix.environment.params import (
+    EnvParams,
+    static_env_params_from_size,
+    static_env_params_of,
+)
 from kinetix.environment.reset import (
     load_from_json_file,
     make_reset_fn_list_of_levels,
@@ -11,7 +19,19 @@ from kinetix.environment.reset import (
     static_env_params_for_levels,
 )
 from kinetix.errors import KinetixError
+from kinetix.level.codec import level_hash
+from kinetix.level.model import Level
+from kinetix.level.sets import (
+    LoadedSet,
+    SetLevel,
+    common_capacity,
+    gather_levels,
+    is_set_file,
+)
 from kinetix.level.sizes import SIZES
+
+Levels = str | Path | Level | LoadedSet | Iterable[str | Path | Level | SetLevel]
+"""What an environment plays, by name or as it is."""
 
 RANDOM: Final = "-random"
 """`s-random` means random levels of size s."""
@@ -25,7 +45,7 @@ NAMED: Final[dict[str, str]] = {f"Kinetix-{size}-random-v0": f"{size}-random" fo
 
 
 def make_named_env(
-    level: str = FIRST_LEVEL,
+    level: Levels = FIRST_LEVEL,
     action_type: str = "multi_discrete",
     observation_type: str = "symbolic_flat",
     physics: str = "balanced",
@@ -37,8 +57,9 @@ def make_named_env(
     """Make an environment from plain words.
 
     Args:
-        level: A level file, the name of a bundled level (`s/goalkeeper`), or random levels of a
-            size (`s-random`, `m-random`, `l-random`).
+        level: A level, its file, or the name of a bundled one (`s/goalkeeper`); random levels of a
+            size (`s-random`, `m-random`, `l-random`); or several levels, of which each episode
+            draws one: a folder, a level set, or a list of levels, files and folders.
         action_type: `multi_discrete`, `discrete` or `continuous`.
         observation_type: `symbolic_flat`, `symbolic_flat_padded`, `symbolic_entity`, `pixels` or
             `blind`.
@@ -51,8 +72,7 @@ def make_named_env(
         KinetixError: A word is none of these; the sentence lists them.
     """
     changes: dict[str, Any] = {} if frame_skip is None else {"frame_skip": frame_skip}
-    static: StaticEnvParams
-    if level.endswith(RANDOM):
+    if isinstance(level, str) and level.endswith(RANDOM):
         size = level.removesuffix(RANDOM)
         if size not in SIZES:
             raise KinetixError(
@@ -62,12 +82,57 @@ def make_named_env(
         params = EnvParams()
         reset_fn = make_reset_fn_sample_kinetix_level(params, static)
     else:
-        _, static, params = load_from_json_file(level, physics=physics)
-        static = static_env_params_for_levels(level, static.replace(**changes))  # pyright: ignore[reportAttributeAccessIssue]
-        reset_fn = make_reset_fn_list_of_levels(level, static)
+        several: Any = level
+        if isinstance(level, str | Path) and not _has_several(level):
+            _, static, params = load_from_json_file(level, physics=physics)
+            static = static.replace(**changes)  # pyright: ignore[reportAttributeAccessIssue]
+        else:
+            several, params = _all_of(level), EnvParams()
+            capacity = common_capacity(each.level for each in several)
+            static = static_env_params_of(capacity, physics=physics, **changes)
+        static = static_env_params_for_levels(several, static)
+        reset_fn = make_reset_fn_list_of_levels(several, static)
     if dense_reward_scale is not None:
         params = params.replace(dense_reward_scale=dense_reward_scale)  # pyright: ignore[reportAttributeAccessIssue]
     env: Any = make_kinetix_env(
         action_type, observation_type, reset_fn, params, static, auto_reset=auto_reset
     )
     return env
+
+
+def _has_several(name: str | Path) -> bool:
+    """Whether this is a folder or a level set, not a level."""
+    path = Path(name) if os.path.exists(name) else named_levels(name)
+    return path is not None and (os.path.isdir(path) or is_set_file(path))
+
+
+def _all_of(levels: Levels) -> list[SetLevel]:
+    """The levels, one by one.
+
+    Raises:
+        KinetixError: There is none, or something else among them.
+    """
+    if isinstance(levels, LoadedSet):
+        return list(levels.levels)
+    given = [levels] if isinstance(levels, str | Path | Level) else levels
+    if not isinstance(given, Iterable):
+        raise _no_level(given)
+    found: list[SetLevel] = []
+    for each in given:
+        if isinstance(each, SetLevel):
+            found.append(each)
+        elif isinstance(each, Level):
+            found.append(SetLevel(name=each.name, level=each, sha256=level_hash(each)))
+        elif isinstance(each, str | Path):
+            found += gather_levels([each])
+        else:
+            raise _no_level(each)
+    if not found:
+        raise KinetixError("level is empty: expected at least one level")
+    return found
+
+
+def _no_level(given: Any) -> KinetixError:
+    return KinetixError(
+        f"level: expected levels, files, folders or level sets, got {type(given).__name__}"
+    )

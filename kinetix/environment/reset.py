@@ -27,6 +27,7 @@ from kinetix.environment.params import (
 )
 from kinetix.environment.params import physics_engine as physics_engine_of
 from kinetix.environment.rearrange import check_bindings, expand_state, permute_state
+from kinetix.environment.sharing import digest, shared
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import LoadedLevel, load_document
@@ -162,7 +163,8 @@ def make_reset_fn_list_of_levels(
     if not entries:
         raise KinetixError("levels is empty: expected at least one level")
     stacked = stack_states([level_state(level, static_env_params) for level in entries])
-    return _OneOf(levels=stacked, edges=(np.cumsum(weights) / np.sum(weights))[:-1])
+    edges = (np.cumsum(weights) / np.sum(weights))[:-1]
+    return shared(_OneOf(levels=stacked, edges=edges), digest((stacked, edges)))
 
 
 def static_env_params_for_levels(
@@ -210,13 +212,14 @@ def make_reset_fn_sample_kinetix_level(
     if not isinstance(ued_params, UEDParams | None):
         kind = type(ued_params).__name__
         raise KinetixError(f"ued_params: expected UEDParams(…), got {kind}")
-    return functools.partial(
-        sample_kinetix_level,
-        physics_engine=physics_engine or physics_engine_of(static_env_params),
-        env_params=env_params,
-        static_env_params=static_env_params,
-        ued_params=UEDParams() if ued_params is None else ued_params,
-    )
+    options: dict[str, Any] = {
+        "physics_engine": physics_engine or physics_engine_of(static_env_params),
+        "env_params": env_params,
+        "static_env_params": static_env_params,
+        "ued_params": UEDParams() if ued_params is None else ued_params,
+    }
+    draw = functools.partial(sample_kinetix_level, **options)
+    return shared(draw, sample_kinetix_level, *options.values())
 
 
 def make_reset_fn_sample_sizes(
@@ -232,7 +235,7 @@ def make_reset_fn_sample_sizes(
     from kinetix.environment.generators.starts import mixed_sampler
 
     options = UEDParams() if ued_params is None else ued_params
-    return functools.partial(_draw, mixed_sampler, physics_engine_of(static_env_params), options)
+    return _drawing(mixed_sampler, physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_locomotion(
@@ -247,13 +250,16 @@ def make_reset_fn_locomotion(
     from kinetix.environment.generators.locomotion import LocomotionParams, locomotion_sampler
 
     options = LocomotionParams() if locomotion_params is None else locomotion_params
-    engine = physics_engine_of(static_env_params)
-    return functools.partial(_draw, locomotion_sampler, engine, options)
+    return _drawing(locomotion_sampler, physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
     """A reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
+
+
+def _drawing(*made_of: Any) -> ResetFunction:
+    return shared(functools.partial(_draw, *made_of), *made_of)
 
 
 def _draw(

@@ -36,7 +36,10 @@ def gymnasium_space(space: spaces.Space, name: str = "") -> gymnasium.Space[Any]
 
 
 def numpy_observation(observation: Any) -> Any:
-    """Return an observation, or a batch, as numpy arrays; parts by name as a dictionary."""
+    """Return an observation, or a batch, as numpy arrays of its own; parts by name as a dictionary.
+
+    Whoever gets them may write into them: JAX's own memory may only be read.
+    """
     if hasattr(observation, "_asdict"):
         observation = observation._asdict()
     if isinstance(observation, Mapping):
@@ -50,4 +53,4 @@ def _array(part: Any, name: str = "") -> np.ndarray:
     if name == IMAGE:
         upright = np.moveaxis(array, -3, -2)[..., ::-1, :, :]
         return np.round(upright * 255).astype(np.uint8)
-    return array.astype(np.int8) if array.dtype == np.bool_ else array
+    return array.astype(np.int8 if array.dtype == np.bool_ else array.dtype)

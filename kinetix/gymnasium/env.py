@@ -5,24 +5,23 @@ from typing import Any
 
 import gymnasium
 import jax
-import numpy as np
 
-from kinetix.environment.named import FIRST_LEVEL, make_named_env
+from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
+from kinetix.gymnasium.checks import SEEDS, checked_options, numbers_of, refuse_forked_process
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 
 RENDER_FPS = 30
 """Environment steps a second, at two physics steps each."""
-SEEDS = 2**31
-"""Keys are drawn from so many."""
 
 
 class KinetixGymEnv(gymnasium.Env[Any, Any]):
     """Play levels through `reset`, `step` and `render`.
 
     The reward is +1 when green touches blue, −1 when green touches red, plus the distance reward; a
-    touch terminates the episode, the time limit truncates it. `info["solved"]` tells a win.
+    touch terminates the episode, the time limit truncates it. `info["solved"]` tells a win; so does
+    `info["is_success"]`, of which stable-baselines3 makes its success rate.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (Gymnasium's own is one, too)
@@ -31,20 +30,22 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
     }
 
     def __init__(
-        self, level: str = FIRST_LEVEL, *, render_mode: str | None = None, **options: Any
+        self, level: Levels = FIRST_LEVEL, *, render_mode: str | None = None, **options: Any
     ) -> None:
         """Make the environment.
 
         Args:
-            level: A level file, the name of a bundled level, or `s-random`, `m-random`,
-                `l-random`.
+            level: A level, its file, or the name of a bundled one; `s-random`, `m-random`,
+                `l-random`; or several: a folder, a level set, a list of levels.
             render_mode: `rgb_array`, or None.
             **options: `action_type`, `observation_type`, `physics`, `dense_reward_scale`,
                 `frame_skip`; see `kinetix.environment.named.make_named_env`.
 
         Raises:
-            KinetixError: A word is unknown; the sentence lists those that are known.
+            KinetixError: A word is unknown; the sentence lists those that are known. Or the process
+                was forked from one in which JAX runs.
         """
+        refuse_forked_process()
         _check_render_mode(render_mode)
         self.render_mode = render_mode
         self.kinetix_env = make_named_env(level, auto_reset=False, **options)
@@ -60,10 +61,13 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         Args:
             seed: Draws this level and all later ones.
             options: `{"level": …}`: a level of the same size instead of a drawn one.
+
+        Raises:
+            KinetixError: There is no such option, or the level does not fit.
         """
+        level = checked_options(options, "level").get("level")
         super().reset(seed=seed)
         key = jax.random.key(int(self.np_random.integers(SEEDS)))
-        level = (options or {}).get("level")
         override = None
         if level is not None:
             override = level_state(level, self.kinetix_env.static_env_params)
@@ -75,7 +79,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         if self._state is None:
             raise KinetixError("step: call reset first")
         observation, self._state, reward, done, info = self.kinetix_env.step(
-            _NO_KEY, self._state, np.asarray(action)
+            _NO_KEY, self._state, numbers_of(action)
         )
         truncated = bool(info["truncated"])
         return (
@@ -101,6 +105,7 @@ def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
     """Return the info of a step as Python numbers."""
     return {
         "solved": bool(info["GoalR"]),
+        "is_success": bool(info["GoalR"]),
         "distance": float(info["distance"]),
         "nan": bool(info["nan"]),
     }

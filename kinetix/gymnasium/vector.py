@@ -11,10 +11,11 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from jaxtyping import Array, Bool
 
-from kinetix.environment.named import FIRST_LEVEL, make_named_env
+from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
+from kinetix.gymnasium.checks import LAST_SEED, SEEDS, checked_options, checked_seed, numbers_of
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
-from kinetix.gymnasium.env import RENDER_FPS, SEEDS
+from kinetix.gymnasium.env import RENDER_FPS
 from kinetix.render.pixels import make_render_pixels
 
 
@@ -37,7 +38,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def __init__(
         self,
         num_envs: int = 1,
-        level: str = FIRST_LEVEL,
+        level: Levels = FIRST_LEVEL,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
@@ -72,10 +73,26 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._state: Any = None
         self._ended = np.zeros(num_envs, bool)
+        self._compile()
+
+    def _compile(self) -> None:
         self._reset = jax.jit(jax.vmap(self.kinetix_env.reset))
         self._advance = jax.jit(self._step)
         params, static = self.kinetix_env.env_params, self.kinetix_env.static_env_params
         self._draw = jax.jit(jax.vmap(make_render_pixels(params, static)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Everything but what is compiled."""
+        return {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in ("_reset", "_advance", "_draw")
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Compile anew."""
+        self.__dict__.update(state)
+        self._compile()
 
     def reset(
         self,
@@ -88,13 +105,14 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Args:
             seed: One for all (environment i gets seed + i), or one each.
             options: `{"reset_mask": mask}`: which environments start anew.
+
+        Raises:
+            KinetixError: There is no such option, the mask or the seeds are of another number, or
+                a seed is out of range.
         """
-        mask = (options or {}).get("reset_mask")
-        first = seed if isinstance(seed, int) else None
-        super().reset(seed=first)
-        observation, state = self._reset(self._keys(seed))
+        mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
+        observation, state = self._reset(self._first_keys(seed))
         if mask is not None and self._state is not None:
-            mask = np.asarray(mask, bool)
             chosen = jnp.asarray(mask)
             observation, state = _select(
                 chosen, (observation, state), (self._observation, self._state)
@@ -109,13 +127,13 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Play one action in every environment."""
         if self._state is None:
             raise KinetixError("step: call reset first")
-        actions = np.asarray(actions)
+        actions = numbers_of(actions)
         if actions.shape[:1] != (self.num_envs,):
             raise KinetixError(
                 f"actions of shape {actions.shape}: expected {self.num_envs} of them, one per "
                 "environment"
             )
-        keys = self._keys(None)
+        keys = self._keys()
         self._observation, self._state, told, final = self._advance(
             keys, self._state, actions, jnp.asarray(self._ended)
         )
@@ -137,16 +155,34 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         pixels = np.asarray(self._draw(self._state).astype(jnp.uint8))
         return tuple(pixels.transpose(0, 2, 1, 3)[:, ::-1])
 
-    def _keys(self, seed: int | Sequence[int | None] | None) -> Array:
-        if isinstance(seed, int):
-            seeds = [seed + index for index in range(self.num_envs)]
-        else:
-            drawn = self.np_random.integers(SEEDS, size=self.num_envs).tolist()
-            given = [None] * self.num_envs if seed is None else list(seed)
-            if len(given) != self.num_envs:
-                raise KinetixError(f"{len(given)} seeds: expected {self.num_envs}, or one for all")
-            seeds = [own if one is None else one for own, one in zip(drawn, given, strict=True)]
-        return jax.vmap(jax.random.key)(jnp.array(seeds, jnp.uint32))
+    def _mask(self, mask: Any) -> np.ndarray | None:
+        if mask is not None and np.shape(mask) != (self.num_envs,):
+            raise KinetixError(
+                f"reset_mask of shape {np.shape(mask)}: expected {self.num_envs} truth values"
+            )
+        return None if mask is None else np.asarray(mask, bool)
+
+    def _first_keys(self, seed: Any) -> Array:
+        """The keys of a reset; what is drawn later hangs on the seeds too."""
+        if seed is None:
+            return self._keys()
+        if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str):
+            if len(seed) != self.num_envs:
+                raise KinetixError(f"{len(seed)} seeds: expected {self.num_envs}, or one for all")
+            own = [None if one is None else checked_seed(one) for one in seed]
+            known = [one for one in own if one is not None]
+            if len(known) == len(own):
+                self._np_random = np.random.default_rng(known)
+            return self._keys(own)
+        first = checked_seed(seed)
+        super().reset(seed=first)
+        return self._keys([(first + index) % (LAST_SEED + 1) for index in range(self.num_envs)])
+
+    def _keys(self, seeds: Sequence[int | None] | None = None) -> Array:
+        drawn = self.np_random.integers(SEEDS, size=self.num_envs).tolist()
+        given = [None] * self.num_envs if seeds is None else seeds
+        chosen = [own if one is None else one for own, one in zip(drawn, given, strict=True)]
+        return jax.vmap(jax.random.key)(jnp.array(chosen, jnp.uint32))
 
     def _step(
         self, keys: Array, state: Any, actions: Array, ended: Bool[Array, " n"]

@@ -1,4 +1,4 @@
-"""Towers that become heavier upwards: no two neighbours are very unlike, yet the lowest bears all."""
+"""Towers that become heavier upwards: neighbours are alike, yet the lowest bears all."""
 
 import random
 

@@ -1,5 +1,9 @@
 """Gymnasium's own checks, its modes of starting anew, its films."""
 
+import pickle
+import subprocess
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
@@ -154,3 +158,82 @@ def test_what_is_wrong_is_said(same):
     same.reset(seed=0)
     with pytest.raises(KinetixError, match="expected 3 of them"):
         same.step(np.zeros((2, 6), int))
+
+
+def test_observations_may_be_written_into(same):
+    env = KinetixGymEnv(**LEVEL)
+    for observation, _ in (env.reset(seed=0), same.reset(seed=0)):
+        observation[:] = 0.0
+
+
+def test_equal_environments_compile_once():
+    first, second = (KinetixGymEnv(**LEVEL).kinetix_env for _ in range(2))
+    assert first == second and hash(first) == hash(second)
+
+
+def test_several_levels_are_played(tmp_path):
+    flight = kinetix.load_level("s/first_flight")
+    for name in ("a", "b"):
+        kinetix.save_level(flight.replace(name=name), tmp_path / f"{name}.json")
+    given = (flight, ["s/goalkeeper", flight], tmp_path, str(tmp_path), "sets/s", "s")
+    drawn = [len(KinetixGymEnv(level).kinetix_env.reset_fn.edges) + 1 for level in given]
+    assert drawn[:4] == [1, 2, 2, 2] and drawn[4] == drawn[5] > 2
+    for wrong in (3, [3], []):
+        with pytest.raises(KinetixError, match="level"):
+            KinetixGymEnv(wrong)
+
+
+def test_a_seed_each_decides_what_comes_later_too():
+    runs = []
+    for _ in range(2):
+        env = KinetixVectorEnv(2, "s-random", physics="jax2d")
+        env.reset(seed=[1, 2])
+        runs.append(env._keys())
+    assert (runs[0] == runs[1]).all()
+
+
+@pytest.mark.parametrize("seed", ["a", 2**40, -1, 1.5, [1, "b"], [1]])
+def test_seeds_that_cannot_be_are_refused(same, seed):
+    with pytest.raises(KinetixError, match="seed"):
+        same.reset(seed=seed)
+    same.reset(seed=np.int64(3))
+
+
+def test_options_and_actions_that_mean_nothing_are_refused(same):
+    env = KinetixGymEnv(**LEVEL)
+    env.reset(seed=0)
+    for options in ({"lvl": 1}, 3):
+        with pytest.raises(KinetixError, match="level"):
+            env.reset(options=options)
+    for action in (None, "x", [None] * 6):
+        with pytest.raises(KinetixError, match="numbers"):
+            env.step(action)
+    with pytest.raises(KinetixError, match="reset_mask"):
+        same.reset(options={"level": "s/goalkeeper"})
+    with pytest.raises(KinetixError, match="3 truth values"):
+        same.reset(options={"reset_mask": [True]})
+
+
+def test_a_batch_can_be_pickled(same):
+    first, _ = same.reset(seed=4)
+    again, _ = pickle.loads(pickle.dumps(same)).reset(seed=4)
+    np.testing.assert_array_equal(first, again)
+
+
+FORK = """
+import gymnasium
+import kinetix.gymnasium
+
+fork = {"context": "fork"}
+gymnasium.make_vec(
+    "Kinetix/level-v0", num_envs=2, vectorization_mode="async", vector_kwargs=fork
+)
+"""
+
+
+@pytest.mark.slow
+def test_a_forked_process_is_refused_rather_than_waiting_for_ever():
+    command = [sys.executable, "-W", "ignore", "-c", FORK]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    assert ended.returncode
+    assert "would hang" in ended.stderr and "spawn" in ended.stderr

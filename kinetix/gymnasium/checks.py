@@ -1,0 +1,91 @@
+"""What callers of Gymnasium's methods pass, checked, and the process that they call from."""
+
+import os
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from kinetix.errors import KinetixError
+
+SEEDS: Final = 2**31
+"""Keys are drawn from so many."""
+LAST_SEED: Final = 2**32 - 1
+
+
+_forks: list[int] = []
+"""Grows in a process that was forked from one which had this module, and so JAX's threads."""
+
+if hasattr(os, "register_at_fork"):  # not on Windows, where nothing forks
+    os.register_at_fork(after_in_child=lambda: _forks.append(os.getpid()))
+
+
+def refuse_forked_process() -> None:
+    """Refuse to compute where JAX would wait for threads that a fork has left behind.
+
+    Raises:
+        KinetixError: This process was forked from one that had started JAX.
+    """
+    if _forks:
+        raise KinetixError(
+            "this process was forked from one in which JAX runs, and would hang: start it anew, "
+            'as gymnasium.make_vec(…, vector_kwargs={"context": "spawn"}) or '
+            'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
+            "gymnasium.make_vec as it is"
+        )
+
+
+def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
+    """The options of a reset; empty where there are none.
+
+    Args:
+        options: What the caller passed.
+        *known: The names that mean something.
+
+    Raises:
+        KinetixError: It is no dictionary, or has another name.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        kind = type(options).__name__
+        raise KinetixError(
+            f"reset options: expected a dictionary with {_listed(known)}, got {kind}"
+        )
+    for name in options:
+        if name not in known:
+            raise KinetixError(f"reset option {name!r}: expected {_listed(known)}")
+    return options
+
+
+def checked_seed(seed: Any) -> int:
+    """A seed as a Python number.
+
+    Raises:
+        KinetixError: It is no whole number, or too large.
+    """
+    whole = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
+    if not whole or not 0 <= seed <= LAST_SEED:
+        raise KinetixError(f"seed={seed!r}: expected a whole number from 0 to {LAST_SEED}")
+    return int(seed)
+
+
+def numbers_of(action: Any) -> np.ndarray:
+    """An action, or a batch, as a numpy array.
+
+    Raises:
+        KinetixError: It holds something else than numbers.
+    """
+    array = np.asarray(action)
+    if array.dtype.kind not in "biuf":
+        kind = type(action).__name__
+        raise KinetixError(
+            f"action: expected numbers as env.action_space.sample() draws, got {kind}"
+        )
+    if array.dtype.kind == "f" and np.isnan(array).any():
+        raise KinetixError("action: holds a NaN; expected numbers")
+    return array
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return " or ".join(map(repr, names))
