@@ -17,12 +17,16 @@ training."""
 DEFAULT = "balanced"
 
 
-def solver_named(name: str) -> AbstractSolver:
-    """The solver behind a preset's or a solver's name.
+def solver_named(name: str | AbstractSolver) -> AbstractSolver:
+    """The solver behind a preset's or a solver's name; a solver is its own.
 
     Raises:
         KinetixError: The name is neither; the message lists the valid ones.
     """
+    if isinstance(name, AbstractSolver):
+        return name
+    if not isinstance(name, str):
+        raise KinetixError(f"physics: expected a name or a solver, got {type(name).__name__}")
     solver = PRESETS.get(name) or SOLVERS.get(name)
     if solver is None:
         raise KinetixError(

@@ -419,8 +419,10 @@ class DummyEnv:
 
 
 def make_kinetix_env(  # noqa: PLR0913 (the public signature)
-    action_type: ActionType | str = ActionType.MULTI_DISCRETE,
-    observation_type: ObservationType | str = ObservationType.SYMBOLIC_ENTITY,
+    action_type: ActionType | str | type[AbstractAction] = ActionType.MULTI_DISCRETE,
+    observation_type: (
+        ObservationType | str | type[AbstractObservation]
+    ) = ObservationType.SYMBOLIC_ENTITY,
     reset_fn: ResetFunction | None = None,
     env_params: EnvParams | None = None,
     static_env_params: StaticEnvParams | None = None,
@@ -433,8 +435,8 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     """Make an environment.
 
     Args:
-        action_type: Kind of action, or its name.
-        observation_type: Kind of observation, or its name.
+        action_type: Kind of action, its name, or a class of one's own.
+        observation_type: Kind of observation, its name, or a class of one's own.
         reset_fn: Draws the state in which an episode starts; None: levels are given to `reset`
             and `step` as overrides.
         env_params: Parameters that need no compilation.
@@ -453,16 +455,16 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     check_parts(reset_fn, env_params, static_env_params)
     static_env_params = with_parity(static_env_params, parity)
     physics_engine(static_env_params)
-    action_kind = ACTIONS[_member(ActionType, "action_type", action_type).value]
-    observation = _member(ObservationType, "observation_type", observation_type)
+    actions = _kind(action_type, AbstractAction, "action_type", ActionType, ACTIONS)
+    observations = _kind(
+        observation_type, AbstractObservation, "observation_type", ObservationType, OBSERVATIONS
+    )
     env = KinetixEnv(
-        actions=action_kind(
+        actions=actions(
             motor_bindings=static_env_params.num_motor_bindings,
             thruster_bindings=static_env_params.num_thruster_bindings,
         ),
-        observations=OBSERVATIONS[observation.value](
-            layout=Layout.of(env_params, static_env_params)
-        ),
+        observations=observations(layout=Layout.of(env_params, static_env_params)),
         reset_fn=reset_fn,
         env_params=env_params,
         static_env_params=static_env_params,
@@ -472,14 +474,18 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     return DummyEnv(env=env) if create_dummy_env else env
 
 
-def _member(kind: Any, argument: str, value: Any) -> Any:
-    """The member of an enumeration that a value or a name means."""
-    value = getattr(value, "value", value)
+def _kind(value: Any, base: type, argument: str, names: Any, table: dict[str, Any]) -> Any:
+    """The class that a value means: itself, or one from the table by its name."""
+    if isinstance(value, type) and issubclass(value, base):
+        return value
+    name = value if isinstance(value, type) else getattr(value, "value", value)
     try:
-        return kind(value.lower() if isinstance(value, str) else value)
+        return table[names(name.lower() if isinstance(name, str) else name).value]
     except ValueError:
-        names = ", ".join(member.value for member in kind)
-        raise KinetixError(f"{argument}={value!r}: expected one of {names}") from None
+        known = ", ".join(member.value for member in names)
+        raise KinetixError(
+            f"{argument}={name!r}: expected one of {known}, or a class made from {base.__name__}"
+        ) from None
 
 
 __getattr__ = lazy_names(__name__)[0]

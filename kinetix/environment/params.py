@@ -109,7 +109,7 @@ class StaticEnvParams:
     """Action channels of motors."""
     num_thruster_bindings: int = static(default=2)
     """Action channels of thrusters."""
-    physics: str = static(default="balanced")
+    physics: str | AbstractSolver = static(default="balanced")
     """Physics preset, or a solver's name at its default settings."""
     touch_includes_joined: bool = static(default=True)
     """True if two bodies of one jointed component that overlap count as touching."""

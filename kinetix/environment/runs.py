@@ -86,7 +86,7 @@ def simulate(
     level: Level | str | Path,
     seconds: float,
     *,
-    physics: str = "balanced",
+    physics: str | AbstractSolver = "balanced",
     actions: Any = None,
     dt: float = 1 / 60,
     specialised: bool = True,
@@ -100,7 +100,8 @@ def simulate(
     Args:
         level: Any level, its file, or the name of a bundled one.
         seconds: For how long.
-        physics: A preset or a solver; `reference` computes in binary64.
+        physics: A preset, or a solver: by its name, or one of one's own; `reference` computes in
+            binary64.
         actions: What drives motors and thrusters: nothing (motors with `auto` run all the same);
             six numbers (motor channels −1 … 1, then thruster channels 0 … 1) that are held; a row
             of them per step; or a `Solution`, such as the level's own.
@@ -146,7 +147,7 @@ def simulate(
     position, rotation, velocity, angular = (_frozen(x[: steps + 1, order]) for x in moved)
     return Run(
         level=level,
-        physics=physics,
+        physics=physics if isinstance(physics, str) else repr(physics),
         ids=_frozen(np.array([body.id for body in level.bodies], int)),
         time=_frozen(np.arange(steps + 1) * dt),
         position=position,

@@ -19,6 +19,8 @@ from kinetix import (
     static_env_params_from_size,
     vectorize,
 )
+from kinetix.engine.presets import solver_named
+from kinetix.environment.params import physics_engine
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
 from tests.environment.conftest import small_level
@@ -236,3 +238,21 @@ def test_pictures_of_what_is_no_state(small_env, small_state, small_static):
 def test_one_world_where_many_are_expected(small_env, small_state):
     with pytest.raises(KinetixError, match=r"a single one: jax\.random\.split"):
         vectorize(small_env).reset(KEY, None, small_state)
+
+
+def test_classes_and_solvers_of_ones_own_are_taken(small_env):
+    class Mine(type(small_env.observations)):
+        name = "mine"
+
+    env = make_kinetix_env("discrete", Mine, None, EnvParams(), small_env.static_env_params)
+    assert env.observations == Mine(layout=env.observations.layout)
+    solver = solver_named("jax2d")
+    static = dataclasses.replace(small_env.static_env_params, physics=solver)
+    assert (
+        physics_engine(static).solver
+        == physics_engine(dataclasses.replace(static, physics="jax2d")).solver
+    )
+    with pytest.raises(KinetixError, match="AbstractObservation"):
+        make_kinetix_env("discrete", dict)
+    with pytest.raises(KinetixError, match="name or a solver"):
+        physics_engine(dataclasses.replace(static, physics=3))

@@ -50,7 +50,7 @@ def _win(level: Level, env: KinetixEnv) -> Demonstration:
             pass  # It wins no more here: another one is searched for.
         else:
             return recorded
-    found = solve_level(level, physics=static.physics, seconds=SECONDS)
+    found = solve_level(level, physics=str(static.physics), seconds=SECONDS)
     if found is None:
         raise KinetixError(
             f"{level.name}: no win was found in {SECONDS:g} s to begin episodes from; record a "

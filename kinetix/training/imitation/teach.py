@@ -304,7 +304,7 @@ class _Search:
                 winning_plan(
                     level,
                     plan[: steps[k]],
-                    physics=static.physics,
+                    physics=str(static.physics),
                     frame_skip=static.frame_skip,
                     seed=self._config.seed,
                     attempt=copy,
