@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from kinetix.cores import use_all_cores
+from kinetix.errors import KinetixError
 from kinetix.failures import guarded, plain_streams
 from kinetix.files.caches import tidy_caches
 from kinetix.paths import cache_dir
@@ -40,6 +41,7 @@ COMMANDS: Final[dict[str, str]] = {
 _MEASURES_COMPILING: Final = "bench"
 _CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
 _FEWEST_COLUMNS: Final = 20
+_LAST_SEED: Final = 2**32 - 1
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -86,6 +88,7 @@ def _run(name: str, words: Sequence[str]) -> int:
         command = _parse(module, name, words)
     except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
         return stop.code if isinstance(stop.code, int) else 2
+    _check_seed(name, command)
     with plain_streams():
         if hasattr(command, "cores"):
             use_all_cores(command.cores, unless_started=command.cores is None)
@@ -93,6 +96,13 @@ def _run(name: str, words: Sequence[str]) -> int:
     if "jax" in sys.modules:  # it may have written to its cache
         tidy_caches()
     return status
+
+
+def _check_seed(name: str, command: Any) -> None:
+    """Refuse what JAX's generator cannot be seeded with; levels and sets are drawn by Python's."""
+    seed = getattr(command, "seed", None)
+    if name not in ("sample", "levelset") and isinstance(seed, int) and not 0 <= seed <= _LAST_SEED:
+        raise KinetixError(f"--seed {seed}: expected a whole number from 0 to {_LAST_SEED}")
 
 
 def _can_be_filled(folder: Path) -> bool:

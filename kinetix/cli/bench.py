@@ -339,10 +339,13 @@ def _integers(option: str, text: str) -> tuple[int, ...]:
     if text == "none":
         return ()
     try:
-        return tuple(int(part) for part in text.split(","))
+        numbers = tuple(int(part) for part in text.split(","))
+        if min(numbers) < 1:
+            raise ValueError
+        return numbers
     except ValueError:
         raise KinetixError(
-            f"{option} {text}: expected whole numbers with commas between them, such as 1,64"
+            f"{option} {text}: expected whole numbers from 1 with commas between them, such as 1,64"
         ) from None
 
 

@@ -242,6 +242,14 @@ def _verify(command: VerifyDataset) -> int:
         for name, value in told.items():
             print(f"{name:9} {_briefly(value)}")
         _tell_untold(command.folder, untold)
+    if differ:
+        print(
+            f"{command.folder}: {plural(len(differ), 'episode')} of `differ` end otherwise when "
+            "they are played again, as steps are computed otherwise on this machine or in this "
+            "version; --json lists them. `kinetix dataset record` or `kinetix teach` makes them "
+            "anew",
+            file=sys.stderr,
+        )
     return 1 if differ or unlisted else 0
 
 

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import json as json_module
 import os
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +16,8 @@ from kinetix.bundled import named_levels
 from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.errors import LevelError
+from kinetix.files.regular import read_bytes
+from kinetix.level.atomic import backup_of
 from kinetix.level.codec import load_document
 from kinetix.level.set_building import build_set, split_set
 from kinetix.level.sets import (
@@ -102,7 +105,7 @@ def _build(command: Build) -> int:
         seed=command.seed,
     )
     command.out.parent.mkdir(parents=True, exist_ok=True)
-    save_set(made, command.out, inline=command.inline)
+    _save(made, command.out, inline=command.inline)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
     if not command.inline:
         print("It names the levels by their paths; --inline puts them into the file.")
@@ -118,9 +121,17 @@ def _split(command: Split) -> int:
     loaded = load_set(command.source)
     folder = command.source.parent
     made = split_set(loaded, split=command.split, seed=command.seed, folder=folder)
-    save_set(made, command.source)
+    _save(made, command.source, inline=False)
     print(_summary(command.source, made))
     return 0
+
+
+def _save(made: LoadedSet, path: Path, *, inline: bool) -> None:
+    """Write a set; weights and a split that somebody has put into the old one are not lost."""
+    before = read_bytes(path, "set") if os.path.isfile(path) else b""
+    save_set(made, path, inline=inline, backup=True)
+    if before and before != read_bytes(path, "set"):
+        print(f"{backup_of(path)}: the set that {path.name} held before", file=sys.stderr)
 
 
 def _summary(path: Path, made: LoadedSet, *, doubles: int = 0) -> str:

@@ -1,7 +1,10 @@
 """Search for actions that win levels; exit status 1 unless some are found for each of them."""
 
+import contextlib
 import dataclasses
+import math
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,8 +12,10 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.terminal import announced
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_document, save_level
+from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import SetLevel, gather_levels
 from kinetix.level.sizes import capacity_of
@@ -37,7 +42,7 @@ class Solve:
     seed: int = 0
     """Seed of the search."""
     seconds: float = 60.0
-    """Time to search for each level [s]; where there are many, compilation comes on top."""
+    """Time to search for each level [s]; compilation comes on top."""
     write: bool = False
     """Record the actions in the level's file; a recorded solution that wins no more is dropped."""
     unsolved: bool = False
@@ -59,12 +64,21 @@ def run(command: Solve) -> int:
     """
     if not command.levels:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
+    if not 0 <= command.seconds < math.inf:
+        raise LevelError(f"--seconds {command.seconds}: expected a number from 0")
     given = gather_levels(command.levels)
     chosen = list(_tasks(given, write=command.write))
     complete = len(chosen) == len(given)
     if command.unsolved:
-        chosen = [each for each in chosen if not _proven(each.level)]
-    found = [_solve(each, command, env) for each, env in _with_environments(chosen, command)]
+        won = [each for each in chosen if _proven(each.level)]
+        chosen = [each for each in chosen if each not in won]
+        if won:
+            print(f"{plural(len(won), 'recorded solution')} won, left out", file=sys.stderr)
+    titles = _titles(chosen)
+    found = [
+        _solve(each, titles[each.name], command, env)
+        for each, env in _with_environments(chosen, command)
+    ]
     return 0 if complete and all(found) else 1
 
 
@@ -122,33 +136,49 @@ def _with_environments(
         yield from ((each, env) for each in alike)
 
 
-def _solve(each: SetLevel, command: Solve, env: "KinetixEnv") -> bool:
+def _titles(chosen: list[SetLevel]) -> dict[str, str]:
+    """What each is called: by its title, with its place where several have the same."""
+    often = Counter(each.level.name for each in chosen)
+    return {
+        each.name: each.level.name
+        if often[each.level.name] == 1
+        else f"{each.level.name} ({each.path or each.name})"
+        for each in chosen
+    }
+
+
+def _solve(each: SetLevel, title: str, command: Solve, env: "KinetixEnv") -> bool:
     from kinetix.environment.search import solve_level
 
     level, last = each.level, None
+    compiling = contextlib.ExitStack()
 
     def report(progress: "SearchProgress") -> None:
         nonlocal last
         last = progress
+        compiling.close()
         _show(progress)
 
-    solution = solve_level(
-        level,
-        physics=command.physics,
-        seed=command.seed,
-        seconds=command.seconds,
-        report=report,
-        env=env,
-    )
+    with compiling:
+        compiling.enter_context(announced(f"{title}: compiling the search"))
+        solution = solve_level(
+            level,
+            physics=command.physics,
+            seed=command.seed,
+            seconds=command.seconds,
+            report=report,
+            env=env,
+        )
     if solution is None:
-        print(f"{level.name}: no solution found {_searched(last)}", file=sys.stderr)
+        still = "" if channels_in_use(level) else "; it has no motor or thruster that a key drives"
+        print(f"{title}: no solution found {_searched(last)}{still}", file=sys.stderr)
         if command.write and each.path and level.solution and not _proven(level):
             tags = (*(tag for tag in level.tags if tag != _UNSOLVED), _UNSOLVED)
             save_level(level.replace(solution=None, tags=tags), each.path)
             print(f"dropped the solution in {each.path}: it does not win", flush=True)
         return False
     steps = solution.steps
-    print(f"{level.name}: won after {plural(steps, 'step')} under {solution.physics}", flush=True)
+    print(f"{title}: won after {plural(steps, 'step')} under {solution.physics}", flush=True)
     if command.write and each.path:
         _record(level, solution, each.path)
     return True

@@ -1,11 +1,13 @@
 """The layout of kinetix-env's offline data: states and actions of trajectories of 256 steps.
 
 Fields are named as there: `action`, `done`, `action_mask`, and `env_state/` with every array of a
-state. Its published shards are zarr archives; these are `.npz` files with the same fields.
+state. Its published shards are zarr archives; these are `.npz` files with the same fields. What the
+layout has no field for, such as the physics, stands beside them in `ORIGINS`.
 """
 
 import dataclasses
 import io
+import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator
@@ -15,10 +17,12 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from kinetix.datasets.episode import CONTROLS, RecordedEpisode
+from kinetix.datasets.episode import CONTROLS, RecordedEpisode, Source
 from kinetix.engine.pairs import pair_counts
+from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
+from kinetix.files.json_text import read_object
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
@@ -26,6 +30,8 @@ from kinetix.level.model import MOTOR_BINDINGS, Level
 from kinetix.level.sizes import parse_capacity
 from kinetix.wording import plural
 
+ORIGINS: Final = "origins.json"
+"""File that says of our own trajectories where they are from; kinetix-env's have none."""
 STEPS: Final = 256
 """Environment steps in a trajectory; an episode that is over begins again."""
 PREFIX: Final = "env_state/"
@@ -46,6 +52,30 @@ _ALONE: Final = (
     "circle_densities",
     "timestep",
     "last_distance",
+)
+
+
+class _Origin(msgspec.Struct, frozen=True, kw_only=True):
+    """Where a trajectory is from."""
+
+    level: str
+    physics: str
+    frame_skip: int
+    outcome: Outcome
+    source: Source
+    player: str = ""
+    seed: int = 0
+    attempt: int = 0
+
+
+_FROM_KINETIX_ENV: Final = _Origin(
+    # Only successes are published there.
+    level="",
+    physics="jax2d",
+    frame_skip=2,
+    outcome="won",
+    source="agent",
+    player="kinetix-env",
 )
 
 
@@ -74,6 +104,7 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
     capacity = parse_capacity(size)
     rows: list[dict[str, np.ndarray]] = []
     left: list[str] = []
+    origins: list[_Origin] = []
     shards = count = 0
     for episode in episodes:
         if not episode.replays:
@@ -90,13 +121,21 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
             left.append(f"{episode.level.name}: left out: {error}")
             continue
         count += 1
+        origins.append(_origin(episode))
         if len(rows) == PER_SHARD:
             _write(out, shards, rows)
             rows, shards = [], shards + 1
     if rows:
         _write(out, shards, rows)
         shards += 1
+    told = {"trajectories": msgspec.to_builtins(origins)}
+    write_atomically(out / ORIGINS, (json.dumps(told, indent=1) + "\n").encode())
     return Written(trajectories=count, shards=shards, left_out=tuple(left))
+
+
+def _origin(episode: RecordedEpisode) -> _Origin:
+    told = {name: getattr(episode, name) for name in _Origin.__struct_fields__ if name != "level"}
+    return _Origin(level=episode.level.name, **told)
 
 
 def trajectory(episode: RecordedEpisode, capacity: Any) -> dict[str, np.ndarray]:
@@ -165,12 +204,13 @@ def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
     shards = sorted(folder.glob("*.npz"))
     if not shards:
         raise KinetixError(f"{folder}: expected shards (.npz) in kinetix-env's layout, found none")
+    origins = _origins(folder)
     for path in shards:
         arrays = read_npz(path, "episodes")
         try:
             for k in range(len(arrays["action"])):
                 rows = {name: values[k] for name, values in arrays.items()}
-                yield _episode(rows, f"{path}: trajectory {k}")
+                yield _episode(rows, f"{path}: trajectory {k}", next(origins))
         except KeyError as error:
             raise KinetixError(
                 f"{path}: expected the fields of kinetix-env's layout: {error} is missing"
@@ -179,7 +219,19 @@ def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
             raise KinetixError(f"{path}: expected trajectories of kinetix-env: {error}") from error
 
 
-def _episode(rows: dict[str, np.ndarray], name: str) -> RecordedEpisode:
+def _origins(folder: Path) -> Iterator[_Origin]:
+    """Where the trajectories of a folder are from, one after the other, without end."""
+    path = folder / ORIGINS
+    if os.path.isfile(path):
+        try:
+            told = read_object(path, "set").get("trajectories")
+            yield from msgspec.convert(told, list[_Origin])
+        except msgspec.ValidationError as error:
+            raise KinetixError(f"{path}: $.trajectories: {error}") from None
+    yield from itertools.repeat(_FROM_KINETIX_ENV)
+
+
+def _episode(rows: dict[str, np.ndarray], name: str, origin: _Origin) -> RecordedEpisode:
     action, done = rows["action"], rows["done"]
     if action.ndim != 2 or action.shape[1] != CONTROLS or done.shape != action.shape[:1]:
         raise ValueError(f"action has the shape {action.shape}, expected (steps, {CONTROLS})")
@@ -188,18 +240,23 @@ def _episode(rows: dict[str, np.ndarray], name: str) -> RecordedEpisode:
     motors = np.array([0.0, 1.0, -1.0], np.float32)[action[:length, :MOTOR_BINDINGS]]
     control = np.concatenate([motors, action[:length, MOTOR_BINDINGS:]], axis=1)
     reward = np.zeros(length, np.float32)
-    reward[-1] = float(bool(len(ends)))
     first = {key: values[0] for key, values in rows.items() if key.startswith(PREFIX)}
+    outcome = origin.outcome if len(ends) else "timeout"
+    reward[-1] = {"won": 1.0, "lost": -1.0}.get(outcome, 0.0)
+    level = _level(first, name)
+    if origin.level:
+        level = level.replace(name=origin.level)
     return RecordedEpisode(
-        level=_level(first, name),
+        level=level,
         control=control.astype(np.float32),
         reward=reward,
-        # Only successes are published there.
-        outcome="won" if len(ends) else "timeout",
-        physics="jax2d",
-        frame_skip=2,
-        source="agent",
-        player="kinetix-env",
+        outcome=outcome,
+        physics=origin.physics,
+        frame_skip=origin.frame_skip,
+        source=origin.source,
+        player=origin.player,
+        seed=origin.seed,
+        attempt=origin.attempt,
         replays=False,
     )
 

@@ -50,8 +50,9 @@ class SearchProgress:
     won: int
     """Plans that won."""
     distance: float
-    """Least distance between green and blue in a plan that was not lost [m]."""
+    """Least distance between green and blue [m]; of plans that were not lost, if there are any."""
     seconds: float
+    """Compiling included."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,6 +64,8 @@ class PlanResults:
     """Environment steps until the episode ended."""
     score: Float[np.ndarray, " n"]
     """The less the better."""
+    closest: float
+    """Least distance between green and blue [m], in a plan that was not lost where there is one."""
 
 
 def solve_level(
@@ -80,7 +83,8 @@ def solve_level(
         level: A level that is neither won nor lost at its start.
         physics: Physics preset under which the solution shall hold.
         seed: Same seed, same search (but for where the time runs out).
-        seconds: How long to search; the round that is on when time is up is finished.
+        seconds: How long to search; the round that is on when time is up is finished. The first
+            round of each kind is not counted, as it compiles.
         report: Called after each round without a solution.
         env: One of `solving_env` that covers this level; by default it is made for this one alone.
 
@@ -95,8 +99,12 @@ def solve_level(
     task = search_task(level, env, physics=physics, seed=seed)
     played = won = 0
     closest = np.inf
-    for way in itertools.cycle((_whole_plans(task), stretches(task))):
+    ways = _whole_plans(task), stretches(task)
+    compiled: float | None = None
+    for turn, way in enumerate(itertools.cycle(ways)):
         found = next(way)
+        if turn == len(ways) - 1:
+            compiled = time.perf_counter()
         if found.actions is not None:
             return Solution(
                 physics=physics,
@@ -105,9 +113,9 @@ def solve_level(
             )
         played, won = played + found.plans, won + found.won
         closest = min(closest, found.distance)
-        elapsed = time.perf_counter() - started
-        report(SearchProgress(plans=played, won=won, distance=closest, seconds=elapsed))
-        if elapsed > seconds or not task.channels:
+        now = time.perf_counter()
+        report(SearchProgress(plans=played, won=won, distance=closest, seconds=now - started))
+        if not task.channels or (compiled is not None and now - compiled >= seconds):
             return None
     raise AssertionError("a cycle has no end")
 
@@ -175,7 +183,7 @@ def _whole_plans(task: Task) -> Iterator[Round]:
             plans=len(plans),
             won=len(winners),
             actions=next(filter(task.wins, candidates), None),
-            distance=float(scores[0]),
+            distance=outcome.closest,
         )
         fresh = random_plans(task.random, FRESH, task.limit, task.channels)
         plans = np.concatenate([_varied(task, elite, BATCH - FRESH), fresh])
@@ -219,7 +227,10 @@ def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Pla
     padded = jnp.asarray(np.pad(plans, ((0, 0), (0, missing), (0, 0))))
     played = _rollout(task.env, all_to_the_end, task.start, padded)
     won, lost, steps, distance = (np.asarray(x) for x in played)
-    return PlanResults(won=won, steps=steps, score=distance + LOST * lost)
+    going = distance[~lost] if not lost.all() else distance
+    return PlanResults(
+        won=won, steps=steps, score=distance + LOST * lost, closest=float(going.min())
+    )
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1))

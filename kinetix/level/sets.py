@@ -19,7 +19,7 @@ from kinetix.bundled import named_levels, refuse_empty
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.files.limits import LIMITS, MIB
-from kinetix.level.atomic import write_atomically
+from kinetix.level.atomic import write_atomically, write_with_backup
 from kinetix.level.canonical import level_tree, record_tree, tree_text
 from kinetix.level.codec import (
     LEVELSET_FORMAT,
@@ -465,8 +465,16 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
     return tree_text(tree)
 
 
-def save_set(loaded: LoadedSet, path: str | Path, *, inline: bool = False) -> None:
+def save_set(
+    loaded: LoadedSet, path: str | Path, *, inline: bool = False, backup: bool = False
+) -> None:
     """Write a set atomically.
+
+    Args:
+        loaded: The set.
+        path: Its file.
+        inline: As for `dumps_set`.
+        backup: Whether another set that the file held stays beside it as `NAME.bak`.
 
     Raises:
         LevelError: The file cannot be written, would be too large to be read, or there is a file
@@ -481,4 +489,5 @@ def save_set(loaded: LoadedSet, path: str | Path, *, inline: bool = False) -> No
             f"{path}: a set of more than {largest // MIB} MiB could not be read again; put it "
             "beside its levels, without --inline"
         )
-    write_atomically(Path(path), data)
+    write = write_with_backup if backup else write_atomically
+    write(Path(path), data)

@@ -160,10 +160,7 @@ def train(
     _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
-    if config.rounded:
-        say(config.rounded)
-    if trainer.setup.cut_short():
-        say(f"warning: {trainer.setup.cut_short()}")
+    _say_first(trainer, config, say)
     with contextlib.ExitStack() as stack:
         if is_leader():
             stack.enter_context(locked_folder(out, "another training"))
@@ -210,6 +207,16 @@ def train(
             say(f"stopped after update {progress.updates}; saved, the same command resumes here")
             raise stop.error()
     return out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update)
+
+
+def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
+    """Say what a person may not expect of this training."""
+    if config.rounded:
+        say(config.rounded)
+    if isinstance(trainer, Clone):
+        say(trainer.told)
+    if trainer.setup.cut_short():
+        say(f"warning: {trainer.setup.cut_short()}")
 
 
 def _begin(

@@ -161,3 +161,15 @@ def test_a_set_does_not_take_the_place_of_a_level(tmp_path, capsys):
     made = str(tmp_path / "set.json")
     for _ in range(2):  # a set takes the place of a set
         assert main(["levelset", "build", made, "--levels", str(level)]) == 0
+
+
+def test_weights_set_by_hand_are_kept_beside_a_set_that_is_built_anew(folder, capsys):
+    made = folder / "set.json"
+    assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
+    assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
+    assert ".bak" not in capsys.readouterr().err
+    by_hand = made.read_text().replace('"split"', '"weight": 7.0, "split"', 1)
+    made.write_text(by_hand)
+    assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
+    assert "set.json.bak" in capsys.readouterr().err
+    assert (folder / "set.json.bak").read_text() == by_hand

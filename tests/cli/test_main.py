@@ -233,3 +233,10 @@ def test_overview_is_fast_and_free_of_jax():
 def test_every_command_describes_itself(name, capsys):
     assert cli.main([name, "--help"]) == 0
     assert f"usage: kinetix {name}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("seed", ["-1", "99999999999999999999"])
+@pytest.mark.parametrize("words", [["solve", "s/first_flight"], ["play", "s/first_flight"]])
+def test_a_seed_that_cannot_be_is_refused_before_anything_starts(words, seed, capsys):
+    assert cli.main([*words, "--seed", seed]) == 1
+    assert f"--seed {seed}: expected a whole number" in capsys.readouterr().err

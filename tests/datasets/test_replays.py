@@ -60,6 +60,9 @@ def test_kinetix_env_layout_goes_both_ways(tmp_path: Path) -> None:
     assert is_offline(tmp_path / "out")
     (back,) = read_offline(tmp_path / "out")
     assert np.array_equal(back.control, found.control)
+    for name in ("outcome", "physics", "frame_skip", "source", "player"):
+        assert getattr(back, name) == getattr(found, name)
+    assert back.level.name == found.level.name
     ours = {body.shape for body in found.level.bodies}
     assert len(back.level.bodies) == len(found.level.bodies) and len(ours) > 0
     places = lambda level: sorted(body.position for body in level.bodies)  # noqa: E731

@@ -11,10 +11,9 @@ import pytest
 
 from kinetix.agents.networks.distributions import MultiCategorical
 from kinetix.cli import main
-from kinetix.cli.dataset import GatherEpisodes, run
+from kinetix.cli.dataset import GatherEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import winning_plan
-from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset
-from kinetix.datasets.replays import checked
+from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset, writing
 from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import static_env_params_of
 from kinetix.errors import KinetixError
@@ -101,7 +100,7 @@ def test_what_a_teacher_writes_is_a_data_set_of_wins_that_replay(data):
     assert {episode.outcome for episode in episodes} == {"won"}
     assert {episode.physics for episode in episodes} == {config.physics}
     assert len({episode.level.name for episode in episodes}) == told.won
-    assert all(checked(episode).replays for episode in episodes[:4])
+    assert run(VerifyDataset(folder=out)) == 0
     again = GatherEpisodes(out=out.parent / "gathered", sources=(str(out), "s/goalkeeper"))
     assert run(again) == 0
     assert len(list(read_dataset(again.out))) == told.episodes + 1
@@ -259,6 +258,20 @@ def test_a_pull_needs_somebody_who_pulls(tmp_path):
     config = make_config("ppo", preset="small", values=values)
     with pytest.raises(KinetixError, match="--from"):
         train("ppo", config, tmp_path / "run")
+
+
+def test_a_slip_of_the_first_command_leaves_nothing_in_the_way(tmp_path):
+    for slip in ({"size": "q"}, {"physics": "warp"}):
+        with pytest.raises(KinetixError):
+            teach.teach(teach.TeachConfig(**{"size": "s"} | slip), 1, tmp_path / "out")
+        assert not (tmp_path / "out").exists()
+    out = tmp_path / "begun"
+    out.mkdir()
+    first, second = (teach.TeachConfig(size="s", seed=seed) for seed in (1, 2))
+    with writing(out):  # makes the data set
+        assert teach._resumed(first, out) == teach._resumed(second, out) == teach.Yield()
+    told = json.loads((out / teach.PROGRESS).read_text())
+    assert told["settings"]["seed"] == 2
 
 
 def test_a_teacher_tells_its_result_once(monkeypatch, tmp_path, capsys):

@@ -21,6 +21,7 @@ from kinetix.training.imitation.sources import demonstrations
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
 from kinetix.training.work import Work, learning
+from kinetix.wording import plural
 
 _UPDATE = "update"
 _SAMPLE = 4096
@@ -67,6 +68,17 @@ class Clone:
         self._lessons = jax.device_put(lessons)
         self._update = learning(self._one_update)
         self._judge = jax.jit(self._measured)
+
+    @property
+    def told(self) -> str:
+        """What there is to learn from, in words."""
+        played, held = self.played, int(self._config.held_out * self.played.episodes)
+        lost = f"; {played.lost} are not won here and left out" if played.lost else ""
+        kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"
+        return (
+            f"learning from {plural(played.episodes, 'demonstration')} with "
+            f"{plural(played.lessons.count, 'moment')}, {kept}{lost}"
+        )
 
     def start(self) -> CloneState:
         """The state before the first update."""

@@ -16,6 +16,8 @@ import numpy as np
 
 from kinetix.datasets.episode import RecordedEpisode, winning_plan
 from kinetix.datasets.folder import read_manifest, writing
+from kinetix.datasets.replays import checked
+from kinetix.engine.presets import solver_named
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.generators.documents import random_document
 from kinetix.environment.generators.filters import noop_solved
@@ -73,6 +75,8 @@ class TeachConfig:
         Raises:
             KinetixError: One sentence that names the field.
         """
+        parse_capacity(self.size)
+        solver_named(self.physics)
         for name, least in (("rounds", 1), ("batch", 1), ("copies", 0)):
             if getattr(self, name) < least:
                 raise KinetixError(f"{name}: expected at least {least}, got {getattr(self, name)}")
@@ -166,6 +170,13 @@ def _resumed(config: TeachConfig, out: Path) -> Yield:
         _note(config, Yield(), out)
         return Yield()
     content = read_object(path, "run")
+    try:
+        so_far = msgspec.convert(content.get("yield"), Yield)
+    except msgspec.ValidationError as error:
+        raise KinetixError(f"{path}: $.yield: {error}") from None
+    if not so_far.levels and not read_manifest(out).shards:
+        _note(config, so_far, out)  # nothing was found yet: other settings may begin
+        return so_far
     for name, value in dataclasses.asdict(config).items():
         before = content.get("settings", {}).get(name)
         if before != value:
@@ -173,10 +184,7 @@ def _resumed(config: TeachConfig, out: Path) -> Yield:
                 f"{path}: this data set was begun with {name} = {json.dumps(before)}, now it is "
                 f"{json.dumps(value)}; choose another folder"
             )
-    try:
-        return msgspec.convert(content.get("yield"), Yield)
-    except msgspec.ValidationError as error:
-        raise KinetixError(f"{path}: $.yield: {error}") from None
+    return so_far
 
 
 class _Search:
@@ -300,7 +308,7 @@ class _Search:
             states = jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *filled)
             plans = np.stack([batch[k % len(batch)][1] for k in range(SHARD)])
             won, steps = (np.asarray(x) for x in wins_again(self._env, states, jnp.asarray(plans)))
-            found += [
+            winning = [
                 winning_plan(
                     level,
                     plan[: steps[k]],
@@ -312,4 +320,6 @@ class _Search:
                 for k, (level, plan, copy) in enumerate(batch)
                 if won[k]
             ]
+            # A batch rounds otherwise than a level that is played alone, as `dataset verify` does.
+            found += [episode for episode in winning if checked(episode).replays]
         return found
