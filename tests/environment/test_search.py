@@ -88,7 +88,9 @@ def test_one_environment_serves_levels_of_a_size():
 @pytest.mark.slow
 def test_where_every_plan_is_lost_the_distance_is_still_one():
     level = hopper(2.0)
-    deadly = level.replace(arena=level.arena.replace(floor=level.arena.floor.replace(role="red")))
+    deadly = level.replace(
+        thrusters=(), arena=level.arena.replace(floor=level.arena.floor.replace(role="red"))
+    )
     told = []
     assert solve_level(deadly, physics="jax2d", seconds=0, report=told.append) is None
     assert 0 < min(one.distance for one in told) < 3
