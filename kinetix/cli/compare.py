@@ -19,6 +19,7 @@ from kinetix.agents.comparison_files import signed
 from kinetix.agents.results import LevelFailure
 from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts
 from kinetix.errors import KinetixError
+from kinetix.files.folders import made_folder
 from kinetix.level.sets import SetLevel
 from kinetix.wording import plural
 
@@ -80,7 +81,7 @@ def run(command: Compare) -> int:
         hashes = {level.name: level.sha256 for level in found}
         version = importlib.metadata.version("kinetix-editor")
         text = text_of(command.out.suffix.lower(), contenders, hashes, version)
-        command.out.parent.mkdir(parents=True, exist_ok=True)
+        made_folder(command.out.parent)
         write_atomically(command.out, text.encode())
         print(command.out, file=sys.stderr)
     failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)

@@ -10,6 +10,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
+from kinetix.files.folders import made_folder
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, load_document, save_level
 
@@ -43,7 +44,7 @@ def run(command: Convert) -> int:
             f"{command.target}: this is the file that is read, and what {target} cannot say would "
             "be lost; choose another name"
         )
-    command.target.parent.mkdir(parents=True, exist_ok=True)
+    made_folder(command.target.parent)
     lost = save_level(loaded.level, command.target, format=target, source=loaded.source)
     if target == FORMAT:
         for warning in loaded.warnings:

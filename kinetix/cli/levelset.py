@@ -16,6 +16,7 @@ from kinetix.bundled import named_levels
 from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.errors import LevelError
+from kinetix.files.folders import made_folder
 from kinetix.files.regular import read_bytes
 from kinetix.level.atomic import backup_of
 from kinetix.level.codec import load_document
@@ -104,7 +105,7 @@ def _build(command: Build) -> int:
         split=command.split,
         seed=command.seed,
     )
-    command.out.parent.mkdir(parents=True, exist_ok=True)
+    made_folder(command.out.parent)
     _save(made, command.out, inline=command.inline)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
     if not command.inline:

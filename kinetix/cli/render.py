@@ -12,6 +12,7 @@ from tyro.conf import Positional
 from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
 from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError
+from kinetix.files.folders import made_folder
 from kinetix.level.atomic import replacing
 from kinetix.level.model import Level
 from kinetix.render.captions import caption, write_caption
@@ -103,7 +104,7 @@ def run(command: Render) -> int:
     check_attempt(command.attempt)
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
-    command.out.parent.mkdir(parents=True, exist_ok=True)
+    made_folder(command.out.parent)
     if kind == PAGE:
         _write_page(command)
         print(command.out)

@@ -11,6 +11,7 @@ from tyro.conf import Positional
 
 from kinetix.cli.paths import NamedPath
 from kinetix.errors import KinetixError
+from kinetix.files.folders import made_folder
 from kinetix.wording import plural
 
 
@@ -60,7 +61,7 @@ def run(command: Sample) -> int:
         size = command.size if command.size in SIZES else parse_capacity(command.size)
         levels, kind = random_levels(command.seed, size, command.count), "random"
     label = command.size.replace(",", "_")
-    command.target.mkdir(parents=True, exist_ok=True)
+    made_folder(command.target)
     width = max(4, len(str(command.count - 1)))
     decided = 0
     for index, level in enumerate(levels):

@@ -261,7 +261,11 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
     """
     for leaf in jax.tree.leaves(arguments):
         if not _is_array(leaf):
-            raise KinetixError(f"{name}: expected arrays and numbers, got {leaf!r:.60}; {_ORDER}")
+            foreign = hasattr(leaf, "__dlpack__") and not isinstance(leaf, np.ndarray)
+            how = "; jax.numpy.from_dlpack takes it" if foreign else ""
+            raise KinetixError(
+                f"{name}: expected arrays and numbers, got {leaf!r:.60}{how}; {_ORDER}"
+            )
 
 
 def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
@@ -296,7 +300,9 @@ def _is_one_raw_key(value: Any) -> bool:
 
 
 def _is_array(value: Any) -> bool:
-    return isinstance(value, int | float) or hasattr(value, "dtype")
+    if isinstance(value, np.ndarray | np.generic):
+        return value.dtype == bool or jnp.issubdtype(value.dtype, jnp.number)
+    return isinstance(value, int | float | jax.Array | jax.ShapeDtypeStruct)
 
 
 def _kind(value: Any) -> str:

@@ -92,8 +92,8 @@ def parse_capacity(text: str) -> Capacity:
             polygons, circles, joints, thrusters = numbers
             return Capacity(polygons=polygons, circles=circles, joints=joints, thrusters=thrusters)
     raise LevelError(
-        f"size {text!r}: expected {', '.join(SIZES)}, or four numbers: polygons (with the 4 of the "
-        f"arena), circles, joints, thrusters, such as 12,4,6,2"
+        f"size {text!r}: expected {', '.join(SIZES)}, or four numbers such as 12,4,6,2: polygons "
+        f"(from {ARENA_BODIES}, those of the arena), circles, joints, thrusters; {MAX_ENTITIES} at most"
     )
 
 

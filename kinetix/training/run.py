@@ -22,6 +22,7 @@ from kinetix.agents.checkpoint import RUN_CHECKPOINTS, write_checkpoint
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
 from kinetix.errors import KinetixError
+from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
@@ -152,10 +153,7 @@ def train(
     say = say if say is not None and is_leader() else say_nothing
     status = status if status is not None and is_leader() else now_and_then(say)
     if is_leader():
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise KinetixError(f"{out}: no directory for a run: {error.strerror}") from None
+        made_folder(out)
     wait_for_all("the directory is there")
     _check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
@@ -460,4 +458,5 @@ def _differing(name: str, old: Any, new: Any) -> str:
             a, b = getattr(old, field.name), getattr(new, field.name)
             if a != b:
                 return _differing(f"{name}.{field.name}", a, b)
-    return f"{name} = {json.dumps(old)}, now it is {json.dumps(new)}"
+    old, new = (json.dumps(value, ensure_ascii=False) for value in (old, new))
+    return f"{name} = {old}, now it is {new}"

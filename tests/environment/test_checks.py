@@ -105,6 +105,15 @@ def test_texts_of_records_are_short(small_env, small_state):
     assert repr(small_level()) == "Level('small': 3 bodies, 1 joint, 1 thruster)"
 
 
+class Foreign:
+    """An array of another library."""
+
+    shape, dtype = (6,), "int64"
+
+    def __dlpack__(self):
+        raise NotImplementedError
+
+
 def test_keys_and_what_is_no_array(small_env, small_state):
     action = jnp.zeros(6, int)
     key = jax.random.PRNGKey(0)
@@ -115,6 +124,11 @@ def test_keys_and_what_is_no_array(small_env, small_state):
         small_env.step(jax.random.split(key, 3), small_state, action)
     with pytest.raises(KinetixError, match="step: expected arrays and numbers, got 'left'"):
         small_env.step(key, small_state, "left")
+    for bad in (np.array([None] * 6), np.array(["0"] * 6), Foreign()):
+        with pytest.raises(KinetixError, match="step: expected arrays and numbers"):
+            small_env.step(key, small_state, bad)
+    with pytest.raises(KinetixError, match="from_dlpack takes it"):
+        small_env.step(key, small_state, Foreign())
     with pytest.raises(KinetixError, match=r"action: .* \(6,\) .*, got list; .* jnp\.array"):
         small_env.step(key, small_state, [0] * 6)
     with pytest.raises(KinetixError, match="action of type complex64: expected integers"):

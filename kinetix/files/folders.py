@@ -1,0 +1,28 @@
+"""Folders that commands write into, made where there are none."""
+
+import os
+from pathlib import Path
+
+from kinetix.errors import KinetixError
+
+
+def made_folder(folder: Path) -> Path:
+    """Make a folder and those around it, where there are none yet.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        The same.
+
+    Raises:
+        KinetixError: There is a file in its place, or it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        taken = (place for place in (folder, *folder.parents) if os.path.isfile(place))
+        for file in taken:
+            raise KinetixError(f"{file}: expected a folder, got a file") from None
+        raise KinetixError(f"{folder}: cannot be made: {error.strerror or error}") from None
+    return folder
