@@ -93,7 +93,7 @@ def parse_capacity(text: str) -> Capacity:
             return Capacity(polygons=polygons, circles=circles, joints=joints, thrusters=thrusters)
     raise LevelError(
         f"size {text!r}: expected {', '.join(SIZES)}, or four numbers such as 12,4,6,2: polygons "
-        f"(from {ARENA_BODIES}, those of the arena), circles, joints, thrusters; {MAX_ENTITIES} at most"
+        f"(from {ARENA_BODIES}, those of the arena), circles, joints, thrusters"
     )
 
 
