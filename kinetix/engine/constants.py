@@ -26,6 +26,10 @@ bodies trip over seams of flush neighbours; larger: they slip past corners that 
 GRAZE_SPEED = 1e-3
 """By how much more slowly bodies must close along the other face then [m/s]: rounding at rest."""
 
+SAME_LINE = 1e-5
+"""Distance at which a corner that leaves a face passes the face's end [m]: less is rounding, and
+has no direction. Larger: corners slip past each other that should meet."""
+
 SKIM = 0.25
 """Angle between motion and surface up to which two bodies that touch move along each other, half of
 what they may go round a corner in a step [rad]. Zero: what rolls over a corner is slowed down;

@@ -104,7 +104,9 @@ def round_meeting(
     root = half**2 - squared * outside
     nearest = -half / nonzero(squared)
     impact = nearest - jnp.sqrt(jnp.maximum(root, 0)) / nonzero(squared)
-    time = jnp.where((root > 0) & (half < 0), impact, nearest)
+    # Less than this is rounding: a path that goes by a point does not hit it head on.
+    hits = (root > 1e-6 * half**2) & (half < 0)
+    time = jnp.where(hits, impact, nearest)
     time = jnp.where(outside > 0, jnp.clip(time, 0, dt), 0)
     now, speed = length(apart), jnp.sqrt(squared)
     along = (jnp.abs(half) <= constants.SKIM * now * speed) & (now - radius <= constants.SLOP)

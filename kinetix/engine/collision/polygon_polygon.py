@@ -16,7 +16,7 @@ from kinetix.engine.collision.moving import (
     turned,
 )
 from kinetix.engine.collision.points import Approach, Spot
-from kinetix.engine.maths import Vec, dot, length
+from kinetix.engine.maths import Vec, cross, dot, length
 from kinetix.engine.shapes import FAR
 from kinetix.engine.store import Store
 
@@ -90,6 +90,8 @@ def points(
     corner_point = mine + (theirs - mine) * 0.5
     # Where two corners meet on their way along a face there is no direction between them.
     flush = (jnp.abs(height) <= constants.GRAZE) & (length(theirs - mine) <= constants.LINEAR_SLOP)
+    beside = jnp.abs(cross(motion, theirs - shift - mine))
+    flush |= later & (beside <= constants.SAME_LINE * length(motion))
     use_corner = (nearest | later) & (coming.separation > 0) & ~flush
 
     # From here on in terms of a and b; the gaps are those of now, the directions those at the

@@ -302,12 +302,23 @@ def _effective_masses(
 
 
 def _pivoted(world: World, links: Links) -> Float[Array, "b n"]:
-    """1 for bodies that hang on fixed ones alone, negative for those that hang on what moves."""
+    """1 for bodies that hang on what stands still alone, negative where one hangs on what moves.
+
+    What is welded to a fixed body stands still too.
+    """
     joints, inverse_mass = world.joints, world.bodies.inverse_mass
-    mass_a, mass_b = links.look_up(inverse_mass)
     count = inverse_mass.shape[0]
+
+    def of_joints(found: Float[Array, "b n"]) -> tuple[tuple[Array, Array], ...]:
+        of_a, of_b = links.look_up(found)
+        return (joints.body_a, of_b), (joints.body_b, of_a)
+
+    moves = inverse_mass
+    for body, other in of_joints(moves):
+        welded = joints.active & joints.fixed & (other == 0)
+        moves = jnp.where(onto(welded.astype(moves.dtype), body, count) > 0, 0, moves)
     hangs = jnp.zeros_like(inverse_mass)
-    for body, other in ((joints.body_a, mass_b), (joints.body_b, mass_a)):
+    for body, other in of_joints(moves):
         weight = jnp.where(other > 0, -float(count), jnp.ones_like(other))
         hangs += onto(jnp.where(joints.active, weight, 0), body, count)
     return jnp.where(inverse_mass > 0, jnp.minimum(hangs, 1), 0)
