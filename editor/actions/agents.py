@@ -261,6 +261,8 @@ def play_agent(session: Session) -> None:
     if casting is None or summary is None or unfit:
         if summary is not None:
             session.toast(f"{summary.name}: {unfit} The planner plays instead.")
+        elif session.training.running:
+            session.toast("The agent that is being trained is not there yet: the planner plays.")
         load_agent(session, PLANNER, "a")
         session.expected = viewer.slots["a"].job
         return

@@ -65,6 +65,7 @@ def _judged(session: Session, document: Document, level: Level, job: Job) -> Non
 
 
 def _record(session: Session, solution: Solution) -> None:
+    session.messages.withdraw("level.keep_solution")
     if session.execute(KeepSolution(solution=solution)).changed:
         steps = len(list(solution.unrolled()))
         session.toast(f"Kept as the solution: {plural(steps, 'step')}.", action="edit.undo")

@@ -71,5 +71,12 @@ def update_training(session: Session) -> None:
     if ended:
         session.toast(f"The training ended: {ended}", "error")
         return
-    session.toast(f"{training.run.name} is trained. F6 lets it play.", "success")
+    name = training.run.name
+    if not training.has_learnt:
+        session.toast(f"{name}: stopped before anything was learnt.")
+        return
+    if training.stopping:
+        session.toast(f"{name}: stopped, with what it had learnt. F6 lets it play.", "success")
+    else:
+        session.toast(f"{name} is trained. F6 lets it play.", "success")
     load_agent(session, training.run, "a")

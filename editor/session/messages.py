@@ -55,6 +55,10 @@ class Messages:
         self.toasts.append(Toast(text=text, kind=kind, until=until, action=action))
         self.log.add(text)
 
+    def withdraw(self, action: str) -> None:
+        """Take the messages that offer an action away: it was done, or can be done no more."""
+        self.toasts = [each for each in self.toasts if each.action != action]
+
     def hush(self) -> None:
         """Take the messages of success away: what begins now has the screen."""
         self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]

@@ -91,7 +91,7 @@ class MenuBar:
 
     def _recents(self, session: "Session") -> None:
         recents = session.settings.recents
-        if imgui.begin_menu(tr("Open recent"), bool(recents)):
+        if imgui.begin_menu(tr("Open Recent"), bool(recents)):
             for number, path in enumerate(recents):
                 if imgui.menu_item_simple(f"{path}###recent-{number}"):
                     session.queue(lambda path=path: _open(session, path))

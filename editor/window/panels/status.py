@@ -123,6 +123,7 @@ class StatusBar:
         copied = document.autosaved_at
         if document.dirty and copied is not None:
             parts.append((f"copy kept {copied:%H:%M}", c.faint))
-        state = ("● unsaved", c.warn) if document.dirty else ("saved", c.faint)
+        kept = "saved" if document.path else "not saved yet"
+        state = ("● unsaved", c.warn) if document.dirty else (kept, c.faint)
         parts.append(state)
         return parts

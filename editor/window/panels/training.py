@@ -32,6 +32,7 @@ _FIRST: Final = (
 )
 """Metrics that are shown at first, where the run has them."""
 _COLUMN: Final = 270.0
+_STARTING: Final = "Starting: where no solution is recorded, a win to begin from is looked for …"
 
 
 def _colour(index: int) -> Rgba:
@@ -120,7 +121,7 @@ class TrainingPanel(Panel):
             return
         widgets.spinner(7)
         imgui.same_line(0, px(8))
-        widgets.muted("Ending …" if training.stopping else training.words or "Starting …")
+        widgets.muted("Ending …" if training.stopping else training.words or _STARTING)
         widgets.beside(120)
         if widgets.button(session, "training.end", "Stop training"):
             session.queue("agent.stop_training")

@@ -79,12 +79,27 @@ def test_there_is_one_training_at_a_time_and_it_can_be_ended(session, began):
     process.status = 143
     settle(session)
     assert not any("The training ended" in text for text in texts(session))
+    assert any("before anything was learnt" in text for text in texts(session))
+    assert not any("is trained" in text for text in texts(session))
+
+
+def test_what_was_learnt_until_it_was_stopped_is_taken(session, stage: Stage, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    stage.agents[str(run)] = a_summary("Specialist")
+    (run / "checkpoints" / "131072").mkdir(parents=True)
+    actions.run(session, "agent.stop_training")
+    began[0][1].status = 143
+    settle(session)
+    assert any("stopped, with what it had learnt" in text for text in texts(session))
+    assert session.viewer.slots["a"].summary.name == "Specialist"
 
 
 def test_what_was_trained_is_taken_and_a_failure_is_told(session, stage: Stage, began):
     actions.run(session, "agent.train_here")
     run = session.training.run
     stage.agents[str(run)] = a_summary("Specialist")
+    (run / "checkpoints" / "1").mkdir(parents=True)
     began[0][1].status = 0
     settle(session)
     assert session.viewer.slots["a"].summary.name == "Specialist"
