@@ -11,6 +11,9 @@ from kinetix.errors import KinetixError
 
 _ABSENT: Final = object()
 
+LAST_SEED: Final = 2**32 - 1
+"""The largest seed of JAX's generator; the smallest is 0."""
+
 
 class Bound(NamedTuple):
     """Fields that share a bound, what a sentence says of it, and the test."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions.agents import load_agent
+from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
 from editor.session import Session
 from kinetix.errors import CommandError
@@ -72,7 +73,7 @@ def update_training(session: Session) -> None:
         session.toast(f"The training ended: {ended}", "error")
         return
     name = training.run.name
-    if not training.has_learnt:
+    if not steps_in(training.run):
         session.toast(f"{name}: stopped before anything was learnt.")
         return
     if training.stopping:

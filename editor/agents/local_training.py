@@ -87,12 +87,6 @@ class LocalTraining:
             self._process.send_signal(signal.SIGTERM)
 
     @property
-    def has_learnt(self) -> bool:
-        """True if a checkpoint is there to be played."""
-        checkpoints = None if self.run is None else self.run / "checkpoints"
-        return checkpoints is not None and os.path.isdir(checkpoints) and any(checkpoints.iterdir())
-
-    @property
     def words(self) -> str:
         """Last line that it printed."""
         if self._log is None:

@@ -36,12 +36,10 @@ class Framing:
         """Number of fits that something other than the canvas asked for."""
         self._refits = 0
         """For how many frames yet an arena shown whole is fitted to the viewport."""
-        self._settling = 0
-        """Frames until then."""
         self._followed: dict[int, Camera] = {}
         """The camera of each document that shows its arena whole, as the canvas set it last."""
-        self._left: tuple[Tab, Point] | None = None
-        """After Play, until the panels stand where they stay: the tab, and what room Edit had."""
+        self._left: tuple[Tab, Point, int] | None = None
+        """After Play: the tab, the room that Edit had, frames until the panels stand still."""
         self._edit_view: tuple[Tab, Camera, bool] | None = None
         """While a level is played: its tab, where Edit looked, and whether that was the arena."""
 
@@ -116,16 +114,16 @@ class Framing:
                 self.refit()
             if whole:
                 self._followed[played.document.number] = camera
-                self._left, self._settling = (played, camera.size), _SETTLED_FRAME
+                self._left = (played, camera.size, _SETTLED_FRAME)
 
     def _fit_what_is_left(self, session: "Session", size: Point) -> None:
         """Fit an arena that was whole before Play, if panels that Play has opened take its room."""
         if self._left is None:
             return
-        self._settling -= 1
-        if self._settling > 0:
+        tab, room, frames = self._left
+        self._left = (tab, room, frames - 1) if frames > 1 else None
+        if self._left is not None:
             return
-        (tab, room), self._left = self._left, None
         smaller = size[0] < room[0] - 1 or size[1] < room[1] - 1
         if smaller and session.editing and session.tab is tab:
             self._refits = _SETTLED_FRAME

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
+from kinetix.bounds import LAST_SEED
 from kinetix.cores import use_all_cores
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded, plain_streams
@@ -41,7 +42,6 @@ COMMANDS: Final[dict[str, str]] = {
 _MEASURES_COMPILING: Final = "bench"
 _CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
 _FEWEST_COLUMNS: Final = 20
-_LAST_SEED: Final = 2**32 - 1
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -101,8 +101,8 @@ def _run(name: str, words: Sequence[str]) -> int:
 def _check_seed(name: str, command: Any) -> None:
     """Refuse what JAX's generator cannot be seeded with; levels and sets are drawn by Python's."""
     seed = getattr(command, "seed", None)
-    if name not in ("sample", "levelset") and isinstance(seed, int) and not 0 <= seed <= _LAST_SEED:
-        raise KinetixError(f"--seed {seed}: expected a whole number from 0 to {_LAST_SEED}")
+    if name not in ("sample", "levelset") and isinstance(seed, int) and not 0 <= seed <= LAST_SEED:
+        raise KinetixError(f"--seed {seed}: expected a whole number from 0 to {LAST_SEED}")
 
 
 def _can_be_filled(folder: Path) -> bool:

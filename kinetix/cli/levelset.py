@@ -17,7 +17,6 @@ from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.errors import LevelError
 from kinetix.files.folders import made_folder
-from kinetix.files.regular import read_bytes
 from kinetix.level.atomic import backup_of
 from kinetix.level.codec import load_document
 from kinetix.level.set_building import build_set, split_set
@@ -129,9 +128,7 @@ def _split(command: Split) -> int:
 
 def _save(made: LoadedSet, path: Path, *, inline: bool) -> None:
     """Write a set; weights and a split that somebody has put into the old one are not lost."""
-    before = read_bytes(path, "set") if os.path.isfile(path) else b""
-    save_set(made, path, inline=inline, backup=True)
-    if before and before != read_bytes(path, "set"):
+    if save_set(made, path, inline=inline, backup=True):
         print(f"{backup_of(path)}: the set that {path.name} held before", file=sys.stderr)
 
 

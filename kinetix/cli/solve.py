@@ -70,10 +70,10 @@ def run(command: Solve) -> int:
     chosen = list(_tasks(given, write=command.write))
     complete = len(chosen) == len(given)
     if command.unsolved:
-        won = [each for each in chosen if _proven(each.level)]
-        chosen = [each for each in chosen if each not in won]
-        if won:
-            print(f"{plural(len(won), 'recorded solution')} won, left out", file=sys.stderr)
+        count = len(chosen)
+        chosen = [each for each in chosen if not _proven(each.level)]
+        if won := count - len(chosen):
+            print(f"{plural(won, 'recorded solution')} won, left out", file=sys.stderr)
     titles = _titles(chosen)
     found = [
         _solve(each, titles[each.name], command, env)
@@ -137,7 +137,7 @@ def _with_environments(
 
 
 def _titles(chosen: list[SetLevel]) -> dict[str, str]:
-    """What each is called: by its title, with its place where several have the same."""
+    """The title of each level by its name, with its file where several have the same title."""
     often = Counter(each.level.name for each in chosen)
     return {
         each.name: each.level.name

@@ -22,6 +22,7 @@ from kinetix.engine.pairs import pair_counts
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
+from kinetix.files.folders import made_folder
 from kinetix.files.json_text import read_object
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import loads
@@ -56,7 +57,7 @@ _ALONE: Final = (
 
 
 class _Origin(msgspec.Struct, frozen=True, kw_only=True):
-    """Where a trajectory is from."""
+    """Level, physics, outcome and player of a trajectory, for which that layout has no fields."""
 
     level: str
     physics: str
@@ -220,7 +221,7 @@ def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
 
 
 def _origins(folder: Path) -> Iterator[_Origin]:
-    """Where the trajectories of a folder are from, one after the other, without end."""
+    """Yield the origin of each trajectory of a folder; kinetix-env's where none is stored."""
     path = folder / ORIGINS
     if os.path.isfile(path):
         try:
@@ -246,19 +247,8 @@ def _episode(rows: dict[str, np.ndarray], name: str, origin: _Origin) -> Recorde
     level = _level(first, name)
     if origin.level:
         level = level.replace(name=origin.level)
-    return RecordedEpisode(
-        level=level,
-        control=control.astype(np.float32),
-        reward=reward,
-        outcome=outcome,
-        physics=origin.physics,
-        frame_skip=origin.frame_skip,
-        source=origin.source,
-        player=origin.player,
-        seed=origin.seed,
-        attempt=origin.attempt,
-        replays=False,
-    )
+    told = msgspec.structs.asdict(origin) | {"level": level, "outcome": outcome}
+    return RecordedEpisode(control=control.astype(np.float32), reward=reward, replays=False, **told)
 
 
 def _level(first: dict[str, np.ndarray], name: str) -> Level:
@@ -325,10 +315,9 @@ def _keyed(value: Any) -> Any:
 
 def _claim(out: Path) -> None:
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        filled = any(out.iterdir())
+        filled = any(made_folder(out).iterdir())
     except OSError as error:
-        raise KinetixError(f"{out}: cannot be written: {error.strerror or error}") from error
+        raise KinetixError(f"{out}: cannot be read: {error.strerror or error}") from error
     if filled:
         raise KinetixError(f"{out}: is not empty; choose a new folder")
 

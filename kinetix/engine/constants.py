@@ -91,5 +91,5 @@ USUAL_BURDEN = 12.0
 """Times its own weight up to which what a body bears asks for no more sweeps."""
 
 WEIGHT_OF_BURDEN = 4.0
-"""What a burden counts beside the ratio of two loads, contact point by contact point. With less,
-towers that become heavier and heavier upwards begin to rock."""
+"""Factor of a burden when it is added to the ratios of unlike loads. Smaller: towers that become
+heavier and heavier upwards begin to rock; larger: jammed machines are slow."""

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.bundled import named_levels
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import (
     EnvParams,
@@ -27,11 +26,12 @@ from kinetix.level.sets import (
     common_capacity,
     gather_levels,
     is_set_file,
+    place_of,
 )
 from kinetix.level.sizes import SIZES
 
 Levels = str | Path | Level | LoadedSet | Iterable[str | Path | Level | SetLevel]
-"""What an environment plays, by name or as it is."""
+"""Levels of an environment: names, files, folders, sets, or documents."""
 
 RANDOM: Final = "-random"
 """`s-random` means random levels of size s."""
@@ -102,8 +102,8 @@ def make_named_env(
 
 def _has_several(name: str | Path) -> bool:
     """Whether this is a folder or a level set, not a level."""
-    path = Path(name) if os.path.exists(name) else named_levels(name)
-    return path is not None and (os.path.isdir(path) or is_set_file(path))
+    place = place_of(name)
+    return os.path.isdir(place) or is_set_file(place)
 
 
 def _all_of(levels: Levels) -> list[SetLevel]:

@@ -6,11 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from kinetix.bounds import LAST_SEED
 from kinetix.errors import KinetixError
 
 SEEDS: Final = 2**31
 """Keys are drawn from so many."""
-LAST_SEED: Final = 2**32 - 1
 
 
 _forks: list[int] = []

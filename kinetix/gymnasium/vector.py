@@ -11,9 +11,10 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from jaxtyping import Array, Bool
 
+from kinetix.bounds import LAST_SEED
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
-from kinetix.gymnasium.checks import LAST_SEED, SEEDS, checked_options, checked_seed, numbers_of
+from kinetix.gymnasium.checks import SEEDS, checked_options, checked_seed, numbers_of
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.env import RENDER_FPS
 from kinetix.render.pixels import make_render_pixels

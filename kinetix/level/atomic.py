@@ -38,12 +38,15 @@ def write_atomically(path: Path, data: bytes) -> None:
         _write_new(temporary, data)
 
 
-def write_with_backup(path: Path, data: bytes) -> None:
+def write_with_backup(path: Path, data: bytes) -> bool:
     """Write a whole file; another content that it had stays beside it as `NAME.bak`.
 
     Args:
         path: The file; its folder must exist.
         data: Its new content.
+
+    Returns:
+        Whether it had another content.
 
     Raises:
         LevelError: See `write_atomically`; also when the old content cannot be read.
@@ -56,6 +59,7 @@ def write_with_backup(path: Path, data: bytes) -> None:
     if previous != data:
         write_atomically(backup_of(path), previous)
     write_atomically(path, data)
+    return previous != data
 
 
 def backup_of(path: Path) -> Path:

@@ -303,6 +303,12 @@ def json_files(folder: Path) -> list[Path]:
     return sorted(found)
 
 
+def place_of(source: str | Path) -> Path:
+    """The path itself if there is something, else the bundled file or folder of that name."""
+    path = Path(source)
+    return path if os.path.exists(path) else named_levels(source) or path
+
+
 def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
     """The levels that a command line means: folders, files, names of bundled levels, level sets.
 
@@ -342,9 +348,7 @@ def read_levels(
     unreadable: dict[str, LevelError] = {}
     for source in sources:
         refuse_empty(source, "a folder, a level or a level set")
-        path = Path(source)
-        if not os.path.exists(path):
-            path = named_levels(source) or path
+        path = place_of(source)
         if os.path.isdir(path):
             for file in level_files(path):
                 try:
@@ -467,7 +471,7 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
 
 def save_set(
     loaded: LoadedSet, path: str | Path, *, inline: bool = False, backup: bool = False
-) -> None:
+) -> bool:
     """Write a set atomically.
 
     Args:
@@ -475,6 +479,9 @@ def save_set(
         path: Its file.
         inline: As for `dumps_set`.
         backup: Whether another set that the file held stays beside it as `NAME.bak`.
+
+    Returns:
+        Whether there is such a backup now.
 
     Raises:
         LevelError: The file cannot be written, would be too large to be read, or there is a file
@@ -489,5 +496,7 @@ def save_set(
             f"{path}: a set of more than {largest // MIB} MiB could not be read again; put it "
             "beside its levels, without --inline"
         )
-    write = write_with_backup if backup else write_atomically
-    write(Path(path), data)
+    if backup:
+        return write_with_backup(Path(path), data)
+    write_atomically(Path(path), data)
+    return False

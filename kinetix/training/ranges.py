@@ -3,7 +3,7 @@
 import math
 from typing import Any, Final
 
-from kinetix.bounds import Bound, check_bounds
+from kinetix.bounds import LAST_SEED, Bound, check_bounds
 
 _RANGES: Final = (
     Bound(
@@ -25,7 +25,7 @@ _RANGES: Final = (
         "at least 0",
         lambda x: x >= 0,
     ),
-    Bound(("seed",), f"0 … {2**32 - 1}", lambda x: 0 <= x < 2**32),
+    Bound(("seed",), f"0 … {LAST_SEED}", lambda x: 0 <= x <= LAST_SEED),
     Bound(
         ("peak_lr", "max_grad_norm", "clip_eps", "temperature"),
         "a finite number above 0",

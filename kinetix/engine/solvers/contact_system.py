@@ -50,7 +50,7 @@ class ContactSystem:
     answers: Float[Array, "m k n"]
     """Impulses of the joints that answer to one on a row, as they stand when the step begins."""
     contrast: Float[Array, " n"]
-    """How unlike the loads of touching bodies are, and how much the most burdened one bears."""
+    """Sum of the ratios of unlike loads, and of what the most burdened body bears."""
     prepared: Any
     gaps: Rows
     """Those of the rows that have a gap: the contacts' normals and the limits."""
@@ -243,10 +243,15 @@ def _responses(
     return of_rows, answers, answered, by_other
 
 
+def _masses(world: World) -> Float[Array, "b n"]:
+    """The mass of each body; 0 if it is fixed or an empty slot."""
+    inverse = world.bodies.inverse_mass
+    return jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
+
+
 def _loads(world: World) -> Float[Array, "b n"]:
     """The mass that goes with each body: its own and that of all it is jointed to; 0 if fixed."""
-    inverse = world.bodies.inverse_mass
-    mass = jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
+    mass = _masses(world)
 
     def add(k: Int[Array, ""], total: Float[Array, "b n"]) -> Float[Array, "b n"]:
         together = ~row(world.collides, k)[0] & (mass > 0)
@@ -270,16 +275,15 @@ def _contrast(
 def _burden(
     step: Step, found: Found, loads: Float[Array, "b n"], force: Float[Array, "c n"]
 ) -> Float[Array, " n"]:
-    """How many times its own weight the body bears that bears most; 0 up to a usual burden.
+    """Return the largest load that lies on any body, in weights of that body, times a factor.
 
-    Sweeps are slowed down by what lies on a body, though no two neighbours need be unlike. All
-    bodies together can weigh no more than they do: what presses harder is a motor or a blow.
+    It is 0 up to the usual. What lies on a body slows sweeps down, though no two neighbours need be
+    unlike. It cannot weigh more than all bodies together: what presses harder is a motor or a blow.
     """
-    points, bodies, count = found.points, step.world.bodies, len(loads)
+    points, count = found.points, len(loads)
     pressed = onto(force, points.body_a, count) + onto(force, points.body_b, count)
     gravity = jnp.sqrt(jnp.sum(step.world.gravity**2, axis=0))
-    inverse = jnp.where(bodies.active, bodies.inverse_mass, 0)
-    total = jnp.sum(jnp.where(inverse > 0, 1 / nonzero(inverse), 0), axis=0)
+    total = jnp.sum(_masses(step.world), axis=0)
     # What lies still is pressed from below as much as from above.
     borne = jnp.minimum(pressed / 2 / nonzero(gravity), total)
     burden = jnp.where(loads > 0, borne / nonzero(loads), 0)

@@ -48,11 +48,12 @@ class AbstractBlock(abc.ABC):
 
         Args:
             responses: A, row by row.
-            contrast: How unlike the loads of touching bodies are: the sum of their ratios.
+            contrast: How hard the contacts are to solve: the sum of the ratios of unlike loads, and
+                of what the most burdened body bears.
         """
 
     def rounds(self, contrast: Float[Array, " n"]) -> Int[Array, " n"]:
-        """How often a solve goes through the rows, if that hangs on the contrast; else 0."""
+        """Return the number of iterations of a solve where it depends on the contrast, else 0."""
         return jnp.zeros(contrast.shape, jnp.int32)
 
     @abc.abstractmethod
