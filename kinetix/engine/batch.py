@@ -22,6 +22,8 @@ from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 from jaxtyping import Array, Bool, Int, Shaped
 
+from kinetix.engine.garbage import uncollected
+from kinetix.engine.lookup import put, row
 from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
 from kinetix.engine.promotion import usual_promotion
@@ -177,9 +179,20 @@ def _merge(x: Array, sizes: tuple[int, int]) -> Array:
     return jnp.broadcast_to(x, (*x.shape[:-2], *sizes)).reshape(*x.shape[:-2], math.prod(sizes))
 
 
+def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
+    """The rule by which a program is lowered."""
+    rule = mlir.lower_fun(run, multiple_results=True)
+
+    def lowered(*arguments: Any, **parameters: Any) -> Any:
+        with uncollected():
+            return rule(*arguments, **parameters)
+
+    return lowered
+
+
 batching.primitive_batchers[_RUN] = _batched
-mlir.register_lowering(_RUN, mlir.lower_fun(_on_accelerator, multiple_results=True))
-mlir.register_lowering(_RUN, mlir.lower_fun(_on_processor, multiple_results=True), platform="cpu")
+mlir.register_lowering(_RUN, _lowering(_on_accelerator))
+mlir.register_lowering(_RUN, _lowering(_on_processor), platform="cpu")
 
 
 def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
@@ -210,12 +223,9 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
         done = program.kernel(*program.arguments(parts))
         return _pack(done)
 
-    def ordered(x: Shaped[Array, "k rows"], order: Int[Array, " n"]) -> Shaped[Array, "n rows"]:
-        return x.at[order].get(mode="promise_in_bounds", wrap_negative_indices=False)
-
-    packed = jax.tree.map(lambda x: ordered(x, order).reshape(tiles, tile, -1), _pack(own))
+    packed = jax.tree.map(lambda x: _chosen(x, order).reshape(tiles, tile, -1), _pack(own))
     done = jax.lax.map(advance, packed)
-    done = jax.tree.map(lambda x: ordered(x.reshape(tiles * tile, -1), back), done)
+    done = jax.tree.map(lambda x: _chosen(x.reshape(tiles * tile, -1), back), done)
     like = jax.eval_shape(_worlds_first, program.shapes(leaves))
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), _unpack(done, like, 1))
 
@@ -237,6 +247,10 @@ def _alone_on_an_axis(x: Any) -> Shaped[Array, "*rest 1"]:
 
 def _without_axis(x: Shaped[Array, "*rest 1"]) -> Shaped[Array, "*rest"]:
     return jax.lax.squeeze(x, (x.ndim - 1,))
+
+
+def _chosen(values: Shaped[Array, "k ..."], rows: Int[Array, " n"]) -> Shaped[Array, "n ..."]:
+    return values.at[rows].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def _worlds_first(tree: Tree) -> Tree:
@@ -346,8 +360,8 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
     def batched(old: Tree, marked: Bool[Array, " n"], seeds: Tree) -> Tree:
         worlds = marked.shape[0]
         chunk = min(MARKED_AT_ONCE, worlds)
-        (rows,) = jnp.nonzero(marked, size=worlds, fill_value=worlds)
-        rows = jnp.pad(rows, (0, chunk), constant_values=worlds)
+        (rows,) = jnp.nonzero(marked, size=worlds)
+        rows = jnp.pad(rows, (0, chunk))
         count = jnp.sum(marked)
 
         def unfinished(carry: tuple[Array, Tree]) -> Bool[Array, ""]:
@@ -356,11 +370,16 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
         def replace_chunk(carry: tuple[Array, Tree]) -> tuple[Array, Tree]:
             first, old = carry
             chosen = jax.lax.dynamic_slice_in_dim(rows, first, chunk)
-            own = jax.tree.map(lambda x: jnp.take(x, chosen, axis=0, mode="clip"), seeds)
-            new = jax.vmap(make)(own)
-            return first + chunk, jax.tree.map(
-                lambda a, b: a.at[chosen].set(b.astype(a.dtype), mode="drop"), old, new
-            )
+            new = jax.vmap(make)(jax.tree.map(lambda x: _chosen(x, chosen), seeds))
+
+            def replace(k: Int[Array, ""], old: Tree) -> Tree:
+                place = row(chosen, k)[0]
+                return jax.tree.map(
+                    lambda a, b: put(a, row(b, k).astype(a.dtype), place, 0), old, new
+                )
+
+            end = jnp.minimum(count - first, chunk)
+            return first + chunk, jax.lax.fori_loop(0, end, replace, old)
 
         return jax.lax.while_loop(unfinished, replace_chunk, (jnp.zeros((), count.dtype), old))[1]
 

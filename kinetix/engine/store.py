@@ -6,7 +6,7 @@ product of 1024 worlds). `optimization_barrier` is dropped before fusion; a cond
 entered by it. See docs/physics.md for the measurements.
 """
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -34,6 +34,22 @@ class Store:
         """The same values, computed exactly once."""
         if takes_whole_batches():
             return tree
-        return jax.lax.cond(
-            self.always, lambda x: x, lambda x: jax.tree.map(jnp.zeros_like, x), tree
-        )
+        return jax.lax.cond(self.always, lambda x: x, _other, tree)
+
+
+def _other(tree: T) -> T:
+    """What a store returns when its condition fails, which it never does.
+
+    It must differ from the tree, and be quick to compile: leaves of one shape and type take each
+    other's place; one that is alone becomes zeros, which is a kernel.
+    """
+    leaves, structure = jax.tree.flatten(tree)
+    alike: dict[Any, list[int]] = {}
+    for place, leaf in enumerate(leaves):
+        alike.setdefault((leaf.shape, leaf.dtype), []).append(place)
+    others = list(leaves)
+    for places in alike.values():
+        for place, next_place in zip(places, [*places[1:], places[0]], strict=True):
+            alone = place == next_place
+            others[place] = jnp.zeros_like(leaves[place]) if alone else leaves[next_place]
+    return jax.tree.unflatten(structure, others)
