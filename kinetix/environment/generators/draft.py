@@ -68,8 +68,8 @@ def _empty_draft(capacity: Capacity, legacy_ceiling: bool) -> Draft:
     solver = solver_named("jax2d")
     scene = compile_level(Level(name=""), spec=SceneSpec(capacity=capacity), solver=solver)
     with jax.ensure_compile_time_eval():
-        state = jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], state_of(scene))
-        draft = jax.tree.map(np.array, draft_of(state))
+        state = jax.tree.map(lambda leaf: np.asarray(leaf)[None], state_of(scene))
+        draft = jax.tree.map(np.array, jax.jit(draft_of)(state))
     if legacy_ceiling:
         draft.figures.vertices[ARENA_BODIES - 1, 0] = np.array(LEGACY_CEILING_CORNER)[:, None]
     return draft
