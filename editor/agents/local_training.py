@@ -73,12 +73,24 @@ class LocalTraining:
 
         Args:
             level: The level's file.
-            run: The run's folder; one that is there goes on.
+            run: The run's folder.
         """
         run.mkdir(parents=True, exist_ok=True)
-        self.run, self._log, self.stopping = run, level.with_suffix(".log"), False
-        words = (sys.executable, "-m", "kinetix", "train", "ppo", "--preset", "specialist")
-        self._process = self._start((*words, "--levels", str(level), "--out", str(run)), self._log)
+        self._train(run, ("--preset", "specialist", "--levels", str(level)))
+
+    def go_on(self, run: Path, steps: int | None = None) -> None:
+        """Go on with a training that has stopped.
+
+        Args:
+            run: The run's folder, which knows the levels and the settings.
+            steps: How many environment steps it shall have made in all; None: as many as before.
+        """
+        self._train(run, () if steps is None else ("--total-timesteps", str(steps)))
+
+    def _train(self, run: Path, options: Sequence[str]) -> None:
+        self.run, self._log, self.stopping = run, run.with_name(f"{run.name}.log"), False
+        words = (sys.executable, "-m", "kinetix", "train", "ppo", *options, "--out", str(run))
+        self._process = self._start(words, self._log)
 
     def stop(self) -> None:
         """Ask it to end; it saves first."""

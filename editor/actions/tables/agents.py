@@ -2,7 +2,17 @@
 
 from typing import Final
 
-from editor.actions import agents, datasets, export, look_back, measure, train, view, watch
+from editor.actions import (
+    agents,
+    datasets,
+    export,
+    look_back,
+    measure,
+    own_agents,
+    train,
+    view,
+    watch,
+)
 from editor.actions.base import Action, Context, playing
 from editor.agents.viewer import Compare
 
@@ -190,6 +200,38 @@ AGENTS: Final = (
         enabled=lambda session: session.training.running,
         refusal="Nothing is being trained.",
         run=train.stop_training,
+    ),
+    Action(
+        id="agent.go_on_training",
+        label="Go On Training…",
+        menu="Agent",
+        tooltip="An agent that was trained here learns on; one that is through, for as long again.",
+        enabled=lambda session: not session.training.running,
+        refusal="An agent is being trained already: stop it in the Training panel.",
+        run=own_agents.go_on,
+    ),
+    Action(
+        id="agent.rename",
+        label="Rename a Trained Agent…",
+        menu="Agent",
+        tooltip="Another name for an agent that was trained here.",
+        run=own_agents.rename,
+    ),
+    Action(
+        id="agent.delete",
+        label="Delete a Trained Agent…",
+        menu="Agent",
+        tooltip="Moves an agent that was trained here to the trash.",
+        run=own_agents.delete,
+    ),
+    Action(
+        id="agent.restore",
+        label="Restore the Deleted Agent",
+        menu="Agent",
+        tooltip="Brings back the agent that was deleted last.",
+        enabled=lambda session: bool(session.deleted_agents),
+        refusal="No agent was deleted since the app has started.",
+        run=own_agents.restore,
     ),
     Action(
         id="agent.watch_run",
