@@ -1,18 +1,27 @@
 """Agents that were trained here: go on with their training, rename them, delete them."""
 
+import contextlib
 import functools
 import os
 import tomllib
-from collections.abc import Callable
+import unicodedata
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from editor.actions.agents import checkpoints_of, clear_slot, is_agent_folder, load_agent
+from editor.actions.agents import (
+    RECENT_AGENTS,
+    checkpoints_of,
+    clear_slot,
+    is_agent_folder,
+    load_agent,
+)
 from editor.actions.watch import watch_run
 from editor.base.prompts import Choice, MenuQuestion, TextQuestion
 from editor.gallery import filing
 from editor.session import Session
-from kinetix.errors import CommandError
+from kinetix.errors import CommandError, LevelError
+from kinetix.files.lock import locked_folder
 from kinetix.paths import user_agents_dir
 from kinetix.wording import plural
 
@@ -35,21 +44,33 @@ def go_on(session: Session) -> None:
 def _go_on(session: Session, run: Path) -> None:
     if session.training.running:
         raise CommandError("An agent is being trained already: stop it in the Training panel.")
-    session.training.go_on(run, _steps_wanted(run))
+    with _held(session, run):
+        config = _config(run)
+    algorithm, steps = str(config.get("algorithm", "ppo")), _steps_wanted(run, config)
+    session.training.go_on(run, algorithm, steps)
     watch_run(session, str(run))
-    session.toast(f"{run.name} goes on learning: F6 plays its newest attempt.", "success")
+    session.toast(f"{run.name} goes on learning: F6 plays its newest attempt.")
 
 
-def _steps_wanted(run: Path) -> int | None:
-    """Return how many steps a run shall have made in all; None: as many as it was begun for."""
+def _config(run: Path) -> dict[str, Any]:
     try:
-        config = tomllib.loads((run / _CONFIG).read_text(encoding="utf-8"))
-        total = int(config[_STEPS])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return tomllib.loads((run / _CONFIG).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise CommandError(f"{run / _CONFIG}: cannot be read: {error}") from error
+
+
+def _steps_wanted(run: Path, config: dict[str, Any]) -> int | None:
+    """Return how many steps a run shall have made in all; None: as many as it was begun for.
+
+    A run ends with its last whole update, which may be short of the steps that were asked for.
+    """
+    values = [config.get(name) for name in (_STEPS, "num_train_envs", "num_steps")]
+    total, worlds, steps = (value if isinstance(value, int) else 0 for value in values)
+    if not total:
+        raise CommandError(f"{run / _CONFIG}: {_STEPS}: expected a whole number above 0")
     checkpoints = checkpoints_of(run)
     made = int(checkpoints[-1].name) if checkpoints else 0
-    return 2 * total if made >= total else None
+    return 2 * total if made > total - max(worlds * steps, 1) else None
 
 
 def rename(session: Session) -> None:
@@ -67,24 +88,30 @@ def rename(session: Session) -> None:
 
 
 def _rename(session: Session, folder: Path, name: str) -> None:
-    _refuse_while_training(session, folder)
-    plain = " ".join(name.split())
-    if not plain or len(plain) > _LONGEST or Path(plain).name != plain or plain.startswith("."):
-        raise CommandError(
-            f"The name {name!r} cannot be used: it needs 1 to {_LONGEST} characters, no slash "
-            "and no dot at its beginning."
-        )
-    target = folder.with_name(plain)
+    target = folder.with_name(_checked(name))
     if target == folder:
         return
-    if os.path.lexists(target):
-        raise CommandError(f"{target}: there is an agent of this name already.")
-    try:
-        os.rename(folder, target)
-    except OSError as error:
-        raise CommandError(f"{folder}: cannot be renamed: {error.strerror or error}") from error
+    if os.path.lexists(target) and not os.path.samefile(target, folder):
+        raise CommandError(f"{target}: something of this name is there already.")
+    with _held(session, folder):
+        try:
+            os.rename(folder, target)
+        except OSError as error:
+            raise CommandError(f"{folder}: cannot be renamed: {error.strerror or error}") from error
     _moved(session, folder, target)
-    session.toast(f"{folder.name} is called {plain} now.", "success")
+    session.toast(f"{folder.name} is called {target.name} now.", "success")
+
+
+def _checked(name: str) -> str:
+    """Return a name as a folder has it."""
+    plain = unicodedata.normalize("NFC", " ".join(name.split()))
+    odd = {"/", "\\", ":"}.intersection(plain) or not plain.isprintable()
+    if not 1 <= len(plain) <= _LONGEST or odd or plain[0] == "." or plain[-1] == ".":
+        raise CommandError(
+            f"The name {name!r} cannot be used: it needs 1 to {_LONGEST} characters that can be "
+            "seen, none of them / \\ or a colon, and no dot at either end."
+        )
+    return plain
 
 
 def delete(session: Session) -> None:
@@ -93,38 +120,64 @@ def delete(session: Session) -> None:
 
 
 def _delete(session: Session, folder: Path) -> None:
-    _refuse_while_training(session, folder)
-    session.deleted_agents.append(filing.throw_away(folder))
+    with _held(session, folder):
+        session.deleted_agents.append(filing.throw_away(folder))
     _moved(session, folder, None)
     session.toast(f"Moved {folder.name} to the trash", action="agent.restore")
 
 
 def restore(session: Session) -> None:
-    """Bring back the agent that was deleted last."""
-    thrown = session.deleted_agents[-1]
-    filing.bring_back(thrown)
-    session.deleted_agents.pop()
+    """Bring back the agent that was deleted last; one that cannot come back waits behind others."""
+    thrown = session.deleted_agents.pop()
+    try:
+        filing.bring_back(thrown)
+    except LevelError:
+        session.deleted_agents.insert(0, thrown)
+        raise
     session.toast(f"{thrown.origin.name} is back.", "success")
 
 
 def _moved(session: Session, before: Path, after: Path | None) -> None:
     """Follow an agent that is elsewhere now, or let go of one that is gone."""
     viewer, settings = session.viewer, session.settings
+    old = before.resolve()
+
+    def now(path: str) -> str | None:
+        """Return where a path leads now; None where it leads nowhere."""
+        whole = Path(path).resolve()
+        if not path or not whole.is_relative_to(old):
+            return path
+        return None if after is None else str(after / whole.relative_to(old))
+
     for slot, place in viewer.slots.items():
-        if place.path and Path(place.path).is_relative_to(before):
-            if after is None:
-                clear_slot(session, slot)
-            else:
-                load_agent(session, after / Path(place.path).relative_to(before), slot)
-    if viewer.run.path == str(before):
-        viewer.run.watch("" if after is None else str(after))
-    kept = [path for path in settings.recent_agents if not Path(path).is_relative_to(before)]
-    settings.recent_agents = kept if after is None else [str(after), *kept]
+        path = now(place.path)
+        if path is None:
+            clear_slot(session, slot)
+            viewer.compare = "off" if slot == "b" else viewer.compare
+        elif path != place.path:
+            load_agent(session, path, slot)
+    if now(viewer.run.path) != viewer.run.path:
+        viewer.run.watch(now(viewer.run.path) or "")
+    for other in viewer.other_runs:
+        if now(other.path) != other.path:
+            other.watch(now(other.path) or "")
+    viewer.other_runs = tuple(other for other in viewer.other_runs if other.path)
+    viewer.contenders = tuple(one for one in viewer.contenders if now(one.ref.path) == one.ref.path)
+    recents = [now(path) for path in settings.recent_agents]
+    settings.recent_agents = [path for path in recents if path is not None][:RECENT_AGENTS]
 
 
-def _refuse_while_training(session: Session, folder: Path) -> None:
+@contextlib.contextmanager
+def _held(session: Session, folder: Path) -> Iterator[None]:
+    """Keep a folder while nobody trains in it, this app or another process."""
+    busy = f"{folder.name} is learning just now: stop it in the Training panel."
     if session.training.running and session.training.run == folder:
-        raise CommandError(f"{folder.name} is learning just now: stop it in the Training panel.")
+        raise CommandError(busy)
+    try:
+        with locked_folder(folder, "another training"):
+            yield
+    except OSError as error:
+        raise CommandError(f"{folder}: {error.strerror or error}") from error
 
 
 def _ask(session: Session, title: str, folders: list[Path], take: Callable[[Path], None]) -> None:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
+from kinetix.errors import CommandError
+
 NICENESS: Final = 5
 """It leaves the processor to the window and to what is played."""
 LOG: Final = "training.log"
@@ -74,23 +76,34 @@ class LocalTraining:
         Args:
             level: The level's file.
             run: The run's folder.
-        """
-        run.mkdir(parents=True, exist_ok=True)
-        self._train(run, ("--preset", "specialist", "--levels", str(level)))
 
-    def go_on(self, run: Path, steps: int | None = None) -> None:
+        Raises:
+            CommandError: The folder cannot be made or written.
+        """
+        self._train(run, ("ppo", "--preset", "specialist", "--levels", str(level)))
+
+    def go_on(self, run: Path, algorithm: str, steps: int | None) -> None:
         """Go on with a training that has stopped.
 
         Args:
             run: The run's folder, which knows the levels and the settings.
+            algorithm: The word behind `kinetix train` that began it.
             steps: How many environment steps it shall have made in all; None: as many as before.
+
+        Raises:
+            CommandError: Its words cannot be kept in the folder.
         """
-        self._train(run, () if steps is None else ("--total-timesteps", str(steps)))
+        more = () if steps is None else ("--total-timesteps", str(steps))
+        self._train(run, (algorithm, *more))
 
     def _train(self, run: Path, options: Sequence[str]) -> None:
-        self.run, self._log, self.stopping = run, run.with_name(f"{run.name}.log"), False
-        words = (sys.executable, "-m", "kinetix", "train", "ppo", *options, "--out", str(run))
-        self._process = self._start(words, self._log)
+        words = (sys.executable, "-m", "kinetix", "train", *options, "--out", str(run))
+        try:
+            run.mkdir(parents=True, exist_ok=True)
+            process = self._start(words, run / LOG)
+        except OSError as error:
+            raise CommandError(f"{run / LOG}: {error.strerror or error}") from error
+        self.run, self._log, self._process, self.stopping = run, run / LOG, process, False
 
     def stop(self) -> None:
         """Ask it to end; it saves first."""

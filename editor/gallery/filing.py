@@ -2,6 +2,7 @@
 
 import dataclasses
 import datetime
+import errno
 import os
 import shutil
 import sys
@@ -135,15 +136,37 @@ def throw_away(path: Path) -> Trashed:
 
 
 def _move(path: Path, target: Path, note: Path | None) -> None:
-    """Move a file into the trash; when that fails nothing stays there."""
+    """Move a file or a folder into the trash; when that fails nothing stays there."""
     try:
-        shutil.move(path, target)
+        _moved(path, target)
     except OSError:
         if note is not None:
             note.unlink(missing_ok=True)
-        if os.path.lexists(path):  # copied to another disk, but it cannot be taken away here
-            target.unlink(missing_ok=True)
         raise
+
+
+def _moved(path: Path, target: Path) -> None:
+    """Move; to another disk by a copy, without which nothing is taken away here."""
+    try:
+        os.rename(path, target)
+        return
+    except OSError as error:
+        if error.errno != errno.EXDEV:
+            raise
+    if not os.path.isdir(path) or os.path.islink(path):
+        shutil.copy2(path, target, follow_symlinks=False)
+        try:
+            path.unlink()
+        except OSError:
+            target.unlink(missing_ok=True)
+            raise
+        return
+    try:
+        shutil.copytree(path, target, symlinks=True)
+    except OSError:
+        shutil.rmtree(target, ignore_errors=True)
+        raise
+    shutil.rmtree(path, ignore_errors=True)
 
 
 def bring_back(thrown: Trashed) -> None:

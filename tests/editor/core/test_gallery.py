@@ -1,6 +1,7 @@
 """The gallery's core: cards, thumbnails, wishes, file work, level sets."""
 
 import dataclasses
+import errno
 import json
 import time
 from pathlib import Path
@@ -271,15 +272,36 @@ def test_what_is_thrown_away_lies_in_the_trash_and_comes_back(folder, tmp_path):
     assert not thrown.note.exists()
 
 
+def on_another_disk(source, target):
+    raise OSError(errno.EXDEV, "Invalid cross-device link")
+
+
+def denied_twice(source, target):
+    raise PermissionError(13, "Permission denied")
+
+
+def test_a_folder_is_thrown_away_to_another_disk_or_stays_whole(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    agent = tmp_path / "agent"
+    (agent / "checkpoints").mkdir(parents=True)
+    (agent / "checkpoints" / "params").write_text("1")
+    monkeypatch.setattr("editor.gallery.filing.os.rename", denied_twice)
+    with pytest.raises(LevelError, match="cannot be deleted: Permission denied"):
+        filing.throw_away(agent)
+    assert (agent / "checkpoints" / "params").read_text() == "1"
+    assert [path for path in (tmp_path / "data").rglob("*") if path.is_file()] == []
+    monkeypatch.setattr("editor.gallery.filing.os.rename", on_another_disk)
+    thrown = filing.throw_away(agent)
+    assert not agent.exists()
+    filing.bring_back(thrown)
+    assert (agent / "checkpoints" / "params").read_text() == "1"
+
+
 def test_a_delete_that_fails_leaves_nothing_in_the_trash(folder, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     before = (folder / "rocket.json").read_bytes()
 
-    def copy_alone(source, target):
-        Path(target).write_bytes(Path(source).read_bytes())
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("editor.gallery.filing.shutil.move", copy_alone)
+    monkeypatch.setattr("editor.gallery.filing.os.rename", denied_twice)
     with pytest.raises(LevelError, match="cannot be deleted: Permission denied"):
         filing.throw_away(folder / "rocket.json")
     assert (folder / "rocket.json").read_bytes() == before

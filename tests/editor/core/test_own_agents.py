@@ -5,11 +5,19 @@ import pytest
 from editor import actions
 from editor.agents.local_training import LocalTraining
 from editor.base.prompts import MenuQuestion, TextQuestion
+from kinetix.files.lock import locked_folder
 from tests.editor.core.helpers import texts
 from tests.editor.core.test_train_here import FakeProcess
 from tests.editor.core.test_viewer import Stage, a_summary, session, settle, stage
 
 __all__ = ["session", "stage"]
+
+
+CONFIG = """algorithm = "sfl"
+total_timesteps = 2048
+num_train_envs = 10
+num_steps = 10
+"""
 
 
 @pytest.fixture
@@ -28,7 +36,7 @@ def a_run(run, made):
     checkpoint.mkdir(parents=True)
     (checkpoint / "agent.json").write_text("{}")
     (run / "metrics.jsonl").write_text("")
-    (run / "config.toml").write_text("total_timesteps = 2048\n")
+    (run / "config.toml").write_text(CONFIG)
 
 
 def started(session):
@@ -54,12 +62,15 @@ def type_name(session, name):
     session.answer(question, name)
 
 
-@pytest.mark.parametrize(("made", "wanted"), [(2048, ["4096"]), (1024, [])])
+@pytest.mark.parametrize(
+    ("made", "wanted"), [(2048, ["4096"]), (2000, ["4096"]), (1948, []), (1024, [])]
+)
 def test_a_training_goes_on_to_its_end_or_for_as_long_again(session, folder, made, wanted):
     a_run(folder / "walker", made=made)
     words = started(session)
     assert actions.run(session, "agent.go_on_training")
     choose(session, "walker")
+    assert words[0][words[0].index("train") + 1] == "sfl"
     assert words[0][words[0].index("--out") + 1] == str(folder / "walker")
     assert "--preset" not in words[0]
     assert [words[0][n + 1] for n, w in enumerate(words[0]) if w == "--total-timesteps"] == wanted
@@ -83,7 +94,9 @@ def test_a_renamed_agent_stays_where_it_is_used(session, stage: Stage, folder):
     assert str(folder / "hopper") not in session.settings.recent_agents
 
 
-@pytest.mark.parametrize("name", ["", "  ", "a/b", "..", ".hidden", "taken", "x" * 61])
+@pytest.mark.parametrize(
+    "name", ["", "  ", "a/b", "..", ".hidden", "dot.", "taken", "x" * 61, "a\0", "\u200b", "a\\b"]
+)
 def test_a_name_that_cannot_be_is_refused(session, folder, name):
     a_run(folder / "taken", made=1)
     actions.run(session, "agent.rename")
@@ -104,7 +117,7 @@ def test_a_deleted_agent_leaves_its_slot_and_comes_back(session, stage: Stage, f
     assert session.viewer.slots["a"].summary is None
     assert str(folder / "hopper") not in session.settings.recent_agents
     assert actions.run(session, "agent.restore")
-    assert (folder / "hopper" / "config.toml").read_text() == "total_timesteps = 2048\n"
+    assert (folder / "hopper" / "config.toml").read_text() == CONFIG
     assert not actions.run(session, "agent.restore")
 
 
@@ -116,6 +129,53 @@ def test_what_is_learning_is_neither_renamed_nor_deleted(session, folder):
     choose(session, "hopper")
     assert (folder / "hopper").exists()
     assert any("is learning just now" in text for text in texts(session))
+
+
+def test_what_another_process_trains_is_left_alone(session, folder):
+    started(session)
+    with locked_folder(folder / "hopper", "somebody"):
+        for name in ("rename", "delete", "go_on_training"):
+            actions.run(session, f"agent.{name}")
+            choose(session, "hopper")
+            if name == "rename":
+                type_name(session, "pogo")
+    assert (folder / "hopper" / "config.toml").exists()
+    assert sum("another training writes here now" in text for text in texts(session)) >= 1
+    assert not session.training.running
+
+
+def test_what_cannot_come_back_waits_behind_the_others(session, folder):
+    a_run(folder / "walker", made=1)
+    for name in ("hopper", "walker"):
+        actions.run(session, "agent.delete")
+        choose(session, name)
+    (folder / "walker").mkdir()
+    actions.run(session, "agent.restore")
+    actions.run(session, "agent.restore")
+    assert (folder / "hopper" / "config.toml").exists()
+    assert [one.origin.name for one in session.deleted_agents] == ["walker"]
+
+
+def test_runs_beside_follow_an_agent_and_go_with_it(session, folder):
+    actions.watch.watch_run(session, str(folder / "gone"))
+    actions.watch.add_run(session, str(folder / "hopper"))
+    actions.run(session, "agent.rename")
+    choose(session, "hopper")
+    type_name(session, "pogo")
+    assert [other.path for other in session.viewer.other_runs] == [str(folder / "pogo")]
+    actions.run(session, "agent.delete")
+    choose(session, "pogo")
+    assert session.viewer.other_runs == ()
+
+
+@pytest.mark.parametrize("text", ["total_timesteps = inf", "", "total_timesteps =", "\0"])
+def test_a_damaged_configuration_gets_a_sentence(session, folder, text):
+    started(session)
+    (folder / "hopper" / "config.toml").write_text(text)
+    actions.run(session, "agent.go_on_training")
+    choose(session, "hopper")
+    assert any("config.toml" in words for words in texts(session))
+    assert not session.training.running
 
 
 def test_where_nothing_was_trained_that_is_said(session, tmp_path, monkeypatch):
