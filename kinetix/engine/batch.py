@@ -344,6 +344,14 @@ def _with_axis(size: int, mapped: list[Any], trees: tuple[Tree, ...]) -> tuple[T
     return jax.tree.map(widen, tuple(mapped), trees)
 
 
+def _as_large_as(new: Shaped[Array, "n ..."], old: Shaped[Array, "m ..."]) -> Array:
+    """What worlds get, in the shape of what they had: a row that is too short would fit as well."""
+    added = [1] * (old.ndim - new.ndim)
+    return jnp.broadcast_to(
+        new.reshape(len(new), *added, *new.shape[1:]), (len(new), *old.shape[1:])
+    )
+
+
 def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
     """Return a function that makes anew what marked worlds have.
 
@@ -359,6 +367,8 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
 
     def batched(old: Tree, marked: Bool[Array, " n"], seeds: Tree) -> Tree:
         worlds = marked.shape[0]
+        if not worlds:
+            return old
         chunk = min(MARKED_AT_ONCE, worlds)
         (rows,) = jnp.nonzero(marked, size=worlds)
         rows = jnp.pad(rows, (0, chunk))
@@ -371,6 +381,7 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
             first, old = carry
             chosen = jax.lax.dynamic_slice_in_dim(rows, first, chunk)
             new = jax.vmap(make)(jax.tree.map(lambda x: _chosen(x, chosen), seeds))
+            new = jax.tree.map(_as_large_as, new, old)
 
             def replace(k: Int[Array, ""], old: Tree) -> Tree:
                 place = row(chosen, k)[0]

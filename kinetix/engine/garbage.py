@@ -6,16 +6,37 @@ their time.
 
 import contextlib
 import gc
+import threading
 from collections.abc import Iterator
+
+
+class _Held:
+    """How many threads hold the collector back, and whether it shall go on after the last."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.count = 0
+        self.enabled = False
+
+
+_HELD = _Held()
 
 
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
-    """Collect no garbage meanwhile."""
-    before = gc.isenabled()
-    gc.disable()
+    """Collect no garbage meanwhile: the first thread switches it off, the last one on again."""
+    entered = False
     try:
+        with _HELD.lock:
+            if _HELD.count == 0:
+                _HELD.enabled = gc.isenabled()
+            _HELD.count += 1
+            entered = True
+            gc.disable()
         yield
     finally:
-        if before:
-            gc.enable()
+        if entered:
+            with _HELD.lock:
+                _HELD.count -= 1
+                if _HELD.count == 0 and _HELD.enabled:
+                    gc.enable()

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine.batch import TILE, worlds_first, worlds_last
+from kinetix.engine.batch import TILE, where_marked, worlds_first, worlds_last
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +130,24 @@ def test_a_kernel_is_traced_once():
 def test_a_kernel_runs_where_jit_is_switched_off():
     with jax.disable_jit():
         np.testing.assert_array_equal(worlds_last(lambda x: 2 * x)(jnp.ones(3)), 2.0)
+
+
+def test_marked_worlds_alone_are_made_anew():
+    old = jnp.zeros((70, 3))
+    marked = jnp.arange(70) % 2 == 0
+    seeds = jnp.arange(70.0)
+    made = jax.vmap(where_marked(lambda seed: jnp.full(3, seed + 1)))(old, marked, seeds)
+    np.testing.assert_array_equal(made, jnp.where(marked[:, None], (seeds + 1)[:, None], old))
+
+
+def test_of_no_worlds_none_is_made_anew():
+    step = jax.jit(jax.vmap(where_marked(lambda seed: jnp.full(3, seed))))
+    assert step(jnp.zeros((0, 3)), jnp.zeros(0, bool), jnp.zeros(0)).shape == (0, 3)
+
+
+def test_what_is_made_anew_is_never_half_of_what_was_there():
+    mark = jnp.ones(2, bool)
+    one = jax.vmap(where_marked(lambda seed: jnp.full(1, seed)))
+    np.testing.assert_array_equal(one(jnp.zeros((2, 4)), mark, jnp.ones(2)), jnp.ones((2, 4)))
+    with pytest.raises(ValueError, match=r"[Ii]ncompatible"):
+        jax.vmap(where_marked(lambda seed: jnp.full(2, seed)))(jnp.zeros((2, 4)), mark, jnp.ones(2))

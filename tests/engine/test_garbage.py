@@ -1,12 +1,15 @@
 """The collector of garbage is as it was once a program is lowered."""
 
 import gc
+import sys
+import threading
 
 import jax
 import jax.numpy as jnp
 import pytest
 
 from kinetix.engine.batch import worlds_last
+from kinetix.engine.garbage import uncollected
 
 
 @pytest.mark.parametrize("wanted", [True, False])
@@ -26,3 +29,33 @@ def test_the_collector_rests_while_a_kernel_is_lowered(wanted: bool) -> None:
         (gc.enable if before else gc.disable)()
     assert found
     assert not any(found)
+
+
+def test_it_is_on_again_after_many_threads() -> None:
+    before, interval = gc.isenabled(), sys.getswitchinterval()
+    gc.enable()
+    sys.setswitchinterval(1e-6)
+
+    def enter() -> None:
+        for _ in range(300):
+            with uncollected():
+                pass
+
+    try:
+        for _ in range(100):
+            threads = [threading.Thread(target=enter) for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            assert gc.isenabled()
+    finally:
+        sys.setswitchinterval(interval)
+        (gc.enable if before else gc.disable)()
+
+
+def test_it_is_on_again_after_an_error() -> None:
+    before = gc.isenabled()
+    with pytest.raises(KeyError), uncollected():
+        raise KeyError
+    assert gc.isenabled() == before
