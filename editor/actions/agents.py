@@ -24,6 +24,8 @@ from kinetix.errors import CheckpointError, CommandError
 from kinetix.paths import checkpoints_dir, user_agents_dir
 
 RECENT_AGENTS: Final = 8
+LONGEST_NAME: Final = 60
+"""Characters of the name of an agent that is trained here."""
 _AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
 """A folder with one of these is an agent or a training run."""
 
@@ -89,18 +91,15 @@ def agent_folder(path: Path) -> Path | None:
     return None
 
 
+def agents_in(folder: Path) -> list[Path]:
+    """Return the folders of agents and training runs in a folder, by name."""
+    return sorted(path for path in folder.glob("*") if is_agent_folder(path))
+
+
 def known_agents(session: Session) -> list[tuple[str, str]]:
     """Agents to choose from: (path, label), the app's own first."""
-    found = [
-        (str(folder), folder.name)
-        for folder in sorted(checkpoints_dir().glob("*"))
-        if is_agent_folder(folder)
-    ]
-    found += [
-        (str(folder), folder.name)
-        for folder in sorted(user_agents_dir().glob("*"))
-        if is_agent_folder(folder)
-    ]
+    folders = [*agents_in(checkpoints_dir()), *agents_in(user_agents_dir())]
+    found = [(str(folder), folder.name) for folder in folders]
     recent = [
         (path, Path(path).name)
         for path in session.settings.recent_agents

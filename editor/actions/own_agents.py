@@ -10,29 +10,30 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor.actions.agents import (
+    LONGEST_NAME,
     RECENT_AGENTS,
+    agents_in,
     checkpoints_of,
     clear_slot,
-    is_agent_folder,
     load_agent,
 )
 from editor.actions.watch import watch_run
+from editor.agents.local_training import BUSY
 from editor.base.prompts import Choice, MenuQuestion, TextQuestion
 from editor.gallery import filing
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.files.lock import locked_folder
 from kinetix.paths import user_agents_dir
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 _CONFIG: Final = "config.toml"
 _STEPS: Final = "total_timesteps"
-_LONGEST: Final = 60
 
 
 def own_agents() -> list[Path]:
     """Return the folders of all agents that were trained here, by name."""
-    return sorted(folder for folder in user_agents_dir().glob("*") if is_agent_folder(folder))
+    return agents_in(user_agents_dir())
 
 
 def go_on(session: Session) -> None:
@@ -43,7 +44,7 @@ def go_on(session: Session) -> None:
 
 def _go_on(session: Session, run: Path) -> None:
     if session.training.running:
-        raise CommandError("An agent is being trained already: stop it in the Training panel.")
+        raise CommandError(BUSY)
     with _held(session, run):
         config = _config(run)
     algorithm, steps = str(config.get("algorithm", "ppo")), _steps_wanted(run, config)
@@ -106,10 +107,10 @@ def _checked(name: str) -> str:
     """Return a name as a folder has it."""
     plain = unicodedata.normalize("NFC", " ".join(name.split()))
     odd = {"/", "\\", ":"}.intersection(plain) or not plain.isprintable()
-    if not 1 <= len(plain) <= _LONGEST or odd or plain[0] == "." or plain[-1] == ".":
+    if not 1 <= len(plain) <= LONGEST_NAME or odd or plain[0] == "." or plain[-1] == ".":
         raise CommandError(
-            f"The name {name!r} cannot be used: it needs 1 to {_LONGEST} characters that can be "
-            "seen, none of them / \\ or a colon, and no dot at either end."
+            f"The name {name!r} cannot be used: it needs 1 to {LONGEST_NAME} characters that can "
+            "be seen, none of them / \\ or a colon, and no dot at either end."
         )
     return plain
 
@@ -121,18 +122,18 @@ def delete(session: Session) -> None:
 
 def _delete(session: Session, folder: Path) -> None:
     with _held(session, folder):
-        session.deleted_agents.append(filing.throw_away(folder))
+        session.viewer.deleted.append(filing.throw_away(folder))
     _moved(session, folder, None)
     session.toast(f"Moved {folder.name} to the trash", action="agent.restore")
 
 
 def restore(session: Session) -> None:
     """Bring back the agent that was deleted last; one that cannot come back waits behind others."""
-    thrown = session.deleted_agents.pop()
+    thrown = session.viewer.deleted.pop()
     try:
         filing.bring_back(thrown)
     except LevelError:
-        session.deleted_agents.insert(0, thrown)
+        session.viewer.deleted.insert(0, thrown)
         raise
     session.toast(f"{thrown.origin.name} is back.", "success")
 
@@ -156,11 +157,10 @@ def _moved(session: Session, before: Path, after: Path | None) -> None:
             viewer.compare = "off" if slot == "b" else viewer.compare
         elif path != place.path:
             load_agent(session, path, slot)
-    if now(viewer.run.path) != viewer.run.path:
-        viewer.run.watch(now(viewer.run.path) or "")
-    for other in viewer.other_runs:
-        if now(other.path) != other.path:
-            other.watch(now(other.path) or "")
+    for watched in (viewer.run, *viewer.other_runs):
+        path = now(watched.path)
+        if path != watched.path:
+            watched.watch(path or "")
     viewer.other_runs = tuple(other for other in viewer.other_runs if other.path)
     viewer.contenders = tuple(one for one in viewer.contenders if now(one.ref.path) == one.ref.path)
     recents = [now(path) for path in settings.recent_agents]
@@ -169,7 +169,7 @@ def _moved(session: Session, before: Path, after: Path | None) -> None:
 
 @contextlib.contextmanager
 def _held(session: Session, folder: Path) -> Iterator[None]:
-    """Keep a folder while nobody trains in it, this app or another process."""
+    """Hold the lock of a folder in which nobody trains: neither this app nor another process."""
     busy = f"{folder.name} is learning just now: stop it in the Training panel."
     if session.training.running and session.training.run == folder:
         raise CommandError(busy)
@@ -199,5 +199,5 @@ def _learnt(folder: Path) -> str:
     checkpoints = checkpoints_of(folder)
     if not checkpoints:
         return "an agent"
-    steps = f"{int(checkpoints[-1].name):,}".replace(",", " ")
+    steps = thousands(int(checkpoints[-1].name))
     return f"{plural(len(checkpoints), 'checkpoint')}, {steps} steps"

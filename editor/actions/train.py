@@ -3,18 +3,16 @@
 import os
 import re
 from pathlib import Path
-from typing import Final
 
-from editor.actions.agents import load_agent
+from editor.actions.agents import LONGEST_NAME, load_agent
 from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
+from editor.agents.local_training import BUSY
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.paths import user_agents_dir
-
-_LONGEST: Final = 60
 
 
 def train_here(session: Session) -> None:
@@ -25,7 +23,7 @@ def train_here(session: Session) -> None:
     """
     training, level = session.training, session.document.level
     if training.running:
-        raise CommandError("An agent is being trained already: stop it in the Training panel.")
+        raise CommandError(BUSY)
     arena = level.arena
     walls = (arena.floor, arena.left_wall, arena.right_wall, arena.ceiling)
     if not {"green", "blue"} <= {body.role for body in (*level.bodies, *walls)}:
@@ -50,7 +48,7 @@ def train_here(session: Session) -> None:
 
 def _free_folder(name: str) -> Path:
     """A new folder among the user's agents that is called after a level."""
-    plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:_LONGEST] or "level"
+    plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:LONGEST_NAME] or "level"
     number, folder = 1, user_agents_dir() / plain
     while os.path.exists(folder) or os.path.exists(folder.with_suffix(".json")):
         number += 1

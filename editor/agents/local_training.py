@@ -18,6 +18,8 @@ from kinetix.errors import CommandError
 NICENESS: Final = 5
 """It leaves the processor to the window and to what is played."""
 LOG: Final = "training.log"
+BUSY: Final = "An agent is being trained already: stop it in the Training panel."
+"""Why no other training can begin."""
 
 
 class Process(Protocol):

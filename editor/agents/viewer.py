@@ -7,6 +7,7 @@ from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
+from editor.gallery.filing import Trashed
 from editor.play.second_player import Follower
 from editor.play.simulator import Simulator
 from editor.worker.jobs import Job, Worker
@@ -55,6 +56,8 @@ class Viewer:
         """The attempt that is pointed at."""
         self.contenders: tuple[AgentSummary, ...] = ()
         """Agents that are evaluated besides those of the slots."""
+        self.deleted: list[Trashed] = []
+        """Agents that were trained here and are in the trash now, the last one last."""
         self.seed = 0
         self.attempt = 0
         self.deterministic = False

@@ -138,35 +138,35 @@ def throw_away(path: Path) -> Trashed:
 def _move(path: Path, target: Path, note: Path | None) -> None:
     """Move a file or a folder into the trash; when that fails nothing stays there."""
     try:
-        _moved(path, target)
+        _carry(path, target)
     except OSError:
         if note is not None:
             note.unlink(missing_ok=True)
         raise
 
 
-def _moved(path: Path, target: Path) -> None:
-    """Move; to another disk by a copy, without which nothing is taken away here."""
+def _carry(path: Path, target: Path) -> None:
+    """Move a file or a folder; to another disk by a copy, and where that fails all is as before."""
     try:
         os.rename(path, target)
         return
     except OSError as error:
         if error.errno != errno.EXDEV:
             raise
-    if not os.path.isdir(path) or os.path.islink(path):
-        shutil.copy2(path, target, follow_symlinks=False)
+    if os.path.isdir(path) and not os.path.islink(path):
         try:
-            path.unlink()
+            shutil.copytree(path, target, symlinks=True)
         except OSError:
-            target.unlink(missing_ok=True)
+            shutil.rmtree(target, ignore_errors=True)
             raise
+        shutil.rmtree(path, ignore_errors=True)
         return
     try:
-        shutil.copytree(path, target, symlinks=True)
+        shutil.copy2(path, target, follow_symlinks=False)
+        path.unlink()
     except OSError:
-        shutil.rmtree(target, ignore_errors=True)
+        target.unlink(missing_ok=True)
         raise
-    shutil.rmtree(path, ignore_errors=True)
 
 
 def bring_back(thrown: Trashed) -> None:
@@ -178,7 +178,7 @@ def bring_back(thrown: Trashed) -> None:
     if os.path.exists(thrown.origin):
         raise LevelError(f"{thrown.origin}: another file of this name is there now.")
     try:
-        shutil.move(thrown.file, thrown.origin)
+        _carry(thrown.file, thrown.origin)
     except OSError as error:
         raise LevelError(
             f"{thrown.origin}: cannot be brought back: {error.strerror or error}"

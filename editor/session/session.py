@@ -28,7 +28,6 @@ from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
-from editor.gallery.filing import Trashed
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
@@ -104,8 +103,6 @@ class Session:
         """Copies of unsaved levels."""
         self.keeper = keeper or SettingsKeeper(self.settings, stored=False)
         """Writes the settings."""
-        self.deleted_agents: list[Trashed] = []
-        """Agents that were trained here and are in the trash now, the last one last."""
         self.old_names = old_names or OldNames()
         """Names from earlier versions that no level file holds yet."""
         self.messages = Messages(lambda: self.time)

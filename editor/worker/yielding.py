@@ -6,39 +6,14 @@ garbage collection, of which both provoke several and which finds next to nothin
 compiled program to the cache on disk (`editor.worker.simulation.quiet`).
 """
 
-import contextlib
 import gc
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Final
+
+from kinetix.meanwhile import Meanwhile
 
 _NEVER: Final = 2**30
 """As many collections of the middle generation have to come before a full one."""
-
-
-class Meanwhile:
-    """A setting of the whole process that several threads want changed for a while."""
-
-    def __init__(self, change: Callable[[], Callable[[], None]]) -> None:
-        self._change = change
-        self._lock = threading.Lock()
-        self._count = 0
-        self._undo: Callable[[], None] = lambda: None
-
-    @contextlib.contextmanager
-    def __call__(self) -> Iterator[None]:
-        """The first one changes it, the last one changes it back."""
-        with self._lock:
-            self._count += 1
-            if self._count == 1:
-                self._undo = self._change()
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._count -= 1
-                if self._count == 0:
-                    self._undo()
 
 
 def _no_full_collections() -> Callable[[], None]:

@@ -345,7 +345,7 @@ def _with_axis(size: int, mapped: list[Any], trees: tuple[Tree, ...]) -> tuple[T
 
 
 def _as_large_as(new: Shaped[Array, "n ..."], old: Shaped[Array, "m ..."]) -> Array:
-    """What worlds get, in the shape of what they had: a row that is too short would fit as well."""
+    """Broadcast the new rows to the shape of the old: a smaller one would be written in part."""
     added = [1] * (old.ndim - new.ndim)
     return jnp.broadcast_to(
         new.reshape(len(new), *added, *new.shape[1:]), (len(new), *old.shape[1:])

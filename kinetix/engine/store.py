@@ -38,10 +38,10 @@ class Store:
 
 
 def _other(tree: T) -> T:
-    """What a store returns when its condition fails, which it never does.
+    """Return something of the same shapes for the branch that is never taken.
 
-    It must differ from the tree, and be quick to compile: leaves of one shape and type take each
-    other's place; one that is alone becomes zeros, which is a kernel.
+    With the same values XLA would drop the conditional. Leaves of one shape and type swap places,
+    which compiles to nothing; only a leaf without such a partner is replaced by zeros.
     """
     leaves, structure = jax.tree.flatten(tree)
     alike: dict[Any, list[int]] = {}

@@ -14,6 +14,7 @@ from editor.actions import (
     watch,
 )
 from editor.actions.base import Action, Context, playing
+from editor.agents.local_training import BUSY
 from editor.agents.viewer import Compare
 
 PLAY: Final = Context.PLAY
@@ -189,7 +190,7 @@ AGENTS: Final = (
         menu="Agent",
         tooltip="Learns the level in the background, from its solution or a win that is found.",
         enabled=lambda session: not session.training.running,
-        refusal="An agent is being trained already: stop it in the Training panel.",
+        refusal=BUSY,
         run=train.train_here,
     ),
     Action(
@@ -207,7 +208,7 @@ AGENTS: Final = (
         menu="Agent",
         tooltip="An agent that was trained here learns on; one that is through, for as long again.",
         enabled=lambda session: not session.training.running,
-        refusal="An agent is being trained already: stop it in the Training panel.",
+        refusal=BUSY,
         run=own_agents.go_on,
     ),
     Action(
@@ -229,7 +230,7 @@ AGENTS: Final = (
         label="Restore the Deleted Agent",
         menu="Agent",
         tooltip="Brings back the agent that was deleted last.",
-        enabled=lambda session: bool(session.deleted_agents),
+        enabled=lambda session: bool(session.viewer.deleted),
         refusal="No agent was deleted since the app has started.",
         run=own_agents.restore,
     ),

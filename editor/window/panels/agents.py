@@ -15,7 +15,7 @@ from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.worker.requests import About, AgentSummary
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -100,7 +100,7 @@ class AgentsPanel(Panel):
         lines = [summary.network]
         if summary.parameters:
             memory = ", with memory" if summary.recurrent else ""
-            lines.append(f"{summary.parameters:,} parameters{memory}".replace(",", " "))
+            lines.append(f"{thousands(summary.parameters)} parameters{memory}")
         seen = summary.observation.replace("_", " ")
         lines.append(f"sees {seen}, says {summary.action.replace('_', ' ')}")
         trained = [
@@ -108,7 +108,7 @@ class AgentsPanel(Panel):
             f"an action holds {plural(summary.frame_skip, 'step')}",
         ]
         if summary.steps is not None:
-            trained.append(f"{summary.steps:,} steps of training".replace(",", " "))
+            trained.append(f"{thousands(summary.steps)} steps of training")
         lines.append(", ".join(trained))
         if summary.parameters:
             if summary.description:
@@ -134,7 +134,7 @@ class AgentsPanel(Panel):
             return
         path = Path(summary.folder or summary.ref.path)
         place = known.index(path) if path in known else len(known) - 1
-        steps = f"{int(known[place].name):,} steps".replace(",", " ")
+        steps = f"{thousands(int(known[place].name))} steps"
         widgets.small(f"Checkpoint {place + 1} of {len(known)}, at {steps}")
         imgui.set_next_item_width(imgui.get_content_region_avail().x)
         moved, chosen = imgui.slider_int(f"###checkpoint.{slot}", place, 0, len(known) - 1, "")

@@ -13,7 +13,7 @@ from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from kinetix.training.curricula.pages import ListedLevel, PageHead
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -90,7 +90,7 @@ class CurriculumPanel(Panel):
             watch.choose(watch.updates[place])
         imgui.same_line(0, px(12))
         imgui.align_text_to_frame_padding()
-        steps = f"{head.env_steps:,}".replace(",", " ")
+        steps = thousands(head.env_steps)
         widgets.muted(
             f"Update {head.update}, {head.algorithm}, {steps} environment steps: "
             f"the best {len(head.levels)} of {plural(head.filled, 'level')}; "

@@ -13,7 +13,7 @@ from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.window.panels.results_table import end_of
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -88,9 +88,9 @@ class TrainingPanel(Panel):
         steps = last.get(STEPS)
         words = plural(len(run.rows), "update")
         if steps is not None:
-            words += f", {int(steps):,} environment steps".replace(",", " ")
+            words += f", {thousands(int(steps))} environment steps"
         if run.newest is not None:
-            words += f", newest agent at {run.newest:,}".replace(",", " ")
+            words += f", newest agent at {thousands(run.newest)}"
         widgets.wrapped(words)
         widgets.tooltip(run.path)
         widgets.beside(190)

@@ -153,7 +153,7 @@ def test_what_cannot_come_back_waits_behind_the_others(session, folder):
     actions.run(session, "agent.restore")
     actions.run(session, "agent.restore")
     assert (folder / "hopper" / "config.toml").exists()
-    assert [one.origin.name for one in session.deleted_agents] == ["walker"]
+    assert [one.origin.name for one in session.viewer.deleted] == ["walker"]
 
 
 def test_runs_beside_follow_an_agent_and_go_with_it(session, folder):

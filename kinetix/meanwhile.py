@@ -1,0 +1,38 @@
+"""Settings of the whole process that several threads want changed for a while."""
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterator
+
+
+class Meanwhile:
+    """A change that the first thread makes and the last one takes back."""
+
+    def __init__(self, change: Callable[[], Callable[[], None]]) -> None:
+        """Make nothing yet.
+
+        Args:
+            change: Makes the change, and returns what takes it back.
+        """
+        self._change = change
+        self._lock = threading.Lock()
+        self._count = 0
+        self._undo: Callable[[], None] = lambda: None
+
+    @contextlib.contextmanager
+    def __call__(self) -> Iterator[None]:
+        """Have it changed within a `with` block."""
+        entered = False
+        try:
+            with self._lock:
+                if self._count == 0:
+                    self._undo = self._change()
+                self._count += 1
+                entered = True
+            yield
+        finally:
+            if entered:
+                with self._lock:
+                    self._count -= 1
+                    if self._count == 0:
+                        self._undo()
