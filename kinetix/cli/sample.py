@@ -1,18 +1,25 @@
 """Make random levels and write them as native files."""
 
+import contextlib
 import dataclasses
 import os
 import sys
+import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from tyro.conf import Positional
 
 from kinetix.cli.paths import NamedPath
+from kinetix.cli.terminal import PATIENCE, Terminal, announced
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.wording import plural
+
+if TYPE_CHECKING:
+    from kinetix.level.model import Level
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -64,7 +71,7 @@ def run(command: Sample) -> int:
     made_folder(command.target)
     width = max(4, len(str(command.count - 1)))
     decided = 0
-    for index, level in enumerate(levels):
+    for index, level in enumerate(_announced(levels, command.count)):
         name = f"{kind}_{label}_{command.seed}_{index:0{width}d}.json"
         _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
         decided += has_errors(validate(level))
@@ -73,6 +80,18 @@ def run(command: Sample) -> int:
         told += f", {decided} of them over as they begin (`kinetix validate` names them)"
     print(told, file=sys.stderr)
     return 0
+
+
+def _announced(levels: Iterator["Level"], count: int) -> Iterator["Level"]:
+    """Yield levels; tell of the wait for the first and how many there are by now."""
+    with announced("compiling the generator"):
+        yield next(levels)
+    began = time.monotonic()
+    with contextlib.closing(Terminal()) as terminal:
+        for number, level in enumerate(levels, start=2):
+            if time.monotonic() - began > PATIENCE:
+                terminal.status(f"{number} of {plural(count, 'level')}")
+            yield level
 
 
 def _write(path: Path, data: bytes, *, overwrite: bool) -> None:

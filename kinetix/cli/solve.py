@@ -17,7 +17,7 @@ from kinetix.errors import LevelError
 from kinetix.level.codec import load_document, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
-from kinetix.level.sets import SetLevel, gather_levels
+from kinetix.level.sets import SetLevel, read_levels
 from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
 from kinetix.wording import plural
@@ -54,7 +54,8 @@ class Solve:
 def run(command: Solve) -> int:
     """Search, tell what was found, and record it when asked to.
 
-    Of several levels, one that is no task is left out with a sentence, and the others are searched.
+    Of several levels, one that is no task and a file of a folder that cannot be read are left out
+    with a sentence, and the others are searched.
 
     Returns:
         0 when every level was won, 1 otherwise.
@@ -66,9 +67,9 @@ def run(command: Solve) -> int:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
     if not 0 <= command.seconds < math.inf:
         raise LevelError(f"--seconds {command.seconds}: expected a number from 0")
-    given = gather_levels(command.levels)
-    chosen = list(_tasks(given, write=command.write))
-    complete = len(chosen) == len(given)
+    given, unreadable = read_levels(command.levels)
+    chosen = list(_tasks(given, list(unreadable.values()), write=command.write))
+    complete = len(chosen) == len(given) + len(unreadable)
     if command.unsolved:
         count = len(chosen)
         chosen = [each for each in chosen if not _proven(each.level)]
@@ -82,13 +83,20 @@ def run(command: Solve) -> int:
     return 0 if complete and all(found) else 1
 
 
-def _tasks(given: list[SetLevel], *, write: bool) -> Iterator[SetLevel]:
+def _tasks(
+    given: list[SetLevel], unreadable: list[LevelError], *, write: bool
+) -> Iterator[SetLevel]:
     """Yield the levels that can be searched; tell why others cannot.
+
+    Args:
+        given: Levels.
+        unreadable: What is wrong with files that hold none.
+        write: Whether solutions are going to be recorded.
 
     Raises:
         LevelError: None of them can.
     """
-    refused: list[LevelError] = []
+    refused = list(unreadable)
     for each in given:
         try:
             _check(each, write=write)
@@ -96,7 +104,7 @@ def _tasks(given: list[SetLevel], *, write: bool) -> Iterator[SetLevel]:
             refused.append(error)
         else:
             yield each
-    if len(refused) == len(given):
+    if len(refused) == len(given) + len(unreadable):
         raise refused[0]
     for error in refused:
         print(f"left out: {error}", file=sys.stderr)

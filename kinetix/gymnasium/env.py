@@ -63,8 +63,10 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             options: `{"level": …}`: a level of the same size instead of a drawn one.
 
         Raises:
-            KinetixError: There is no such option, or the level does not fit.
+            KinetixError: There is no such option, or the level does not fit. Or the process was
+                forked since the environment was made.
         """
+        refuse_forked_process()
         level = checked_options(options, "level").get("level")
         super().reset(seed=seed)
         key = jax.random.key(int(self.np_random.integers(SEEDS)))
@@ -76,6 +78,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play one action."""
+        refuse_forked_process()
         if self._state is None:
             raise KinetixError("step: call reset first")
         observation, self._state, reward, done, info = self.kinetix_env.step(

@@ -14,7 +14,13 @@ from jaxtyping import Array, Bool
 from kinetix.bounds import LAST_SEED
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
-from kinetix.gymnasium.checks import SEEDS, checked_options, checked_seed, numbers_of
+from kinetix.gymnasium.checks import (
+    SEEDS,
+    checked_options,
+    checked_seed,
+    numbers_of,
+    refuse_forked_process,
+)
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.env import RENDER_FPS
 from kinetix.render.pixels import make_render_pixels
@@ -55,8 +61,10 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             **options: As for `KinetixGymEnv`.
 
         Raises:
-            KinetixError: A word is unknown; the sentence lists those that are known.
+            KinetixError: A word is unknown; the sentence lists those that are known. Or the process
+                was forked from one in which JAX runs.
         """
+        refuse_forked_process()
         if not isinstance(num_envs, int | np.integer) or num_envs < 1:
             raise KinetixError(f"num_envs={num_envs!r}: expected a whole number from 1")
         try:
@@ -109,8 +117,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
         Raises:
             KinetixError: There is no such option, the mask or the seeds are of another number, or
-                a seed is out of range.
+                a seed is out of range. Or the process was forked since the batch was made.
         """
+        refuse_forked_process()
         mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
         observation, state = self._reset(self._first_keys(seed))
         if mask is not None and self._state is not None:
@@ -126,6 +135,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Play one action in every environment."""
+        refuse_forked_process()
         if self._state is None:
             raise KinetixError("step: call reset first")
         actions = numbers_of(actions)

@@ -132,3 +132,17 @@ def test_what_nothing_can_win_is_said_at_once(search, folder, capsys, role, why)
 def test_no_more_seconds_are_claimed_than_were_searched(search, folder, capsys):
     assert main(["solve", str(folder / "11.json"), "--seconds", "60"]) == 1
     assert "no solution found in 2 s, 256 plans tried" in capsys.readouterr().err
+
+
+def test_of_a_folder_what_cannot_be_read_is_left_out_with_a_sentence(search, folder, capsys):
+    (folder / "10.json").write_text("{")
+    assert main(["solve", str(folder)]) == 1
+    assert search.levels == [11, 12, 14]
+    assert f"left out: {folder / '10.json'}: " in capsys.readouterr().err
+
+
+def test_a_folder_of_which_nothing_can_be_read_is_an_error(search, tmp_path, capsys):
+    (tmp_path / "torn.json").write_text("{")
+    assert main(["solve", str(tmp_path)]) == 1
+    assert not search.levels
+    assert "torn.json" in capsys.readouterr().err

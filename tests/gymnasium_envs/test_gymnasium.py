@@ -231,9 +231,23 @@ gymnasium.make_vec(
 """
 
 
+FORK_WITH_A_BATCH = """
+import multiprocessing, sys
+from kinetix.gymnasium import KinetixVectorEnv
+
+batch = KinetixVectorEnv(2)
+batch.reset(seed=0)
+process = multiprocessing.get_context("fork").Process(target=batch.reset)
+process.start()
+process.join()
+sys.exit(process.exitcode)
+"""
+
+
 @pytest.mark.slow
-def test_a_forked_process_is_refused_rather_than_waiting_for_ever():
-    command = [sys.executable, "-W", "ignore", "-c", FORK]
+@pytest.mark.parametrize("script", [FORK, FORK_WITH_A_BATCH], ids=["single", "batch"])
+def test_a_forked_process_is_refused_rather_than_waiting_for_ever(script):
+    command = [sys.executable, "-W", "ignore", "-c", script]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert ended.returncode
     assert "would hang" in ended.stderr and "spawn" in ended.stderr
