@@ -10,6 +10,7 @@ from editor.actions import file
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
+from editor.documents.files import lost_on_save
 from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
@@ -18,8 +19,8 @@ from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError
-from kinetix.level.atomic import write_atomically
-from kinetix.level.codec import level_hash
+from kinetix.level.atomic import write_atomically, write_with_backup
+from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of
 from kinetix.paths import levels_dir
@@ -28,6 +29,7 @@ PICTURES: Final = tuple(
     Choice(id=f"png{n}", label=f"Picture, {500 * n} × {500 * n}", detail="PNG")
     for n in (1, 2, 4, 8)
 )
+FOR_KINETIX_ENV: Final = Choice(id="json", label="Level for kinetix-env", detail="JSON")
 CLEAR_PICTURE: Final = Choice(id="clear2", label="Picture without background", detail="PNG")
 EPISODES: Final = (
     Choice(id="gif", label="Film of this episode", detail="GIF"),
@@ -46,12 +48,12 @@ def ask_export(session: Session) -> None:
         if choice is not None:
             _ask_path(session, choice, trace)
 
-    choices = (*PICTURES, CLEAR_PICTURE, *episodes)
+    choices = (*PICTURES, CLEAR_PICTURE, *episodes, FOR_KINETIX_ENV)
     session.ask(MenuQuestion(title="Export", choices=choices, at=None, answer=answer))
 
 
 def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
-    suffix = f".{choice}" if choice in ("gif", "mp4", "html", "npz") else ".png"
+    suffix = f".{choice}" if choice in ("gif", "mp4", "html", "npz", "json") else ".png"
     document, playback = session.document, session.playback
     level, snapshot = playback.level or document.level, playback.snapshot
     state = None if snapshot is None else snapshot.state
@@ -71,6 +73,8 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
                 palette=session.settings.palette,
             )
             session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+        elif suffix == ".json":
+            write_for_kinetix_env(session, document, path)
         elif trace is not None and suffix == ".npz":
             write_trace(trace, level, path)
             session.toast(f"Wrote {path}", "success")
@@ -89,6 +93,33 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
             answer=answer,
         )
     )
+
+
+def write_for_kinetix_env(session: Session, document: Document, path: Path) -> None:
+    """Write the level in kinetix-env's format, and say what that cannot hold.
+
+    Args:
+        session: The app.
+        document: The level as it stands in the editor; it stays with its own file.
+        path: The file; not one of a level that is open.
+
+    Raises:
+        CommandError: It is.
+        LevelError: The file cannot be written, or the format cannot hold the level.
+    """
+    if any(_same(tab.document.path, path) for tab in session.tabs):
+        raise CommandError(f"{path.name} is open here: choose another name for the export.")
+    data = dumps(document.level, format="kinetix-env", source=document.source)
+    write_with_backup(path, data.encode())
+    lost = lost_on_save(document.level, path, "kinetix-env")
+    if lost and document.source is None:
+        session.toast(f"Wrote {path}; kinetix-env has no place for: {', '.join(lost)}", "warning")
+    else:
+        session.toast(f"Wrote {path}", "success")
+
+
+def _same(one: Path | None, other: Path) -> bool:
+    return one is not None and one.resolve() == other.resolve()
 
 
 def _folder(session: Session) -> Path:

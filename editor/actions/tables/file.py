@@ -46,7 +46,7 @@ FILE: Final = (
         menu="File",
         context=Context.LEVEL,
         keys=("ctrl+e",),
-        tooltip="Picture, film or trace.",
+        tooltip="Picture, film, trace, or a level for kinetix-env.",
         run=export.ask_export,
     ),
     Action(

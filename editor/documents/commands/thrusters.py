@@ -66,13 +66,15 @@ class AddThruster:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PlaceThruster:
-    """Moves a thruster on its body or turns it; None leaves a part as it is."""
+    """Moves a thruster, on its body or to another, or turns it; None leaves a part as it is."""
 
     thruster: int
     point: Point | None = None
     """[m], in the world."""
     direction: float | None = None
     """[rad], in the world."""
+    body: int | None = None
+    """What it pushes from now on; it pushes the same way there."""
     merge_key: Hashable | None = None
 
     @property
@@ -96,6 +98,9 @@ class PlaceThruster:
 
     def _placed(self, level: Level, thruster: Thruster) -> Thruster:
         body = level.body(thruster.body)
+        if self.body is not None and self.body != body.id:
+            old, body = body, level.body(self.body)
+            thruster = thruster.replace(body=body.id, angle=thruster.angle + old.angle - body.angle)
         if self.point is not None:
             thruster = thruster.replace(position=to_local(body, self.point))
         if self.direction is not None:

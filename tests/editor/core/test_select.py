@@ -6,7 +6,7 @@ import pytest
 
 from editor import actions
 from editor.base.overlay import HandleKind
-from editor.editing.picking import handles
+from editor.editing.picking import handles, signed_distance
 from kinetix.level.geometry import bounds_of, referenced_body, to_world
 from kinetix.level.model import Level
 from tests.editor.core.helpers import Hand, a_level, a_session
@@ -255,6 +255,29 @@ def test_a_selected_joint_and_thruster_can_be_dragged(session, hand):
     joint = session.document.level.joints[0]
     assert joint.anchor_a == pytest.approx((0.1, 0.05), abs=1e-5)
     assert gap(session.document.level, joint) < 1e-6
+
+
+def test_a_thruster_is_dragged_to_another_shape_and_pushes_the_same_way(session, hand):
+    level = session.document.level
+    before = level.thrusters[0].angle + level.body(level.thrusters[0].body).angle
+    session.selection = (6,)
+    hand.drag((1.85, 2.1), (4.05, 3.05))
+    thruster, body = session.document.level.thrusters[0], session.document.level.body(3)
+    assert thruster.body == 3
+    assert to_world(body, thruster.position) == pytest.approx((4.05, 3.05), abs=1e-4)
+    assert thruster.angle + body.angle == pytest.approx(before)
+
+
+def test_a_thruster_dropped_beside_all_shapes_stays_where_it_was_last_on_one(session, hand):
+    level = session.document.level
+    session.selection = (6,)
+    hand.drag((1.85, 2.1), (3.0, 4.5))
+    moved = session.document.level.thrusters[0]
+    assert moved.body == level.thrusters[0].body
+    assert (
+        signed_distance(level.body(moved.body), to_world(level.body(moved.body), moved.position))
+        < 1e-3
+    )
 
 
 def test_aiming_a_selected_thruster(session, hand):

@@ -1,6 +1,6 @@
 """Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
 
-from typing import Any
+from typing import Any, Final
 
 from editor.base.events import Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Mark
@@ -12,6 +12,10 @@ from editor.editing.picking import bodies_at
 from editor.editing.snapping import measured, snap_point, snap_shift
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.joint import pair_marks
+from editor.editing.tools.thruster import NO_BODY
+
+_ON_THE_EDGE: Final = 1e-4
+"""A thruster that was snapped to an edge may lie this far outside by rounding [m]."""
 
 
 def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
@@ -86,14 +90,41 @@ def _joint_at(session: ToolContext, joint_id: int, point: Point) -> MoveJoint | 
 
 
 def drag_thruster(session: ToolContext, press: PointerEvent, thruster: int) -> Gesture:
-    """Move a thruster on its body."""
+    """Move a thruster on its body or to another one; beside all bodies it stays where it was last.
+
+    Args:
+        session: The app.
+        press: Where the drag began.
+        thruster: The one that moves.
+    """
     del press
-    available, snapped = session.targets(), None
+    level = session.document.level
+    own = next(each.body for each in level.thrusters if each.id == thruster)
+    available, snapped, command = session.targets(), None, None
     feedback = Feedback(cursor=Cursor.MOVE)
     while True:
         event = yield feedback
         snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
-        command = PlaceThruster(thruster=thruster, point=snapped.point)
+        body = _body_under(session, snapped.point, own)
+        marks: tuple[Mark, ...] = measured(snapped.guides)
+        if body is not None:
+            command = PlaceThruster(thruster=thruster, point=snapped.point, body=body)
+            if body != own:
+                name = session.document.name_of(body)
+                marks = (*marks, Label(at=event.world, text=f"pushes {name}"))
         if event.kind is Pointer.RELEASE:
             return command
-        feedback = Feedback(command=command, marks=measured(snapped.guides), cursor=Cursor.MOVE)
+        feedback = (
+            Feedback(command=command, hint=NO_BODY, cursor=Cursor.REFUSED)
+            if body is None
+            else Feedback(command=command, marks=marks, cursor=Cursor.MOVE)
+        )
+
+
+def _body_under(session: ToolContext, point: Point, own: int) -> int | None:
+    """The body that a thruster at a point pushes: its own while that reaches there."""
+    document = session.document
+    under = bodies_at(
+        document.level, point, without=document.hidden, arena=False, margin=_ON_THE_EDGE
+    )
+    return own if own in under else int(under[0]) if under else None
