@@ -170,15 +170,20 @@ class SettingsKeeper:
         changed = {name: value for name, value in now.items() if value != self._written[name]}
         if not changed or not self._stored:
             return
-        self._written = now
+        before, self._written = self._written, now
         path = self._path or settings_path()
         there = read_state(path)
         for name in ("recents", "recent_agents"):
             others = there.get(name)
             if name in changed and isinstance(others, list):
-                changed[name] = list(dict.fromkeys([*changed[name], *map(str, others)]))
-                del changed[name][RECENTS_MAX:]
+                changed[name] = _merged(changed[name], before[name], [str(each) for each in others])
         write_state(path, there | changed)
+
+
+def _merged(mine: list[str], before: list[str], others: list[str]) -> list[str]:
+    """Recent paths of two windows: what this one forgot is gone, what the other one added stays."""
+    added = [each for each in others if each not in before]
+    return list(dict.fromkeys([*mine, *added]))[:RECENTS_MAX]
 
 
 def settings_path() -> Path:

@@ -292,6 +292,21 @@ def test_what_only_a_later_version_offers_is_passed_over(tmp_path):
     assert json.loads(file.read_text())["physics"] == "quantum"  # which has it still
 
 
+@pytest.mark.parametrize("name", ["recents", "recent_agents"])
+def test_what_is_forgotten_does_not_come_back_and_what_another_window_adds_stays(tmp_path, name):
+    file = tmp_path / "settings.json"
+    Settings(**{name: ["a", "b"]}).save(file)
+    loaded = Settings.load(file)
+    keeper = SettingsKeeper(loaded, file)
+    Settings(**{name: ["theirs", "a", "b"]}).save(file)
+    setattr(loaded, name, ["b"])
+    keeper.save()
+    assert getattr(Settings.load(file), name) == ["b", "theirs"]
+    setattr(loaded, name, ["new", "b"])
+    keeper.save()
+    assert getattr(Settings.load(file), name) == ["new", "b", "theirs"]
+
+
 def test_folders_that_cannot_be_reached_keep_no_dialog_away(tmp_path):
     unreachable = tmp_path / ("x" * 300)  # an error for everybody, as a locked folder is for most
     session = a_session()
