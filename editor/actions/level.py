@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from editor.actions.agents import play_agent
 from editor.actions.file import open_path
 from editor.base.prompts import Choice, MenuQuestion
 from editor.documents.commands.base import Command
@@ -116,8 +117,13 @@ def replace_later(
     session.worker.submit(request, title=title, urgent=True, done=done)
 
 
+def _shows(session: Session, path: Path) -> bool:
+    here = session.document.path
+    return here is not None and here.resolve() == path.resolve()
+
+
 def neighbour(step: int) -> Callable[[Session], None]:
-    """An action that opens the next or previous level of the same folder."""
+    """An action that opens the next or previous level of the same folder; an agent plays on."""
 
     def run(session: Session) -> None:
         path = session.document.path
@@ -129,6 +135,10 @@ def neighbour(step: int) -> Callable[[Session], None]:
         resolved = [p.resolve() for p in siblings]
         here = resolved.index(path.resolve()) if path.resolve() in resolved else 0
         target: Path = siblings[(here + step) % len(siblings)]
-        open_path(session, target, replace=True)
+        playback = session.playback
+        watched = playback.active and playback.casting is not None and not session.viewer.by_hand
+        opened = open_path(session, target, replace=True)
+        if opened and watched and _shows(session, target):
+            play_agent(session)
 
     return run

@@ -13,6 +13,7 @@ import pytest
 
 from editor import actions
 from editor.actions import agents, measure, watch
+from editor.actions.file import open_path
 from editor.agents.evaluation import Plan, best
 from editor.agents.viewer import mismatch
 from editor.base.events import DropEvent
@@ -40,6 +41,7 @@ from editor.worker.requests import (
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, KinetixError
+from kinetix.level.codec import save_level
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
@@ -258,6 +260,22 @@ def test_where_the_agent_cannot_play_the_level_the_planner_does(session, stage):
     settle(session)
     assert session.playback.player == "planner"
     assert any("Small: It cannot play this level" in text for text in texts(session))
+
+
+def test_who_watches_an_agent_goes_on_watching_it_in_the_next_level(with_agent, tmp_path):
+    for name in ("a", "b", "c"):
+        save_level(a_level().replace(name=name), tmp_path / f"{name}.json")
+    open_path(with_agent, tmp_path / "a.json")
+    actions.run(with_agent, "run.play_agent")
+    settle(with_agent)
+    actions.run(with_agent, "level.next")
+    settle(with_agent)
+    assert with_agent.document.title == "b.json"
+    assert with_agent.playback.active and with_agent.playback.player == "Tester"
+    assert with_agent.playback.level.name == "b"
+    with_agent.leave_play()
+    actions.run(with_agent, "level.previous")
+    assert with_agent.editing and with_agent.document.title == "a.json"
 
 
 def test_the_agent_plays_and_the_document_stays(with_agent):
