@@ -11,6 +11,7 @@ from kinetix.agents.card import AgentCard, read_card
 from kinetix.errors import CheckpointError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
+from kinetix.paths import user_agents_dir
 
 _DESCRIPTION = "agent.json"
 
@@ -27,6 +28,14 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
         if able and summary.ref.path not in BUILT_IN:
             found.append(summary.name)
     return tuple(dict.fromkeys(found))
+
+
+def agents_stamp() -> int:
+    """A number that changes when an agent of the user's own comes, goes or is renamed."""
+    try:
+        return user_agents_dir().stat().st_mtime_ns
+    except OSError:
+        return 0
 
 
 def _card_of(folder: Path) -> AgentCard | None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions.compatible import compatible_agents
+from editor.actions.compatible import agents_stamp, compatible_agents
 from editor.actions.fixes import fix_of
 from editor.agents.random_play import fitting
 from editor.base.language import tr
@@ -54,7 +54,7 @@ class ProblemsPanel(Panel):
         """I303, worked out again only when the level or the agents are others."""
         level = session.document.level
         recent = tuple(session.settings.recent_agents)
-        known = (level, recent, session.viewer.agents)
+        known = (level, recent, session.viewer.agents, agents_stamp())
         if self._fits is None or self._fits[0] != known:
             self._fits = (known, fitting(level, compatible_agents(session, level)))
         return self._fits[1]
