@@ -431,7 +431,7 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> N
     """Refuse to go on with a run under other hyper-parameters than it began with."""
     path = out / CONFIG
     if not os.path.isfile(path):
-        if any(not entry.name.startswith(".") for entry in out.iterdir()):
+        if not all(_may_lie_there(entry) for entry in out.iterdir()):
             raise KinetixError(f"{out}: is not empty and holds no training run")
         return
     name, values = loads_config(read_text(path, "run"), str(path))
@@ -449,6 +449,11 @@ def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> N
                 f"{path}: this run was started with {_differing(field.name, old, new)}; choose "
                 "another directory"
             )
+
+
+def _may_lie_there(path: Path) -> bool:
+    """Return whether a run may begin where this file is: hidden, or what a training prints."""
+    return path.name.startswith(".") or path.suffix == ".log"
 
 
 def _differing(name: str, old: Any, new: Any) -> str:

@@ -92,6 +92,12 @@ def test_other_directories_are_left_alone(tmp_path):
         train("ppo", _config("ppo", dummy_env=True), tmp_path)
 
 
+def test_a_run_may_begin_where_its_words_are_kept(tmp_path):
+    (tmp_path / "training.log").write_text("")
+    config = _config("ppo", dummy_env=True)
+    assert train("ppo", config, tmp_path).is_dir()
+
+
 def test_the_command_trains_and_goes_on(tmp_path, capsys):
     flags = [
         word

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import time
 
 import pytest
 
@@ -13,6 +14,7 @@ from editor.documents.document import Document
 from kinetix.errors import CommandError
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level
+from kinetix.training.settings import CONFIG
 from tests.editor.core.helpers import a_level, texts
 from tests.editor.core.test_viewer import Stage, a_summary, session, settle, stage
 
@@ -124,6 +126,24 @@ def test_what_cannot_be_learnt_is_said_before_anything_begins(session, began):
 
 def _with(level, **changes):
     return level.replace(bodies=tuple(body.replace(**changes) for body in level.bodies))
+
+
+@pytest.mark.slow
+def test_what_one_click_begins_does_learn(session, tmp_path, monkeypatch):
+    monkeypatch.setattr("editor.actions.train.user_agents_dir", lambda: tmp_path / "agents")
+    session.training = LocalTraining(start_process)
+    session.open_tab(Document(load_level("s/goalkeeper")))
+    assert actions.run(session, "agent.train_here")
+    training = session.training
+    until = time.monotonic() + 300
+    while training.running and not (training.run / CONFIG).is_file():
+        assert time.monotonic() < until, training.words
+        time.sleep(0.2)
+    words = training.words
+    training.stop()
+    while training.running:
+        time.sleep(0.1)
+    assert (training.run / CONFIG).is_file(), words
 
 
 @pytest.mark.skipif(os.name != "posix", reason="niceness is of POSIX systems")
