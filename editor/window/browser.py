@@ -43,6 +43,14 @@ def peek(path: str, modified_ns: int) -> Level | str:
         return str(error)
 
 
+def _modified(path: Path) -> int:
+    """When a file was written last [ns]; 0 where a link leads nowhere or it has just gone."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
 class FileBrowser:
     """One question's browser."""
 
@@ -181,7 +189,7 @@ class FileBrowser:
         if path.suffix.lower() != _LEVEL or self._question.about is not None:
             icon = Icons.film if self._question.about is None else Icons.trophy
             draw.add_text(spot, u32(COLOURS.muted), icon)
-        elif isinstance(level := peek(str(path), path.stat().st_mtime_ns), str):
+        elif isinstance(level := peek(str(path), _modified(path)), str):
             draw.add_text(spot, u32(COLOURS.warn), Icons.warning)
         else:
             picture(draw, level, at, px(38))
@@ -201,14 +209,14 @@ class FileBrowser:
             imgui.end_child()
             return
         if self._question.about is not None:
-            widgets.wrapped(_told(self._question.about, path, path.stat().st_mtime_ns))
+            widgets.wrapped(_told(self._question.about, path, _modified(path)))
             imgui.end_child()
             return
         if path.suffix.lower() != _LEVEL:
             widgets.small("No picture of this kind of file.")
             imgui.end_child()
             return
-        level = peek(str(path), path.stat().st_mtime_ns)
+        level = peek(str(path), _modified(path))
         if isinstance(level, str):
             widgets.small(level, COLOURS.bad)
         else:

@@ -99,7 +99,8 @@ class StatusBar:
             share = f" {job.fraction:.0%}" if job.fraction is not None else ""
             ahead = lane_of(job.request) == PREPARATIONS
             words = job.title if ahead else job.message or job.title
-            parts.append((f"{Icons.gear} {words}{share}", c.accent))
+            # In the language already: with the share behind them they are other words.
+            parts.append((f"{Icons.gear} {tr(words)}{share}", c.accent))
         if session.hands.cursor is not None:
             x, y = session.hands.cursor
             parts.append((f"{x:.2f}, {y:.2f} m", c.muted))

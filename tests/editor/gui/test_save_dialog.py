@@ -92,6 +92,16 @@ def test_return_saves_after_a_click_in_the_list(drawn, tmp_path):
     assert (tmp_path / "inner" / "untitled.json").is_file()
 
 
+def test_a_link_that_leads_nowhere_does_not_keep_a_dialog_from_saving(drawn, tmp_path):
+    (tmp_path / "gone.json").symlink_to(tmp_path / "nowhere")
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    type_name(drawn, tmp_path / "mine.json")
+    assert not drawn.session.prompts
+    assert (tmp_path / "mine.json").is_file()
+
+
 def test_a_users_folder_that_cannot_be_made_is_told(drawn):
     parent = user_levels_dir().parent
     parent.parent.mkdir(parents=True, exist_ok=True)

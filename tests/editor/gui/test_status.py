@@ -1,11 +1,16 @@
 """The status line: what to do comes before numbers."""
 
+import types
+
 import pytest
 
+from editor.base.language import tr, use
 from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS
 from editor.window.panels.status import StatusBar
+from editor.worker.jobs import Job
+from editor.worker.requests import Mutate
 from tests.editor.core.helpers import FakeSimulator, a_session
 
 
@@ -41,3 +46,17 @@ def test_the_hint_is_whole_in_a_small_window(make_gui, monkeypatch, size, scale)
     gui.frames(1)
     (hint,) = [pair for pair in shown if pair[0].startswith("Space plays again")]
     assert hint[0] == hint[1]
+
+
+def test_work_under_way_is_told_in_the_language_of_the_window():
+    session = a_session()
+    job = Job(Mutate(level=session.document.level, mutation=None, seed=0), "Mutating")
+    job.report(0.16, "Compiling for this level")
+    session.worker = types.SimpleNamespace(jobs=[job])
+    use("de")
+    try:
+        words = StatusBar().numbers(session)[0][0]
+        assert words.endswith("Wird für dieses Level übersetzt 16%")
+        assert tr(words) == words
+    finally:
+        use("en")
