@@ -77,10 +77,10 @@ def paint_debug(session: "Session", painter: Painter, where: Placement) -> None:
     """
     snapshot = session.playback.snapshot if session.playback.active else None
     pen = _Pen(painter=painter, where=where, snapshot=snapshot)
-    ring = session.playback.ring.snapshots if snapshot is not None else ()
+    ring = session.playback.ring.newest(_TRAIL_STATES) if snapshot is not None else ()
     for name in session.settings.debug_draw:
         if name == "trails":
-            pen.trails(ring[-_TRAIL_STATES:])
+            pen.trails(ring)
         elif name == "impulses":
             pen.impulses(ring[-2:])
         elif name in LAYERS and (snapshot is not None or name not in SIMULATED):

@@ -75,7 +75,7 @@ class Show:
 
     @property
     def ring(self) -> Ring:
-        """The episode's last moments."""
+        """The episode's moments."""
         return self.current.ring if self.current else Ring()
 
     @property
@@ -128,8 +128,10 @@ class Show:
     def can_branch(self) -> bool:
         """True if the episode can be played on from the moment on show."""
         state, shown = self.state, self.snapshot
-        lasting = isinstance(state, Replaying) and not state.trace.from_file
-        return lasting and shown is not None and shown.outcome is None
+        if not isinstance(state, Replaying) or state.trace.from_file:
+            return False
+        kept = state.index >= state.episode.ring.bare
+        return kept and shown is not None and shown.outcome is None
 
     @property
     def real_time_factor(self) -> float:
@@ -145,7 +147,7 @@ class Show:
 
     @property
     def trace(self) -> Trace | None:
-        """The episode so far, as far back as the ring reaches."""
+        """The episode so far."""
         if isinstance(self.state, Replaying):
             return self.state.trace
         return self.current.trace(self.physics) if self.current else None

@@ -42,7 +42,7 @@ class Episode:
     """Times [s] and steps that arrived in the last second."""
 
     def trace(self, physics: str) -> Trace | None:
-        """Return the episode so far, as far back as the ring reaches."""
+        """Return the episode so far."""
         snapshots = self.ring.snapshots
         if not snapshots:
             return None
@@ -51,7 +51,7 @@ class Episode:
             physics=physics,
             perturbed=self.perturbed,
             snapshots=snapshots,
-            actions=tuple(self.actions[len(self.actions) - len(snapshots) + 1 :]),
+            actions=tuple(self.actions),
             player=self.player,
             seed=casting.seed if casting else 0,
             attempt=casting.attempt if casting else 0,

@@ -1,6 +1,5 @@
 """Records of a simulation: snapshots, a ring to step back in, traces of episodes."""
 
-import collections
 import dataclasses
 from collections.abc import Sequence
 from typing import Any, Final, TypeAlias
@@ -18,7 +17,7 @@ ENGINE_STEPS_PER_SECOND: Final = 60
 FRAME_SKIP: Final = 2
 """Engine steps in one environment step when a person plays."""
 RING_STATES: Final = 1024
-"""Environment steps that can be stepped back."""
+"""Environment steps that can be stepped back; older ones can be looked at."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -128,48 +127,54 @@ class Snapshot:
 
 
 class Ring:
-    """The last snapshots of an episode, for stepping back."""
+    """The moments of an episode; the last ones with the simulator's state, for stepping back."""
 
-    def __init__(self, size: int = RING_STATES) -> None:
-        self._states: collections.deque[Snapshot] = collections.deque(maxlen=size)
+    def __init__(self, states: int = RING_STATES) -> None:
+        self._moments: list[Snapshot] = []
+        self._states = states
+        self.bare = 0
+        """How many of the oldest moments have no state any more: they can be looked at alone."""
 
     def __len__(self) -> int:
-        return len(self._states)
+        return len(self._moments)
 
     @property
     def last(self) -> Snapshot | None:
         """The newest snapshot."""
-        return self._states[-1] if self._states else None
+        return self._moments[-1] if self._moments else None
 
     @property
     def snapshots(self) -> tuple[Snapshot, ...]:
-        """All that is kept, oldest first."""
-        return tuple(self._states)
+        """All moments, oldest first."""
+        return tuple(self._moments)
 
     def newest(self, count: int) -> tuple[Snapshot, ...]:
         """Return the last `count` snapshots, or all where there are fewer, oldest first."""
-        held = len(self._states)
-        return tuple(self._states[k] for k in range(max(held - count, 0), held))
+        return tuple(self._moments[max(len(self._moments) - count, 0) :])
 
     def clear(self) -> None:
         """Forget everything."""
-        self._states.clear()
+        self._moments, self.bare = [], 0
 
     def push(self, snapshot: Snapshot) -> None:
-        """Keep one more; the oldest goes when the ring is full."""
-        self._states.append(snapshot)
+        """Keep one more; the oldest state goes when there are too many."""
+        self._moments.append(snapshot)
+        if len(self._moments) - self.bare > self._states:
+            oldest = self._moments[self.bare]
+            self._moments[self.bare] = dataclasses.replace(oldest, state=None, memory=None)
+            self.bare += 1
 
     def back(self) -> Snapshot | None:
-        """Drop the newest and return the one before it, or None when there is none."""
-        if len(self._states) < 2:
+        """Drop the newest and return the one before it, or None where that has no state."""
+        if len(self._moments) - self.bare < 2:
             return None
-        self._states.pop()
-        return self._states[-1]
+        self._moments.pop()
+        return self._moments[-1]
 
     def keep(self, snapshots: Sequence["Snapshot"]) -> None:
-        """Hold exactly these, oldest first."""
-        self._states.clear()
-        self._states.extend(snapshots)
+        """Hold exactly these, oldest first: those from the start to a moment that has its state."""
+        self._moments = list(snapshots)
+        self.bare = min(self.bare, max(len(snapshots) - 1, 0))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

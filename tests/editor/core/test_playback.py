@@ -102,13 +102,26 @@ def test_stepping_back_ends_at_the_start(playback):
     assert playback.step_count == 0
 
 
-def test_the_ring_keeps_enough_states(playback):
+def test_of_a_long_episode_all_is_kept_but_old_states(playback):
     assert RING_STATES >= 1024
     playback.simulator.ends_at = 10_000
     playback.speed = 8.0
     playback.play(a_level())
     run(playback, 10.0, 60)
-    assert len(playback.ring) == RING_STATES
+    trace = playback.trace
+    assert len(playback.ring) > RING_STATES + 100
+    assert trace.snapshots[0].step == 0
+    assert len(trace.actions) == len(trace.snapshots) - 1
+    assert playback.ring.bare == len(playback.ring) - RING_STATES
+    playback.scrub(playback.ring.bare - 1)
+    assert not playback.can_branch  # it can be looked at alone
+    playback.scrub(playback.ring.bare + 5)
+    step = playback.step_count
+    playback.branch()
+    for _ in range(10):
+        playback.step_back()
+    assert playback.step_count == step - 5
+    assert playback.trace.snapshots[0].step == 0
 
 
 def test_the_end_freezes(playback):
