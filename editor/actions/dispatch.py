@@ -4,7 +4,7 @@ import functools
 from pathlib import Path
 from typing import Final
 
-from editor.actions import address, agents, outside, play, train, watch
+from editor.actions import address, agents, export, leave, outside, play, train, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
@@ -257,6 +257,8 @@ def advance(session: Session, seconds: float) -> None:
         audible = session.settings.sound
         session.sound.listen(session.playback, session.time, audible=audible)
     with session.guard():
+        export.update_recording(session)
+        leave.update_leaving(session)
         watch.update_viewer(session)
         train.update_training(session)
         play.note_end(session)

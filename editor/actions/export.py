@@ -11,6 +11,7 @@ from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
 from editor.documents.files import lost_on_save
+from editor.play.recording import Recording
 from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
@@ -287,38 +288,36 @@ def told(session: Session) -> Callable[[Job], None]:
 
 def screenshot(session: Session) -> None:
     """Ask the host for a picture of the window."""
-    session.screenshot = free_name(_folder(session), session.document.title, ".png")
+    session.screenshot = free_name(session, ".png")
 
 
 def record(session: Session) -> None:
     """Start filming what is played; again: write the film."""
     if session.recording is None:
-        session.recording = session.playback.step_count if session.playback.active else 0
+        session.recording = Recording.of(session.playback)
         session.toast("Recording: play, then press Ctrl+Shift+R again.")
         return
-    first, session.recording = session.recording, None
-    trace, level = session.playback.trace, session.playback.level
-    if trace is None or level is None:
+    films, session.recording = session.recording.films(), None
+    if not films:
         raise CommandError("Nothing was played while recording.")
-    film(
-        session,
-        level,
-        since(trace, first),
-        free_name(_folder(session), session.document.title, ".gif"),
-    )
+    for level, trace in films:
+        film(session, level, trace, free_name(session, ".gif"))
 
 
-def since(trace: Trace, step: int) -> Trace:
-    """The part of a trace from an environment step on; all of it when nothing follows."""
-    start = next((k for k, s in enumerate(trace.snapshots) if s.step >= step), 0)
-    return dataclasses.replace(
-        trace, snapshots=trace.snapshots[start:], actions=trace.actions[start:]
-    )
+def update_recording(session: Session) -> None:
+    """Let a frame pass: what is on show comes into the film."""
+    if session.recording is not None:
+        session.recording.follow(session.playback)
 
 
-def free_name(folder: Path, title: str, suffix: str) -> Path:
-    """A file name in a folder that nothing has yet: `title-001.png`."""
-    stem, number = Path(title).stem, 1
-    while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}"):
+def free_name(session: Session, suffix: str) -> Path:
+    """A file name in the level's folder that nothing has yet: `title-001.png`."""
+    folder, stem, number = _folder(session), Path(session.document.title).stem, 1
+    awaited = {
+        job.request.path
+        for job in session.worker.jobs
+        if isinstance(job.request, ExportFilm | ExportPicture)
+    }
+    while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1
     return path

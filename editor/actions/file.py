@@ -1,4 +1,4 @@
-"""Actions of the File menu: new, open, save, close, quit, and the questions on the way."""
+"""Actions of the File menu: new, open, save, close, and the questions on the way."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,9 +15,6 @@ from kinetix.level.model import Level
 
 NEW_LEVEL: Final = Level(name="Untitled")
 LEVEL_SUFFIXES: Final = (".json",)
-MOST_NAMES: Final = 12
-"""Of more unsaved levels a question names only so many."""
-_QUIT: Final = "Save before closing?"
 MESSAGE_LENGTH: Final = 600
 """Of a longer message the log has the rest [characters]."""
 
@@ -271,7 +268,7 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     """Go on with `then` once a tab's changes are saved or given up (IO4)."""
     document = tab.document
     if tab.moment is not None and tab.moment.changed:
-        _ask_moment(session, tab, lambda: if_settled(session, tab, then))
+        ask_moment(session, tab, lambda: if_settled(session, tab, then))
         return
     if not document.dirty:
         if document.origin:  # restored, and all of it undone or saved: it is not offered again
@@ -304,7 +301,7 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     )
 
 
-def _ask_moment(session: Session, tab: Tab, then: Callable[[], None]) -> None:
+def ask_moment(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     """Ask what shall become of a paused episode that was changed, and go on unless cancelled."""
 
     def answer(choice: str) -> None:
@@ -336,63 +333,3 @@ def close_tab(session: Session, tab: Tab | None = None) -> None:
     """Close a tab, the one in front by default; asks when it has unsaved changes."""
     closing = tab or session.tab
     if_settled(session, closing, lambda: session.close_tab(closing))
-
-
-def quit_app(session: Session) -> None:
-    """End the app, after asking once about everything that has unsaved changes."""
-    session.driver.cancel()
-    changed = next((tab for tab in session.tabs if tab.moment and tab.moment.changed), None)
-    if changed is not None:
-        _ask_moment(session, changed, lambda: quit_app(session))
-        return
-    unsaved = [tab for tab in session.tabs if tab.document.dirty]
-    if any(isinstance(prompt, Question) and prompt.title == _QUIT for prompt in session.prompts):
-        return
-    if len(unsaved) < 2:
-        if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
-        return
-
-    def answer(choice: str) -> None:
-        if choice == "save":
-            _save_all(session, unsaved)
-        elif choice == "discard":
-            for tab in unsaved:
-                session.autosaves.forget(tab.document)
-            _quit(session)
-
-    names = [tab.document.title for tab in unsaved]
-    shown = [
-        *names[:MOST_NAMES],
-        *([f"{len(names) - MOST_NAMES} more"] * (len(names) > MOST_NAMES)),
-    ]
-    session.ask(
-        Question(
-            title=_QUIT,
-            message="These have unsaved changes:\n" + "\n".join(shown),
-            choices=(
-                Choice(id="save", label="Save All"),
-                Choice(id="discard", label="Discard All"),
-                Choice(id="cancel", label="Cancel"),
-            ),
-            default="save",
-            cancel="cancel",
-            answer=answer,
-        )
-    )
-
-
-def _save_all(session: Session, remaining: list[Tab]) -> None:
-    """Save one after the other, asking what each needs; then quit."""
-    remaining = [tab for tab in remaining if tab in session.tabs and tab.document.dirty]
-    if not remaining:
-        _quit(session)
-        return
-    session.show_tab(session.tabs.index(remaining[0]))
-    save(session, lambda: _save_all(session, remaining[1:]))
-
-
-def _quit(session: Session) -> None:
-    with session.guard():
-        session.keeper.save()
-    session.training.stop()  # It saves; the command line can go on with it.
-    session.quitting = True

@@ -21,6 +21,8 @@ class Show:
     state: State
     physics: str
     speed: float
+    episode: int
+    """Rises with every episode that starts."""
 
     @property
     def mode(self) -> Mode:

@@ -34,6 +34,7 @@ from editor.gallery.view import GalleryView
 from editor.play.mode import Mode
 from editor.play.motion import Motion
 from editor.play.playback import Playback
+from editor.play.recording import Recording
 from editor.play.simulator import Simulator
 from editor.session.clipboard import Clipboard, MemoryClipboard
 from editor.session.hands import Hands
@@ -122,10 +123,12 @@ class Session:
         """The session's clock [s]."""
         self.quitting = False
         """Set when the app may end."""
+        self.leaving = False
+        """True if the app is to close once the files are written that it works on."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
-        self.recording: int | None = None
-        """From which step on what is played is to become a film, or None."""
+        self.recording: Recording | None = None
+        """What is to become a film, or None."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}

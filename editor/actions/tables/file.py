@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import address, comparison, export, file, outside
+from editor.actions import address, comparison, export, file, leave, outside
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -88,5 +88,5 @@ FILE: Final = (
         checked=lambda session: session.recording is not None,
         run=export.record,
     ),
-    Action(id="file.quit", label="Quit", menu="File", keys=("ctrl+q",), run=file.quit_app),
+    Action(id="file.quit", label="Quit", menu="File", keys=("ctrl+q",), run=leave.quit_app),
 )

@@ -93,6 +93,8 @@ class StatusBar:
         """Return the words at the right and their colours, from left to right."""
         c = COLOURS
         parts = []
+        if session.recording is not None:
+            parts.append((f"{Icons.film} Recording", c.bad))
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
         if jobs:
             job = jobs[0]

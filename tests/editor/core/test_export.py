@@ -5,6 +5,8 @@ import pytest
 from editor import actions
 from editor.documents import files
 from editor.documents.commands.group import Move
+from editor.worker.jobs import Job
+from editor.worker.requests import ExportFilm
 from kinetix.level.codec import load_document, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
 
@@ -50,3 +52,92 @@ def test_a_file_that_was_there_stays_beside_the_export(session, tmp_path):
     (tmp_path / "theirs.json").write_text("something")
     export(session, tmp_path / "theirs.json")
     assert (tmp_path / "theirs.json.bak").read_text() == "something"
+
+
+class Waiting:
+    """A worker that never gets round to anything."""
+
+    def __init__(self):
+        self.jobs = ()
+
+    def submit(self, request, title, **_):
+        job = Job(request, title)
+        self.jobs = (*self.jobs, job)
+        return job
+
+    def stop(self, seconds):
+        del seconds
+
+    def poll(self):
+        pass
+
+
+@pytest.fixture
+def films(session):
+    """The films that were asked for."""
+    worker = session.worker = Waiting()
+    session.playback.simulator.ends_at = 1000
+    return lambda: [job.request for job in worker.jobs if isinstance(job.request, ExportFilm)]
+
+
+def play(session, seconds):
+    for _ in range(round(seconds * 60)):
+        actions.update(session, 1 / 60)
+
+
+def test_a_film_has_what_was_played_before_it_was_left_or_begun_again(session, films):
+    actions.run(session, "file.record")
+    actions.run(session, "run.play_human")
+    play(session, 1.0)
+    actions.run(session, "run.reset")
+    play(session, 0.5)
+    actions.run(session, "run.stop")
+    play(session, 0.1)
+    actions.run(session, "file.record")
+    (film,) = films()
+    steps = [snapshot.step for snapshot in film.trace.snapshots]
+    again = steps.index(0, 1)
+    assert steps[:again] == list(range(again)) and 25 <= again <= 32
+    assert steps[again:] == list(range(len(steps) - again)) and 12 <= len(steps) - again <= 17
+
+
+def test_a_film_begins_where_it_was_begun(session, films):
+    actions.run(session, "run.play_human")
+    play(session, 1.0)
+    begun = session.playback.step_count
+    actions.run(session, "file.record")
+    play(session, 0.5)
+    actions.run(session, "file.record")
+    assert films()[0].trace.snapshots[0].step == begun
+
+
+def test_two_films_in_a_row_have_names_of_their_own(session, films):
+    actions.run(session, "run.play_human")
+    for _ in range(2):
+        actions.run(session, "file.record")
+        play(session, 0.5)
+        actions.run(session, "file.record")
+    assert len({film.path for film in films()}) == 2
+
+
+def test_nothing_played_is_no_film(session, films):
+    actions.run(session, "file.record")
+    play(session, 0.2)
+    actions.run(session, "file.record")
+    assert films() == []
+    assert "Nothing was played" in texts(session)[-1]
+
+
+@pytest.mark.parametrize(("choice", "left"), [("wait", True), ("quit", True), ("cancel", False)])
+def test_closing_asks_about_a_film_that_is_not_written_yet(session, films, choice, left):
+    actions.run(session, "file.record")
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "file.quit")
+    assert len(films()) == 1 and not session.quitting
+    session.answer(session.prompts[-1], choice)
+    play(session, 0.1)
+    assert session.quitting == (choice == "quit")
+    session.worker.jobs = ()
+    play(session, 0.1)
+    assert session.quitting == left

@@ -1,0 +1,125 @@
+"""Closing the app: nothing unsaved, and nothing that is being written, is lost without a word."""
+
+from typing import Final
+
+from editor.actions import export
+from editor.actions.file import ask_moment, if_settled, save
+from editor.base.prompts import Choice, Question
+from editor.session import Session, Tab
+from editor.worker.requests import AddEpisode, ExportFilm, ExportPicture
+
+MOST_NAMES: Final = 12
+"""So many are listed in a question."""
+_UNSAVED: Final = "Save before closing?"
+_WRITING: Final = "Wait for what is being written?"
+
+
+def quit_app(session: Session) -> None:
+    """End the app, after asking once about everything that has unsaved changes."""
+    session.driver.cancel()
+    changed = next((tab for tab in session.tabs if tab.moment and tab.moment.changed), None)
+    if changed is not None:
+        ask_moment(session, changed, lambda: quit_app(session))
+        return
+    unsaved = [tab for tab in session.tabs if tab.document.dirty]
+    titles = [prompt.title for prompt in session.prompts if isinstance(prompt, Question)]
+    if _UNSAVED in titles or _WRITING in titles:
+        return
+    if len(unsaved) < 2:
+        if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
+        return
+
+    def answer(choice: str) -> None:
+        if choice == "save":
+            _save_all(session, unsaved)
+        elif choice == "discard":
+            for tab in unsaved:
+                session.autosaves.forget(tab.document)
+            _quit(session)
+
+    names = _listed([tab.document.title for tab in unsaved])
+    session.ask(
+        Question(
+            title=_UNSAVED,
+            message=f"These have unsaved changes:\n{names}",
+            choices=(
+                Choice(id="save", label="Save All"),
+                Choice(id="discard", label="Discard All"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="save",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
+def update_leaving(session: Session) -> None:
+    """Let a frame pass: the app closes once everything that it was to wait for is written."""
+    if session.leaving and not _written(session):
+        _leave(session)
+
+
+def _listed(names: list[str]) -> str:
+    more = [f"{len(names) - MOST_NAMES} more"] * (len(names) > MOST_NAMES)
+    return "\n".join([*names[:MOST_NAMES], *more])
+
+
+def _save_all(session: Session, remaining: list[Tab]) -> None:
+    """Save one after the other, asking what each needs; then quit."""
+    remaining = [tab for tab in remaining if tab in session.tabs and tab.document.dirty]
+    if not remaining:
+        _quit(session)
+        return
+    session.show_tab(session.tabs.index(remaining[0]))
+    save(session, lambda: _save_all(session, remaining[1:]))
+
+
+def _quit(session: Session) -> None:
+    """Close the app; a film under way is ended, and what is being written is asked about."""
+    if session.recording is not None and session.recording.films():
+        export.record(session)
+    written = _written(session)
+    if not written:
+        _leave(session)
+        return
+
+    def answer(choice: str) -> None:
+        if choice == "wait":
+            session.leaving = True
+            session.toast("Closing when that is done.")
+        elif choice == "quit":
+            _leave(session)
+
+    session.ask(
+        Question(
+            title=_WRITING,
+            message=f"These are not complete yet:\n{_listed(written)}",
+            choices=(
+                Choice(id="wait", label="Wait, Then Close"),
+                Choice(id="quit", label="Close Without Them"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="wait",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
+def _written(session: Session) -> list[str]:
+    """Names of the files of the user's that are being written, or wait for it."""
+    names = []
+    for job in session.worker.jobs:
+        if isinstance(job.request, ExportFilm | ExportPicture):
+            names.append(job.request.path.name)
+        elif isinstance(job.request, AddEpisode):
+            names.append(job.request.folder.name)
+    return names
+
+
+def _leave(session: Session) -> None:
+    with session.guard():
+        session.keeper.save()
+    session.training.stop()  # It saves; the command line can go on with it.
+    session.quitting = True
