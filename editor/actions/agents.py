@@ -133,10 +133,15 @@ def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     _loaded(session, slot, path, job)
     if session.expected is job:
         session.expected = None
-        if job.state is JobState.DONE and session.editing:
-            play_agent(session)
-        elif job.state is JobState.DONE:
+        if job.state is JobState.DONE and not session.editing:
             restart(session)
+        elif job.state is JobState.DONE and not _busy(session):
+            play_agent(session)
+
+
+def _busy(session: Session) -> bool:
+    """Return whether somebody has begun something else while an agent was loaded."""
+    return session.gallery.open or bool(session.prompts) or session.driver.active
 
 
 def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:

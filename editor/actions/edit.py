@@ -54,7 +54,13 @@ def copy(session: Session) -> None:
 
 
 def cut(session: Session) -> None:
-    """Copy, then delete."""
+    """Copy, then delete; not what could not be pasted.
+
+    Raises:
+        CommandError: No shape is selected.
+    """
+    if not clip.copied(session.document.level, session.selection).bodies:
+        raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
     copy(session)
     session.execute(Remove(ids=session.selection))
 

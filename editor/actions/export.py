@@ -260,9 +260,18 @@ def ask_page(session: Session) -> None:
 def write_page(session: Session, level: Level, trace: Trace, path: Path) -> None:
     """Write an episode as a page, with the second player beside it where there is one."""
     rival = _rival(session, trace)
-    films = [film_of_trace(one, level) for one in (trace, rival) if one is not None]
+    shown = (trace,) if rival is None else (trace, _during(trace, rival))
+    films = [film_of_trace(one, level) for one in shown]
     write_atomically(path, page_of(films).encode())
     session.toast(f"Wrote {path}", "success")
+
+
+def _during(trace: Trace, rival: Trace) -> Trace:
+    """The second player's moments while the first one's were played; at least its last one."""
+    first, last = (trace.snapshots[k].step * trace.snapshots[k].frame_skip for k in (0, -1))
+    steps = [snapshot.step * snapshot.frame_skip for snapshot in rival.snapshots]
+    inside = [k for k, step in enumerate(steps) if first <= step <= last] or [len(steps) - 1]
+    return part(rival, inside[0], inside[-1])
 
 
 def part(trace: Trace, first: int, last: int) -> Trace:

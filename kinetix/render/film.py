@@ -98,6 +98,7 @@ def write_gif(
 
 def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:
     program, frames = ffmpeg(), iter(frames)
+    path.touch()  # where nothing can be written, this says so in one sentence
     first = next(frames)
     height, width, _ = first.shape
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {per_second} -i -".split()

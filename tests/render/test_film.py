@@ -43,5 +43,12 @@ def test_an_mp4_is_written_without_forking(tmp_path):
 
 def test_what_ffmpeg_says_is_told(tmp_path):
     pytest.importorskip("imageio_ffmpeg")
-    with pytest.raises(KinetixError, match=r"ffmpeg cannot write the film: .*No such file"):
-        write_film(tmp_path / "gone" / "a.mp4", _frames(3), kind=".mp4", per_second=30)
+    with pytest.raises(KinetixError, match=r"ffmpeg cannot write the film: .*framerate"):
+        write_film(tmp_path / "a.mp4", _frames(3), kind=".mp4", per_second=-1)
+
+
+@pytest.mark.parametrize("kind", [".gif", ".mp4"])
+def test_a_folder_that_is_not_there_is_told_alike(tmp_path, kind):
+    pytest.importorskip("imageio_ffmpeg")
+    with pytest.raises(FileNotFoundError):
+        write_film(tmp_path / "gone" / f"a{kind}", _frames(3), kind=kind, per_second=30)

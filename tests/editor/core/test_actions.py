@@ -249,6 +249,15 @@ def test_cut_and_paste_at_the_pointer(session, hand):
     assert session.selection == (body.id,)
 
 
+def test_a_thruster_or_a_joint_alone_is_not_cut_as_it_could_not_be_pasted(session, hand):
+    before = session.document.level
+    for alone in ((5,), (6,), (5, 6)):
+        session.selection = alone
+        hand.key("x", ctrl=True)
+        assert session.document.level == before
+        assert "Only shapes can be cut" in texts(session)[-1]
+
+
 def test_held_modifiers_are_switches_too(session, hand):
     actions.run(session, "transform.move_jointed")
     hand.drag((1.95, 2.0), (2.45, 2.5))

@@ -1,11 +1,14 @@
 """Exports of a level in another program's format."""
 
+import numpy as np
 import pytest
 
 from editor import actions
+from editor.actions import export
 from editor.documents import files
 from editor.documents.commands.group import Move
 from editor.worker.jobs import Job
+from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import ExportFilm
 from kinetix.level.codec import load_document, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
@@ -19,7 +22,7 @@ def session(tmp_path):
     return session
 
 
-def export(session, path):
+def export_level(session, path):
     """File, Export…, Level for kinetix-env, and a name."""
     actions.run(session, "file.export")
     session.answer(session.prompts[-1], "json")
@@ -28,7 +31,7 @@ def export(session, path):
 
 def test_a_level_is_exported_for_kinetix_env_as_it_stands(session, tmp_path):
     session.document.commit(Move(ids=(3,), shift=(0.25, 0.0)))
-    export(session, tmp_path / "theirs.json")
+    export_level(session, tmp_path / "theirs.json")
     loaded = load_document(tmp_path / "theirs.json")
     assert loaded.format == "kinetix-env"
     assert loaded.level.bodies[2].position == pytest.approx((4.25, 3.0), abs=1e-3)
@@ -37,20 +40,20 @@ def test_a_level_is_exported_for_kinetix_env_as_it_stands(session, tmp_path):
 
 
 def test_what_kinetix_env_cannot_hold_is_told(session, tmp_path):
-    export(session, tmp_path / "theirs.json")
+    export_level(session, tmp_path / "theirs.json")
     assert "kinetix-env has no place for: " in texts(session)[-1]
 
 
 def test_a_level_that_is_open_is_not_replaced(session, tmp_path):
     before = (tmp_path / "mine.json").read_bytes()
-    export(session, tmp_path / "mine.json")
+    export_level(session, tmp_path / "mine.json")
     assert (tmp_path / "mine.json").read_bytes() == before
     assert "choose another name" in texts(session)[-1]
 
 
 def test_a_file_that_was_there_stays_beside_the_export(session, tmp_path):
     (tmp_path / "theirs.json").write_text("something")
-    export(session, tmp_path / "theirs.json")
+    export_level(session, tmp_path / "theirs.json")
     assert (tmp_path / "theirs.json.bak").read_text() == "something"
 
 
@@ -141,3 +144,36 @@ def test_closing_asks_about_a_film_that_is_not_written_yet(session, films, choic
     session.worker.jobs = ()
     play(session, 0.1)
     assert session.quitting == left
+
+
+def test_a_page_of_a_loop_shows_both_players_at_the_same_time(session, tmp_path, monkeypatch):
+    def trace(first, last, skip):
+        moments = tuple(moment(step, skip) for step in range(first, last + 1))
+        return Trace(physics="fast", perturbed=False, snapshots=moments, actions=())
+
+    shown = []
+    monkeypatch.setattr(export, "_rival", lambda session, trace: rival)
+    monkeypatch.setattr(export, "page_of", lambda films: shown.extend(films) or "")
+    level, rival = session.document.level, trace(0, 100, 4)
+    export.write_page(session, level, trace(20, 40, 2), tmp_path / "a.html")
+    first, second = shown
+    assert second.seconds[-1] == pytest.approx(first.seconds[-1])
+    assert second.position[0, 0, 0] == 10 and second.position[-1, 0, 0] == 20
+    shown.clear()
+    rival = trace(0, 5, 4)  # over long before
+    export.write_page(session, level, trace(20, 40, 2), tmp_path / "b.html")
+    assert shown[1].position[:, 0, 0].tolist() == [5]
+
+
+def moment(step, skip):
+    nothing = np.zeros(4)
+    return Snapshot(
+        step=step,
+        position=np.full((4, 2), step),
+        angle=nothing,
+        velocity=np.zeros((4, 2)),
+        angular_velocity=nothing,
+        motor=np.zeros(1),
+        thruster=np.zeros(1),
+        frame_skip=skip,
+    )

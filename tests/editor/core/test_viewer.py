@@ -251,6 +251,25 @@ def test_f6_without_an_agent_lets_the_planner_play(session, stage):
     assert session.settings.recent_agents == []
 
 
+@pytest.mark.parametrize("begun", ["level.gallery", "file.save_as", "a rectangle"])
+def test_an_agent_that_is_awaited_does_not_interrupt_what_was_begun_meanwhile(
+    session, stage, begun
+):
+    stage.agents["planner"] = a_planner()
+    assert actions.run(session, "run.play_agent")
+    if begun == "a rectangle":
+        hand = Hand(session)
+        hand.key("r")
+        hand.press((1.0, 1.0))
+        hand.move((2.0, 2.0))
+    else:
+        actions.run(session, begun)
+    settle(session)
+    assert session.viewer.slots["a"].summary is not None
+    assert not session.playback.active
+    assert session.gallery.open or session.prompts or session.driver.active
+
+
 def test_where_the_agent_cannot_play_the_level_the_planner_does(session, stage):
     stage.agents["planner"] = a_planner()
     stage.agents["/agents/Small"] = a_summary("Small", any_size=False, capacity=(4, 0, 0, 0))
