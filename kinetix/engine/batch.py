@@ -19,7 +19,7 @@ import jax.numpy as jnp
 from jax.core import ShapedArray
 from jax.custom_batching import custom_vmap
 from jax.extend.core import Primitive
-from jax.interpreters import batching, mlir
+from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Bool, Int, Shaped
 
 from kinetix.engine.garbage import uncollected
@@ -28,6 +28,7 @@ from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
 from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.store import Store
+from kinetix.errors import KinetixError
 
 Tree = Any
 
@@ -190,6 +191,15 @@ def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
     return lowered
 
 
+def _no_derivative(*_: Any, program: _Program) -> Any:
+    del program
+    raise KinetixError(
+        "the engine has no derivative: its sweeps end once they have converged, and contacts come "
+        "and go; jax.lax.stop_gradient around what goes into a step makes it count as a constant"
+    )
+
+
+ad.primitive_jvps[_RUN] = _no_derivative
 batching.primitive_batchers[_RUN] = _batched
 mlir.register_lowering(_RUN, _lowering(_on_accelerator))
 mlir.register_lowering(_RUN, _lowering(_on_processor), platform="cpu")

@@ -23,6 +23,7 @@ from kinetix.environment.spaces import Box
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.features import capacity_of_world
+from kinetix.level.model import Level
 from kinetix.level.sizes import describe_capacity
 
 _SINGLE = -1
@@ -263,6 +264,8 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
         if not _is_array(leaf):
             foreign = hasattr(leaf, "__dlpack__") and not isinstance(leaf, np.ndarray)
             how = "; jax.numpy.from_dlpack takes it" if foreign else ""
+            if isinstance(leaf, Level):
+                how = "; kinetix.load_from_json_file(level) makes a state and parameters of it"
             raise KinetixError(
                 f"{name}: expected arrays and numbers, got {leaf!r:.60}{how}; {_ORDER}"
             )

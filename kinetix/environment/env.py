@@ -350,7 +350,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
         played = _Played(
             physics=state.physics,
-            reward=jnp.zeros(()),
+            reward=jnp.zeros((), jnp.float32),
             scored_position=state.physics.position,
             overflow=jnp.zeros((), bool),
         )

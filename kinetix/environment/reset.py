@@ -78,7 +78,7 @@ class _OneOf:
 
 
 def load_from_json_file(
-    path: str | Path,
+    path: str | Path | Level,
     *,
     static_env_params: StaticEnvParams | None = None,
     gravity: Source = "file",
@@ -92,7 +92,7 @@ def load_from_json_file(
     without gaps.
 
     Args:
-        path: A file of either format, or the name of a bundled level such as `s/name`.
+        path: A file of either format, the name of a bundled level such as `s/name`, or a level.
         static_env_params: The sizes to compile to; by default the file's own.
         gravity: `"fixed"`: (0, −9.81) whatever the file says.
         time_limit: `"fixed"`: 256 steps whatever the file says.
@@ -100,12 +100,29 @@ def load_from_json_file(
         parity: `"kinetix-3"`: everything as kinetix-env does (physics `jax2d`, both `"fixed"`).
 
     Returns:
-        The state at the start, and the parameters that fit it.
+        The state at the start, of JAX's arrays, and the parameters that fit it.
 
     Raises:
         LevelError: The file is missing or bad, or the level does not fit.
     """
-    loaded = load_document(path)
+    state, static, params = _loaded(path, static_env_params, gravity, time_limit, physics, parity)
+    with jax.ensure_compile_time_eval():
+        return jax.tree.map(jnp.asarray, state), static, params
+
+
+def _loaded(
+    path: str | Path | Level,
+    static_env_params: StaticEnvParams | None,
+    gravity: Source = "file",
+    time_limit: Source = "file",
+    physics: str | None = None,
+    parity: Parity | None = None,
+) -> tuple[EnvState, StaticEnvParams, EnvParams]:
+    """`load_from_json_file`, as numpy arrays: many levels are stacked without a device."""
+    if isinstance(path, Level):
+        loaded, name = LoadedLevel(level=path, format="kinetix-level"), f"level {path.name!r}"
+    else:
+        loaded, name = load_document(path), str(path)
     if parity is not None:
         gravity = time_limit = "fixed"
     static = static_env_params or _static_of(loaded)
@@ -113,8 +130,10 @@ def load_from_json_file(
         static = dataclasses.replace(static, physics=physics)
     static = with_parity(static, parity)
     state = _compiled(loaded, static, gravity=gravity, time_limit=time_limit)
-    check_bindings(state, static, name=str(path))
-    return _permuted(state, path), static, _env_params_of(loaded, time_limit)
+    check_bindings(state, static, name=name)
+    if not isinstance(path, Level):
+        state = _permuted(state, path)
+    return state, static, _env_params_of(loaded, time_limit)
 
 
 def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvState:
@@ -138,7 +157,7 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     else:
         name = str(level)
-        state, _, _ = load_from_json_file(level, static_env_params=static_env_params)
+        state, _, _ = _loaded(level, static_env_params)
     check_bindings(state, static_env_params, name=name)
     return state
 

@@ -19,6 +19,7 @@ from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
+from kinetix.environment.forks import refuse_forked_process
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.compile import Labels, compile_level
@@ -109,9 +110,14 @@ def simulate(
         specialised: Compile a step for this scene alone. Otherwise it is that of the level's size.
 
     Raises:
-        KinetixError: An argument is none of that.
+        KinetixError: An argument is none of that; or the process was forked from one in which JAX
+            runs.
         LevelError: There is no such level, or it cannot be compiled.
     """
+    refuse_forked_process(
+        'start it anew, as multiprocessing.get_context("spawn") does; a sweep in one process '
+        "reuses what it has compiled"
+    )
     if isinstance(level, str | Path):
         level = load_level(level)
     if not isinstance(level, Level):

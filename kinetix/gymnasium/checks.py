@@ -1,38 +1,29 @@
 """What callers of Gymnasium's methods pass, checked, and the process that they call from."""
 
-import os
 from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from kinetix.bounds import LAST_SEED
+from kinetix.environment.forks import refuse_forked_process
 from kinetix.errors import KinetixError
 
 SEEDS: Final = 2**31
 """Keys are drawn from so many."""
 
 
-_forks: list[int] = []
-"""Grows in a process that was forked from one which had this module, and so JAX's threads."""
-
-if hasattr(os, "register_at_fork"):  # not on Windows, where nothing forks
-    os.register_at_fork(after_in_child=lambda: _forks.append(os.getpid()))
-
-
-def refuse_forked_process() -> None:
-    """Refuse to compute where JAX would wait for threads that a fork has left behind.
+def refuse_fork() -> None:
+    """Refuse to compute in a process that was forked from one in which JAX runs.
 
     Raises:
-        KinetixError: This process was forked from one that had started JAX.
+        KinetixError: This is one.
     """
-    if _forks:
-        raise KinetixError(
-            "this process was forked from one in which JAX runs, and would hang: start it anew, "
-            'as gymnasium.make_vec(…, vector_kwargs={"context": "spawn"}) or '
-            'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
-            "gymnasium.make_vec as it is"
-        )
+    refuse_forked_process(
+        'start it anew, as gymnasium.make_vec(…, vector_kwargs={"context": "spawn"}) or '
+        'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
+        "gymnasium.make_vec as it is"
+    )
 
 
 def checked_options(options: Any, *known: str) -> Mapping[str, Any]:

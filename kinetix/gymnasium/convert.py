@@ -24,7 +24,10 @@ def gymnasium_space(space: spaces.Space, name: str = "") -> gymnasium.Space[Any]
     if isinstance(space, spaces.MultiDiscrete):
         return gymnasium.spaces.MultiDiscrete(list(space.number_of_dims_per_distribution))
     if isinstance(space, spaces.Binary):
-        return gymnasium.spaces.MultiBinary(list(space.shape))
+        # Of one axis as a number: some libraries read nothing else.
+        return gymnasium.spaces.MultiBinary(
+            space.shape[0] if len(space.shape) == 1 else list(space.shape)
+        )
     if isinstance(space, spaces.Dict):
         parts = {key: gymnasium_space(part, key) for key, part in space.spaces.items()}
         return gymnasium.spaces.Dict(parts)

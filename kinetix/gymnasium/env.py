@@ -9,7 +9,7 @@ import jax
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
-from kinetix.gymnasium.checks import SEEDS, checked_options, numbers_of, refuse_forked_process
+from kinetix.gymnasium.checks import SEEDS, checked_options, numbers_of, refuse_fork
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 
 RENDER_FPS = 30
@@ -45,7 +45,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             KinetixError: A word is unknown; the sentence lists those that are known. Or the process
                 was forked from one in which JAX runs.
         """
-        refuse_forked_process()
+        refuse_fork()
         _check_render_mode(render_mode)
         self.render_mode = render_mode
         self.kinetix_env = make_named_env(level, auto_reset=False, **options)
@@ -66,7 +66,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             KinetixError: There is no such option, or the level does not fit. Or the process was
                 forked since the environment was made.
         """
-        refuse_forked_process()
+        refuse_fork()
         level = checked_options(options, "level").get("level")
         super().reset(seed=seed)
         key = jax.random.key(int(self.np_random.integers(SEEDS)))
@@ -78,7 +78,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play one action."""
-        refuse_forked_process()
+        refuse_fork()
         if self._state is None:
             raise KinetixError("step: call reset first")
         observation, self._state, reward, done, info = self.kinetix_env.step(

@@ -19,7 +19,7 @@ from kinetix.gymnasium.checks import (
     checked_options,
     checked_seed,
     numbers_of,
-    refuse_forked_process,
+    refuse_fork,
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.env import RENDER_FPS
@@ -64,7 +64,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             KinetixError: A word is unknown; the sentence lists those that are known. Or the process
                 was forked from one in which JAX runs.
         """
-        refuse_forked_process()
+        refuse_fork()
         if not isinstance(num_envs, int | np.integer) or num_envs < 1:
             raise KinetixError(f"num_envs={num_envs!r}: expected a whole number from 1")
         try:
@@ -119,7 +119,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             KinetixError: There is no such option, the mask or the seeds are of another number, or
                 a seed is out of range. Or the process was forked since the batch was made.
         """
-        refuse_forked_process()
+        refuse_fork()
         mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
         observation, state = self._reset(self._first_keys(seed))
         if mask is not None and self._state is not None:
@@ -135,7 +135,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Play one action in every environment."""
-        refuse_forked_process()
+        refuse_fork()
         if self._state is None:
             raise KinetixError("step: call reset first")
         actions = numbers_of(actions)

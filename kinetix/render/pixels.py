@@ -6,6 +6,7 @@ anti-aliased. It always uses the palette `KINETIX`. The thruster's mark is our o
 is a joint's where it is larger than one pixel.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
@@ -269,6 +270,7 @@ def pixel_codes(
     return columns.paint(low, count, code, _WHITE, grid.height)
 
 
+@functools.lru_cache(maxsize=64)  # whoever asks again gets what is compiled
 def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
     colours = _COLOURS * np.float32(scale)
 

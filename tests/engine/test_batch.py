@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinetix.engine.batch import TILE, where_marked, worlds_first, worlds_last
+from kinetix.errors import KinetixError
 
 
 @pytest.fixture(scope="module")
@@ -151,3 +152,16 @@ def test_what_is_made_anew_is_never_half_of_what_was_there():
     np.testing.assert_array_equal(one(jnp.zeros((2, 4)), mark, jnp.ones(2)), jnp.ones((2, 4)))
     with pytest.raises(ValueError, match=r"[Ii]ncompatible"):
         jax.vmap(where_marked(lambda seed: jnp.full(2, seed)))(jnp.zeros((2, 4)), mark, jnp.ones(2))
+
+
+@pytest.mark.parametrize("differentiate", [jax.grad, jax.jacfwd])
+def test_that_there_is_no_derivative_is_one_sentence(function, differentiate):
+    matrix, vector = arguments()
+    with pytest.raises(KinetixError, match=r"no derivative.*stop_gradient"):
+        differentiate(lambda v: function(matrix, v, 2.0)["first"])(vector)
+
+
+def test_what_counts_as_a_constant_has_no_slope(function):
+    matrix, vector = arguments()
+    slope = jax.grad(lambda v: function(matrix, jax.lax.stop_gradient(v), 2.0)["first"])(vector)
+    assert not np.any(slope)

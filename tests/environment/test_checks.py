@@ -23,6 +23,7 @@ from kinetix.engine.presets import solver_named
 from kinetix.environment.params import physics_engine
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
+from kinetix.level.codec import load_level
 from tests.environment.conftest import small_level
 
 KEY = jax.random.key(0)
@@ -122,6 +123,9 @@ def test_keys_and_what_is_no_array(small_env, small_state):
             small_env.step(bad, small_state, action)
     with pytest.raises(KinetixError, match=r"key: expected one key, got .*\(3, 2\): use jax\.vmap"):
         small_env.step(jax.random.split(key, 3), small_state, action)
+    level = load_level("s/first_flight")
+    with pytest.raises(KinetixError, match=r"load_from_json_file\(level\) makes a state"):
+        small_env.reset(key, None, level)
     with pytest.raises(KinetixError, match="step: expected arrays and numbers, got 'left'"):
         small_env.step(key, small_state, "left")
     for bad in (np.array([None] * 6), np.array(["0"] * 6), Foreign()):

@@ -1,5 +1,7 @@
 import math
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -139,3 +141,31 @@ def test_what_cannot_be_is_said_in_a_sentence(name):
     arguments, options, text = WRONG[name]
     with pytest.raises(KinetixError, match=text):
         kinetix.simulate(*arguments, **options)
+
+
+FORKED = """
+import multiprocessing, sys, kinetix
+
+def height(gravity):
+    level = kinetix.load_level("s/goalkeeper").replace(gravity=(0.0, gravity))
+    return float(kinetix.simulate(level, 0.1).position.sum())
+
+def alone():
+    process = multiprocessing.get_context("fork").Process(target=height, args=(-5.0,))
+    process.start()
+    process.join(60)
+    return process.exitcode
+
+if sys.argv[1] == "after":
+    height(-9.8)
+sys.exit(alone())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("when", "works"), [("before", True), ("after", False)])
+def test_a_fork_of_what_has_simulated_is_refused_rather_than_waiting_for_ever(when, works):
+    command = [sys.executable, "-W", "ignore", "-c", FORKED, when]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    assert (ended.returncode == 0) == works, ended.stderr
+    assert works or ("would hang" in ended.stderr and "spawn" in ended.stderr)

@@ -20,7 +20,7 @@ from kinetix.environment.reset import (
     make_reset_fn_sample_kinetix_level,
     make_reset_fn_sample_sizes,
 )
-from kinetix.level.codec import save_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
 from kinetix.level.set_building import build_set
 from kinetix.level.sets import gather_levels, load_set, save_set
@@ -195,3 +195,19 @@ def test_random_levels_keep_their_types_where_others_compute_in_binary64(
     with jax.enable_x64(True):
         wide = jax.eval_shape(reset_fn, jax.random.key(0))
     assert narrow.physics.position.dtype == wide.physics.position.dtype == jnp.float32
+
+
+def test_a_loaded_state_is_of_jax_arrays_as_code_for_kinetix_env_changes_them():
+    state, _, _ = load_from_json_file("s/goalkeeper")
+    slippery = state.replace(
+        polygon=state.polygon.replace(friction=state.polygon.friction.at[0].set(0.0))
+    )
+    assert float(slippery.polygon.friction[0]) == 0.0
+
+
+def test_a_level_is_loaded_as_its_file_is():
+    level = load_level("s/goalkeeper")
+    ours, static, params = load_from_json_file(level)
+    theirs, static_of_file, params_of_file = load_from_json_file("s/goalkeeper")
+    assert (static, params) == (static_of_file, params_of_file)
+    jax.tree.map(np.testing.assert_array_equal, ours, theirs)

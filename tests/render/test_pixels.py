@@ -1,9 +1,12 @@
 """The pixel observation against a slow reference, pixel for pixel."""
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
 
+from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.render import make_render_pixels, make_render_pixels_rl
 from tests.render.helpers import (
     PARAMS,
@@ -130,3 +133,10 @@ def test_marks_show_bindings_and_direction(render):
             assert len(nozzle) >= 2
             assert flame[:, axis].max() < nozzle[:, axis].min()
             assert np.abs(np.concatenate([flame, nozzle]) - 62).max() <= 3
+
+
+def test_who_asks_again_gets_the_renderer_that_is_compiled():
+    static = StaticEnvParams()
+    assert make_render_pixels(EnvParams(), static) is make_render_pixels(EnvParams(), static)
+    smaller = dataclasses.replace(static, downscale=5)
+    assert make_render_pixels(EnvParams(), static) is not make_render_pixels(EnvParams(), smaller)

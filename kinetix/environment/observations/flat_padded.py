@@ -53,7 +53,7 @@ class FlatPaddedObservations(AbstractObservation):
             count = rows.shape[0]
             is_kind = jnp.broadcast_to(jnp.arange(len(KINDS)) == kind, (count, len(KINDS)))
             gravity = jnp.broadcast_to(gravity_feature(state), (count, 1))
-            padding = jnp.zeros((count, width - rows.shape[1]))
+            padding = jnp.zeros((count, width - rows.shape[1]), rows.dtype)
             groups.append(
                 jnp.concatenate([rows, padding, is_kind.astype(jnp.float32), gravity], axis=1)
             )

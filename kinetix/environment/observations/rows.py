@@ -51,7 +51,12 @@ def body_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
         axis=1,
     )
     circle_rows = jnp.concatenate(
-        [base[polygons:], _column(bodies.radius), jnp.ones((layout.capacity.circles, 1))], axis=1
+        [
+            base[polygons:],
+            _column(bodies.radius),
+            jnp.ones((layout.capacity.circles, 1), base.dtype),
+        ],
+        axis=1,
     )
     corner = jnp.arange(bodies.vertices.shape[1])
     used = corner[None, :] < bodies.vertex_count[:, None]
@@ -59,7 +64,7 @@ def body_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
     polygon_rows = jnp.concatenate(
         [
             base[:polygons],
-            jnp.zeros((polygons, 1)),
+            jnp.zeros((polygons, 1), base.dtype),
             vertices.reshape(polygons, -1),
             _column((bodies.vertex_count <= 3).astype(jnp.float32)),
         ],
