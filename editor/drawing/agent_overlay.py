@@ -39,6 +39,8 @@ _WIDTH: Final = 214.0
 _APART: Final = "    "
 _LEAST: Final = 128.0
 """In less room beside the arena the plate stands over it [px at 100 %]."""
+_COVERED: Final = 0.4
+"""Share of the canvas's height that the plate may take where it stands over an arena."""
 
 
 def lean_colour(value: float) -> Rgba:
@@ -143,8 +145,8 @@ def paint_numbers(
         draw: Where to draw.
         corner: Upper right corner of the plate [px].
         room: Width that is free beside the arena, and height of the canvas below the corner [px].
-            The plate is made narrower for the width, within reason; where it would have to stand
-            over an arena that is hardly higher than the plate, it is left out.
+            The plate is made narrower for the width, within reason; where it has to stand over an
+            arena it has fewer bars, so that it covers a part of it alone, or is left out.
     """
     playback = session.playback
     snapshot = playback.snapshot
@@ -226,9 +228,12 @@ def _plate(
         if beside:
             wide = min(wide, room[0])
         lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
+        if not beside:
+            spare = int((_COVERED * room[1] - px(14)) / step) - len(lines)
+            if spare < 0:
+                return
+            bars = min(bars, spare)
         height = (len(lines) + bars) * step + px(14)
-        if not beside and height > 0.6 * room[1]:
-            return
         low, high = (right - wide, top), (right, top + height)
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.93)), px(7))
         draw.add_rect(low, high, u32(COLOURS.line), px(7))
@@ -239,14 +244,16 @@ def _plate(
         if not thinks or mind is None:
             return
         span = (low[0] + px(10), high[0] - px(10))
-        _bar(draw, span, y, "value", mind.value, (-facts.most_value, facts.most_value))
-        if facts.controls:
+        for index in range(bars):
+            if index == 0:
+                _bar(draw, span, y, "value", mind.value, (-facts.most_value, facts.most_value))
+            elif index == 1:
+                _bar(draw, span, y, "entropy", mind.entropy, (0.0, most_entropy(facts.controls)))
+            else:
+                channel = controls[index - 2]
+                caps = " ".join(key_caps(channel, facts.keys))
+                _chances(draw, span, y, caps, mind.chances[channel], mind.own_action[channel])
             y += step
-            _bar(draw, span, y, "entropy", mind.entropy, (0.0, most_entropy(facts.controls)))
-        for channel in controls:
-            y += step
-            caps = " ".join(key_caps(channel, facts.keys))
-            _chances(draw, span, y, caps, mind.chances[channel], mind.own_action[channel])
 
 
 def _fitted(words: str, room: float) -> list[str]:

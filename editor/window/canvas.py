@@ -25,7 +25,7 @@ from editor.drawing.reasons import paint_legend, paint_places, paint_reasons
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
 from editor.editing import gauges, picking
 from editor.play.mode import Mode
-from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, u32
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import font, probe, px
@@ -230,6 +230,9 @@ class Canvas:
             for name, left in zip(names, (x, low[0]), strict=True):
                 extent = imgui.calc_text_size(name)
                 at = (left + (width / 2 - extent.x) / 2, y + height - extent.y - px(8))
+                low_left = (at[0] - px(8), at[1] - px(3))
+                high_right = (at[0] + extent.x + px(8), y + height - px(5))
+                draw.add_rect_filled(low_left, high_right, u32(alpha(COLOURS.raised, 0.92)), px(5))
                 draw.add_text(at, u32(COLOURS.text), name)
 
     def _play_marks(self, session: "Session", marker: Marker) -> None:

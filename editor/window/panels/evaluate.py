@@ -141,8 +141,8 @@ class EvaluatePanel(Panel):
         if changed:
             form.seed = max(seed, 0)
         widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
-        widgets.beside(170, gap=8)
-        imgui.set_next_item_width(px(170))
+        widgets.beside(215, gap=8)
+        imgui.set_next_item_width(px(215))
         options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
         picked = widgets.choice(session, "evaluate.physics", form.physics, options)
         form.physics = form.physics if picked is None else picked
