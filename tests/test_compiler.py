@@ -7,7 +7,7 @@ from pathlib import Path
 import jax
 import pytest
 
-from kinetix.compiler import ask_for_options, forget_programs, learning_options, quick_options
+from kinetix.compiler import ask_for_options, forget_programs, quick_options
 
 OPTION = "xla_cpu_small_while_loop_byte_threshold="
 PROGRAM = """
@@ -80,13 +80,17 @@ def test_a_lower_level_is_asked_for_where_only_processors_are(
 
 
 @pytest.mark.parametrize(("version", "older"), [("0.10.1", True), ("0.11.0", False)])
-def test_emitters_are_chosen_only_where_jax_has_the_choice(
+def test_emitters_are_chosen_for_the_quick_tier_alone_and_where_jax_has_the_choice(
     monkeypatch: pytest.MonkeyPatch, version: str, older: bool
 ) -> None:
     monkeypatch.setattr("importlib.metadata.version", lambda _: version)
     variables: dict[str, str] = {}
     ask_for_options(variables)
-    assert ("--xla_cpu_use_fusion_emitters=false" in variables["XLA_FLAGS"].split()) is older
+    assert "emitters" not in variables["XLA_FLAGS"]
+    quick_options.cache_clear()
+    assert ("xla_cpu_use_fusion_emitters" in quick_options()) is older
+    monkeypatch.undo()
+    quick_options.cache_clear()
 
 
 def test_this_jax_knows_the_options_of_the_quick_tier():
@@ -108,21 +112,3 @@ def test_compiled_programs_are_dropped_before_the_process_runs_out_of_maps(
     assert forget_programs(tmp_path) is dropped
     assert double(1.0) == 2.0
     assert len(traced) == 1 + dropped
-
-
-def test_what_learns_is_compiled_as_runs_fastest(
-    optimised: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("importlib.metadata.version", lambda _: "0.11.0")
-    assert learning_options() == {}
-    monkeypatch.undo()
-    monkeypatch.setattr("importlib.metadata.version", lambda _: "0.10.1")
-    assert learning_options() == {"xla_cpu_use_fusion_emitters": True}
-
-
-def test_this_jax_knows_the_options_of_what_learns(optimised: None) -> None:
-    assert jax.jit(lambda x: 2 * x, compiler_options=learning_options())(3) == 6
-
-
-def test_what_learns_in_a_hurry_is_compiled_in_a_hurry() -> None:
-    assert learning_options() == {}

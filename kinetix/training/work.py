@@ -7,7 +7,6 @@ from typing import Any, Final
 
 import jax
 
-from kinetix.compiler import learning_options
 from kinetix.training.telling import Say, say_nothing
 
 
@@ -20,15 +19,6 @@ class Part:
     compiled: bool
     """True for the first of its name, and where something was compiled: mostly that takes its
     time."""
-
-
-def learning(update: Callable[..., Any]) -> Callable[..., Any]:
-    """Have a function compiled for what a training does for minutes or hours.
-
-    Args:
-        update: One update.
-    """
-    return jax.jit(update, compiler_options=learning_options())
 
 
 class _Compilations:

@@ -26,7 +26,7 @@ from kinetix.training.devices import to_host
 from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
-from kinetix.training.work import Work, learning
+from kinetix.training.work import Work
 
 _NEW, _REPLAY, _MUTATE = "new", "replay", "mutate"
 _TOLD = {_NEW: "new levels", _REPLAY: "replay", _MUTATE: "mutations"}
@@ -80,9 +80,9 @@ class Replay:
         self.turnover: Turnover | None = None
         self._start = jax.jit(self._first_state)
         self._steps = {
-            _NEW: learning(self._new),
-            _REPLAY: learning(self._replay),
-            _MUTATE: learning(self._mutate),
+            _NEW: jax.jit(self._new),
+            _REPLAY: jax.jit(self._replay),
+            _MUTATE: jax.jit(self._mutate),
         }
 
     def start(self) -> ReplayState:

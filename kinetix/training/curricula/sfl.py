@@ -25,7 +25,7 @@ from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.ppo.rollout import Playing, Trajectory, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
-from kinetix.training.work import Work, learning
+from kinetix.training.work import Work
 
 _UPDATE, _SCORING, _MEASURING = "update", "scoring", "measuring"
 
@@ -84,7 +84,7 @@ class Sfl:
         self._score_batch = jax.jit(self._one_batch)
         self._include = jax.jit(self._with_evaluation_levels)
         self._play_again = jax.jit(self._replayed)
-        self._train = learning(self._one_update)
+        self._train = jax.jit(self._one_update)
         self.turnover: Turnover | None = None
 
     def start(self) -> SflState:

@@ -20,7 +20,7 @@ from kinetix.training.imitation.lessons import Lessons, played_again, state_at
 from kinetix.training.imitation.sources import demonstrations
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import Setup, make_setup
-from kinetix.training.work import Work, learning
+from kinetix.training.work import Work
 from kinetix.wording import plural
 
 _UPDATE = "update"
@@ -66,7 +66,7 @@ class Clone:
         self._train_rows = np.flatnonzero(~kept_back)
         self._held_out = np.flatnonzero(kept_back)
         self._lessons = jax.device_put(lessons)
-        self._update = learning(self._one_update)
+        self._update = jax.jit(self._one_update)
         self._judge = jax.jit(self._measured)
 
     @property

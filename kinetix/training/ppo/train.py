@@ -12,7 +12,7 @@ from kinetix.training.config import PpoConfig
 from kinetix.training.ppo.rollout import Playing, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
-from kinetix.training.work import Work, learning
+from kinetix.training.work import Work
 
 _UPDATE: Final = "update"
 
@@ -44,7 +44,7 @@ class Ppo:
         self._teacher = teacher
         # Made in one compiled piece: the initialisers alone are dozens of small operations.
         self._start = jax.jit(self._first_state)
-        self._update = learning(self._one_update)
+        self._update = jax.jit(self._one_update)
 
     def start(self) -> PpoState:
         """The state before the first update."""
