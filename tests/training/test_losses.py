@@ -150,14 +150,14 @@ def test_pieces_of_a_minibatch_teach_what_the_whole_teaches(monkeypatch):
     live = [True, True, False, False, True, False]
     whole, told = _learnt(live)
     monkeypatch.setattr(update, "_ROWS_AT_ONCE", 3)
-    assert update._pieces(3, 4) == 4
+    assert update._pieces(3, 4, 3) == 4
     pieces, told_of_pieces = _learnt(live)
     np.testing.assert_allclose(pieces, whole, rtol=1e-4, atol=1e-7)
     assert told_of_pieces.keys() == told.keys()
     for name, value in told.items():
         np.testing.assert_allclose(told_of_pieces[name], value, rtol=1e-4, atol=1e-6, err_msg=name)
     with whole_batches():
-        assert update._pieces(3, 4) == 1
+        assert update._pieces(3, 4, 3) == 1
 
 
 def _one_update(config, **more):

@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead, Distribution
 from kinetix.agents.networks.recurrent import Carry, ScannedRNN
+from kinetix.agents.networks.rows import linear
 
 ACTIVATIONS: dict[str, Callable[[Array], Array]] = {"tanh": jnp.tanh, "relu": jax.nn.relu}
 """Activations by name."""
@@ -26,7 +27,7 @@ def dense(features: int, *, gain: float = 2**0.5, name: str | None = None) -> nn
         gain: Scale of the orthogonal matrix.
         name: Name in the parameter tree.
     """
-    return nn.Dense(features, kernel_init=nn.initializers.orthogonal(gain), name=name)
+    return linear(features, kernel_init=nn.initializers.orthogonal(gain), name=name)
 
 
 class DenseAndActivation(nn.Module):

@@ -15,6 +15,7 @@ from jaxtyping import Array, Bool, Float
 from kinetix.agents.networks.distributions import ActionHead
 from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, HeadOptions, Output, dense
 from kinetix.agents.networks.recurrent import Carry
+from kinetix.agents.networks.rows import flat, linear, rows_dot
 
 MASK_PLANES = 4
 """Planes of the observation's attention mask."""
@@ -29,15 +30,16 @@ class Gate(nn.Module):
     @nn.compact
     def __call__(self, x: Float[Array, "*n e"], y: Float[Array, "*n e"]) -> Float[Array, "*n e"]:
         """Blend the stream `x` with the block's output `y`."""
+        shape, x, y = x.shape, flat(x), flat(y)
 
-        def linear(index: int, value: Array) -> Array:
-            return nn.Dense(x.shape[-1], use_bias=False, name=f"Dense_{index}")(value)
+        def turned(index: int, value: Array) -> Array:
+            return linear(x.shape[-1], use_bias=False, name=f"Dense_{index}")(value)
 
         bias = self.param("gating_bias", nn.initializers.zeros, (x.shape[-1],))
-        reset = jax.nn.sigmoid(linear(0, y) + linear(1, x))
-        update = jax.nn.sigmoid(linear(2, y) + linear(3, x) - bias)
-        candidate = jnp.tanh(linear(4, y) + linear(5, reset * x))
-        return (1 - update) * x + update * candidate
+        reset = jax.nn.sigmoid(turned(0, y) + turned(1, x))
+        update = jax.nn.sigmoid(turned(2, y) + turned(3, x) - bias)
+        candidate = jnp.tanh(turned(4, y) + turned(5, reset * x))
+        return ((1 - update) * x + update * candidate).reshape(shape)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -66,7 +68,11 @@ class TransformerLayer(nn.Module):
         """Update the tokens; head `h` of token i sees token j where `mask[h, i, j]`."""
         options = self.options
         attention = nn.MultiHeadDotProductAttention(
-            num_heads=options.num_heads, qkv_features=options.size, name="attention1"
+            num_heads=options.num_heads,
+            qkv_features=options.size,
+            qkv_dot_general=rows_dot,
+            out_dot_general=rows_dot,
+            name="attention1",
         )
         # Weights are kept only for those who ask for them (`kinetix.agents.explain`).
         asked = self.is_mutable_collection("intermediates") and not self.is_initializing()
@@ -75,11 +81,11 @@ class TransformerLayer(nn.Module):
         e = nn.LayerNorm(name="ln2")(x)
         width = x.shape[-1]
         if options.ffn:
-            e = jax.nn.relu(nn.Dense(4 * width, name="dense1")(e))
+            e = jax.nn.relu(linear(4 * width, name="dense1")(e))
             e = nn.Dropout(options.dropout, deterministic=not train)(e)
-            e = nn.Dense(width, name="dense2")(e)
+            e = linear(width, name="dense2")(e)
         else:
-            e = nn.Dense(width, name="dense1")(e)
+            e = linear(width, name="dense1")(e)
         return Gate(name="gate2")(x, jax.nn.relu(e))
 
 
@@ -94,9 +100,9 @@ class MessageBlock(nn.Module):
     def __call__(self, x: Float[Array, "*n f"]) -> Float[Array, "*n e"]:
         """The message of each row."""
         for index in range(self.num_layers - 1):
-            hidden = nn.Dense(self.multiplication * self.width, name=f"Dense_{index}")(x)
+            hidden = linear(self.multiplication * self.width, name=f"Dense_{index}")(x)
             x = jax.nn.relu(hidden)
-        return jax.nn.relu(nn.Dense(self.width, name=f"Dense_{self.num_layers - 1}")(x))
+        return jax.nn.relu(linear(self.width, name=f"Dense_{self.num_layers - 1}")(x))
 
 
 class Transformer(nn.Module):
@@ -141,7 +147,7 @@ class Transformer(nn.Module):
             return MessageBlock(
                 options.mixing_layers, options.mixing_multiplication, width, name=name
             )
-        return nn.Dense(width, name=name)
+        return linear(width, name=name)
 
 
 class Messages:
