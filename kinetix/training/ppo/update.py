@@ -142,7 +142,8 @@ def _gradient(
         return differentiate(config, network, learner.params, batch, carry, key, learner)
 
     at_once = _rows_at_once(config, batch.trajectory.observation)
-    pieces = _pieces(*batch.advantage.shape, at_once)
+    steps, environments = batch.advantage.shape
+    pieces = _pieces(steps, environments, at_once)
     if pieces == 1:
         return of_piece(batch, carry, key)
     columns = jax.tree.map(lambda x: _split(x, pieces), batch)
