@@ -33,8 +33,7 @@ class StatusBar:
             imgui.same_line(0, px(10))
             hint = tr(self._hint(session))
             space = imgui.get_window_width() - imgui.get_cursor_pos_x() - px(8)
-            right = [(tr(words), tint) for words, tint in self.numbers(session)]
-            right = self._fitting(right, space - imgui.calc_text_size(hint).x)
+            right = self._fitting(self.numbers(session), space - imgui.calc_text_size(hint).x)
             gap = px(18)
             while len(right) > 1 and self._width(right) > 0.8 * imgui.get_window_width():
                 del right[0]
@@ -90,19 +89,19 @@ class StatusBar:
         return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
 
     def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
-        """Return the words at the right and their colours, from left to right."""
+        """Return the words at the right, as they are shown, and their colours, from left to right."""
         c = COLOURS
-        parts = []
+        under_way, parts = [], []
         if session.recording is not None:
-            parts.append((f"{Icons.film} Recording", c.bad))
+            under_way.append((f"{Icons.film} {tr('Recording')}", c.bad))
         jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
         if jobs:
             job = jobs[0]
             share = f" {job.fraction:.0%}" if job.fraction is not None else ""
             ahead = lane_of(job.request) == PREPARATIONS
             words = job.title if ahead else job.message or job.title
-            # In the language already: with the share behind them they are other words.
-            parts.append((f"{Icons.gear} {tr(words)}{share}", c.accent))
+            # With the share behind them they would be other words.
+            under_way.append((f"{Icons.gear} {tr(words)}{share}", c.accent))
         if session.hands.cursor is not None:
             x, y = session.hands.cursor
             parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
@@ -129,4 +128,4 @@ class StatusBar:
         kept = "saved" if document.path else "not saved yet"
         state = ("● unsaved", c.warn) if document.dirty else (kept, c.faint)
         parts.append(state)
-        return parts
+        return [*under_way, *((tr(words), tint) for words, tint in parts)]

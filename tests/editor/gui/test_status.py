@@ -4,7 +4,7 @@ import types
 
 import pytest
 
-from editor.base.language import tr, use
+from editor.base.language import use
 from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS
@@ -57,6 +57,5 @@ def test_work_under_way_is_told_in_the_language_of_the_window():
     try:
         words = StatusBar().numbers(session)[0][0]
         assert words.endswith("Wird für dieses Level übersetzt 16%")
-        assert tr(words) == words
     finally:
         use("en")
