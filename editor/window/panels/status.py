@@ -89,7 +89,7 @@ class StatusBar:
         return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
 
     def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
-        """Return the words at the right, as they are shown, and their colours, from left to right."""
+        """Return the words at the right, in the window's language, and their colours."""
         c = COLOURS
         under_way, parts = [], []
         if session.recording is not None:
