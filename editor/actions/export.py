@@ -1,6 +1,5 @@
 """Exports: pictures, films and traces of what is on show."""
 
-import dataclasses
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -215,7 +214,7 @@ def ask_clip(session: Session) -> None:
     trace, level = playback.trace, playback.level
     if trace is None or level is None:
         raise CommandError("Play first: there is nothing to film.")
-    clip = trace if playback.loop is None else part(trace, *playback.loop)
+    clip = trace if playback.loop is None else trace.part(*playback.loop)
 
     def answer(path: Path | None) -> None:
         if path is not None:
@@ -239,7 +238,7 @@ def ask_page(session: Session) -> None:
     trace, level = playback.trace, playback.level
     if trace is None or level is None:
         raise CommandError("Play first: there is nothing to share.")
-    clip = trace if playback.loop is None else part(trace, *playback.loop)
+    clip = trace if playback.loop is None else trace.part(*playback.loop)
 
     def answer(path: Path | None) -> None:
         if path is not None:
@@ -271,16 +270,7 @@ def _during(trace: Trace, rival: Trace) -> Trace:
     first, last = (trace.snapshots[k].step * trace.snapshots[k].frame_skip for k in (0, -1))
     steps = [snapshot.step * snapshot.frame_skip for snapshot in rival.snapshots]
     inside = [k for k, step in enumerate(steps) if first <= step <= last] or [len(steps) - 1]
-    return part(rival, inside[0], inside[-1])
-
-
-def part(trace: Trace, first: int, last: int) -> Trace:
-    """Moments `first` to `last` of a trace, both included."""
-    return dataclasses.replace(
-        trace,
-        snapshots=trace.snapshots[first : last + 1],
-        actions=trace.actions[first:last],
-    )
+    return rival.part(inside[0], inside[-1])
 
 
 def told(session: Session) -> Callable[[Job], None]:

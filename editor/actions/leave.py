@@ -7,6 +7,7 @@ from editor.actions.file import ask_moment, if_settled, save
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
 from editor.worker.requests import AddEpisode, ExportFilm, ExportPicture
+from kinetix.level.model import Level
 
 MOST_NAMES: Final = 12
 """So many are listed in a question."""
@@ -55,9 +56,21 @@ def quit_app(session: Session) -> None:
 
 
 def update_leaving(session: Session) -> None:
-    """Let a frame pass: the app closes once everything that it was to wait for is written."""
-    if session.leaving and not _written(session):
+    """Let a frame pass: the app closes once all files are written that it was to wait for.
+
+    What was changed during the wait is asked about.
+    """
+    if session.closing is None or _written(session):
+        return
+    unchanged, session.closing = session.closing == _levels(session), None
+    if unchanged:
         _leave(session)
+    else:
+        quit_app(session)
+
+
+def _levels(session: Session) -> tuple[Level, ...]:
+    return tuple(tab.document.level for tab in session.tabs)
 
 
 def _listed(names: list[str]) -> str:
@@ -86,7 +99,7 @@ def _quit(session: Session) -> None:
 
     def answer(choice: str) -> None:
         if choice == "wait":
-            session.leaving = True
+            session.closing = _levels(session)
             session.toast("Closing when that is done.")
         elif choice == "quit":
             _leave(session)

@@ -1,4 +1,4 @@
-"""What is shown while a film is recorded: parts of episodes, one after the other."""
+"""A film under way: every episode that has been played since somebody began to record."""
 
 import dataclasses
 
@@ -7,18 +7,16 @@ from editor.worker.recording import Trace
 from kinetix.level.model import Level
 
 
-@dataclasses.dataclass(kw_only=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Recording:
-    """Keeps what is played from some moment on, also when it is begun again or left."""
+    """Keeps the episodes that are played, also when they are begun again or left."""
 
     episode: int
-    """Number of the episode that was on show last."""
+    """Number of the episode during which recording began."""
     first: int
-    """Environment step of that episode at which it comes into the film."""
-    parts: list[tuple[Level, Trace]] = dataclasses.field(default_factory=list)
-    """What was played, the episode on show last."""
-    under_way: bool = False
-    """True if the last part is that of the episode on show."""
+    """Environment step of that episode at which it began."""
+    parts: dict[int, tuple[Level, Trace]] = dataclasses.field(default_factory=dict)
+    """Level and trace of each episode by its number, in the order of play."""
 
     @classmethod
     def of(cls, playback: Show) -> "Recording":
@@ -33,33 +31,22 @@ class Recording:
             playback: What is on show.
         """
         trace, level = playback.trace, playback.level
-        if not playback.active or playback.waiting or trace is None or level is None:
-            return
-        if playback.episode != self.episode:
-            self.episode, self.first, self.under_way = playback.episode, 0, False
-        part = (level, since(trace, self.first))
-        if self.under_way:
-            self.parts[-1] = part
-        else:
-            self.parts.append(part)
-            self.under_way = True
+        if playback.active and not playback.waiting and trace is not None and level is not None:
+            self.parts[playback.episode] = level, trace
 
     def films(self) -> list[tuple[Level, Trace]]:
-        """What becomes a film each: all that was played of one level in a row."""
+        """Return one level and trace for each film: successive episodes of a level are joined."""
         films: list[tuple[Level, Trace]] = []
-        for level, trace in self.parts:
+        for episode, (level, whole) in self.parts.items():
+            trace = _since(whole, self.first) if episode == self.episode else whole
             if films and films[-1][0] == level:
-                before = films[-1][1]
-                together = (*before.snapshots, *trace.snapshots)
-                films[-1] = (level, dataclasses.replace(trace, snapshots=together, actions=()))
-            else:
-                films.append((level, trace))
+                together = (*films.pop()[1].snapshots, *trace.snapshots)
+                trace = dataclasses.replace(trace, snapshots=together, actions=())
+            films.append((level, trace))
         return [(level, trace) for level, trace in films if len(trace.snapshots) > 1]
 
 
-def since(trace: Trace, step: int) -> Trace:
+def _since(trace: Trace, step: int) -> Trace:
     """The part of a trace from an environment step on; all of it when nothing follows."""
     start = next((k for k, s in enumerate(trace.snapshots) if s.step >= step), 0)
-    return dataclasses.replace(
-        trace, snapshots=trace.snapshots[start:], actions=trace.actions[start:]
-    )
+    return trace.part(start, len(trace.snapshots) - 1)

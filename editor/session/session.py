@@ -123,12 +123,12 @@ class Session:
         """The session's clock [s]."""
         self.quitting = False
         """Set when the app may end."""
-        self.leaving = False
-        """True if the app is to close once the files are written that it works on."""
+        self.closing: tuple[Level, ...] | None = None
+        """The open levels when somebody chose to wait for files and then close, or None."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
         self.recording: Recording | None = None
-        """What is to become a film, or None."""
+        """The film that is being recorded, or None."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}

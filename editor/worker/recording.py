@@ -133,7 +133,7 @@ class Ring:
         self._moments: list[Snapshot] = []
         self._states = states
         self.bare = 0
-        """How many of the oldest moments have no state any more: they can be looked at alone."""
+        """Number of the oldest moments that have lost their state: nobody can play on from them."""
 
     def __len__(self) -> int:
         return len(self._moments)
@@ -198,6 +198,14 @@ class Trace:
     """SHA-256 of the agent's parameters; empty for people and scripted agents."""
     from_file: bool = False
     """True if it was read from a file: then it can be looked at, and not be played on from."""
+
+    def part(self, first: int, last: int) -> "Trace":
+        """Moments `first` to `last`, both included."""
+        return dataclasses.replace(
+            self,
+            snapshots=self.snapshots[first : last + 1],
+            actions=self.actions[first:last],
+        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The trace as arrays with time first, as an `.npz` file holds it."""

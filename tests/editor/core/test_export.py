@@ -131,6 +131,20 @@ def test_nothing_played_is_no_film(session, films):
     assert "Nothing was played" in texts(session)[-1]
 
 
+def test_what_was_changed_while_a_film_was_awaited_is_asked_about(session, films):
+    actions.run(session, "file.record")
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "file.quit")
+    session.answer(session.prompts[-1], "wait")
+    actions.run(session, "run.stop")
+    session.document.commit(Move(ids=(3,), shift=(0.25, 0.0)))
+    session.worker.jobs = ()
+    play(session, 0.1)
+    assert not session.quitting
+    assert "Unsaved changes" in session.prompts[-1].title
+
+
 @pytest.mark.parametrize(("choice", "left"), [("wait", True), ("quit", True), ("cancel", False)])
 def test_closing_asks_about_a_film_that_is_not_written_yet(session, films, choice, left):
     actions.run(session, "file.record")
