@@ -15,6 +15,7 @@ from typing import Any, Final
 import jax
 import numpy as np
 from jax.experimental import multihost_utils
+from jax.flatten_util import ravel_pytree
 from jax.sharding import NamedSharding, PartitionSpec
 from jaxtyping import Array
 
@@ -117,8 +118,16 @@ def on_each_device(function: Callable[..., Any], ins: Any, outs: Any) -> Callabl
 
 
 def average(tree: Any) -> Any:
-    """Average over the devices that run this apart from each other."""
-    return jax.lax.pmean(tree, WORLDS) if _apart() else tree
+    """Average over the devices that run this apart from each other.
+
+    Args:
+        tree: Arrays of numbers of 32 bits.
+    """
+    if not _apart():
+        return tree
+    # All as one array: devices wait for each other once, not for each of a network's layers.
+    numbers, restored = ravel_pytree(tree)
+    return restored(jax.lax.pmean(numbers, WORLDS))
 
 
 def everywhere(tree: Any) -> Any:

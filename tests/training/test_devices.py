@@ -97,6 +97,8 @@ def test_two_devices_learn_what_one_learns():
     assert (two["devices"], two["spread"]) == (2, 2)
     # Each plays and learns from its own environments: nothing goes from one to the other but means.
     assert two["moved"] == 0 < two["averaged"]
+    # They wait for each other a few times an update, not for each of a network's layers.
+    assert two["averaged"] <= 5
     for a, b in zip(one["rows"], two["rows"], strict=True):
         assert a == pytest.approx(b, rel=1e-3, abs=1e-4, nan_ok=True)
 

@@ -117,6 +117,7 @@ def _learn(
     def epoch(learner: Learner, key: Array) -> tuple[Learner, dict[str, Array]]:
         shuffle_key, dropout_key = jax.random.split(key)
         parts, carries = _minibatches(config, batch, carry, shuffle_key)
+        parts = dataclasses.replace(parts, advantage=jax.vmap(normalised)(parts.advantage))
         keys = jax.random.split(own_keys(dropout_key, 1)[0], config.num_minibatches)
         return jax.lax.scan(gradient_step, learner, (parts, carries, keys))
 
@@ -135,7 +136,6 @@ def _gradient(
     key: Array,
 ) -> tuple[Any, dict[str, Array]]:
     """Return a minibatch's gradient and its losses, piece by piece where that is quicker."""
-    batch = dataclasses.replace(batch, advantage=normalised(batch.advantage))
     differentiate = jax.grad(_loss, argnums=2, has_aux=True)
 
     def of_piece(batch: Batch, carry: Carry, key: Array) -> tuple[Any, dict[str, Array]]:
@@ -162,18 +162,21 @@ def _gradient(
 _ROWS_AT_ONCE: Final = 512
 """Rows that a processor learns from at once: what a network computes of more is too much for its
 caches, and a gradient of 4096 rows takes up to 1.8 times as long as 8 of 512."""
-_NUMBERS_AT_ONCE: Final = 25_000
-"""The same for the tokens of a transformer, which has many layers: numbers of all tokens together.
-A gradient of 512 rows of size l takes 1.6 times as long as 8 of 64."""
+_NUMBERS_AT_ONCE: Final = {"entity_transformer": 25_000, "relational": 100_000}
+"""The same for networks of entities: numbers of one layer for all bodies together. A transformer
+has many layers: its gradient of 512 rows of size l takes 1.6 times as long as 8 of 64."""
 
 
 def _rows_at_once(config: PpoConfig, observation: Any) -> int:
     """Count the rows that fit a processor's caches, for a network."""
-    if config.network.kind != "entity_transformer" or not hasattr(observation, "polygons"):
+    network = config.network
+    numbers = _NUMBERS_AT_ONCE.get(network.kind)
+    if numbers is None or not hasattr(observation, "polygons"):
         return _ROWS_AT_ONCE
     bodies = observation.polygons.shape[-2] + observation.circles.shape[-2]
-    width = config.network.transformer_encoder_size
-    return min(max(_NUMBERS_AT_ONCE // (bodies * width), 1), _ROWS_AT_ONCE)
+    transforms = network.kind == "entity_transformer"
+    width = network.transformer_encoder_size if transforms else network.encoder_size
+    return min(max(numbers // (bodies * width), 1), _ROWS_AT_ONCE)
 
 
 def _pieces(steps: int, environments: int, at_once: int) -> int:
