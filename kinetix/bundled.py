@@ -75,7 +75,8 @@ def level_hint(name: str | Path) -> str:
 
 def agent_hint(name: str | Path, others: Iterable[str] = ()) -> str:
     """Return the agent nearest to a mistyped name, or the names of all."""
-    return hint(Path(name).name, [*agent_names(), *others])
+    near = hint(Path(name).name, [*agent_names(), *others])
+    return near.replace("it has", "there are", 1)
 
 
 def _within(plain: Path, folder: str) -> Path:

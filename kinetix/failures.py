@@ -35,7 +35,7 @@ _ABSOLUTE: Final = re.compile(r"(?<![\w<.])(?:~|[A-Za-z]:)?(?:[/\\][^/\\\s'\":,;
 
 
 class Terminated(BaseException):
-    """The system asked the process to end (SIGTERM)."""
+    """The system asked the process to end (SIGTERM, or its terminal was closed)."""
 
 
 def _terminate(*_: object) -> None:
@@ -62,6 +62,20 @@ def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
         for number, had in before:
             # None: somebody installed it from C, and it cannot be put back.
             signal.signal(number, signal.SIG_DFL if had is None else had)
+
+
+@contextlib.contextmanager
+def interrupts_later() -> Iterator[None]:
+    """Let Ctrl+C wait for the end of a block of imports, which it would leave half done.
+
+    Raises:
+        KeyboardInterrupt: At the end, if it came inside.
+    """
+    asked: list[int] = []
+    with signals_to(lambda number, _: asked.append(number), signal.SIGINT):
+        yield
+    if asked:
+        raise KeyboardInterrupt
 
 
 def terminable() -> contextlib.AbstractContextManager[None]:
@@ -131,14 +145,21 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         sys.stdout.flush()
     except BrokenPipeError:
         # Whoever read has had enough (`| head -1`). Python would complain once more at its end.
-        with contextlib.suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        mute(sys.stdout)
         return 1
     except BaseException as error:
         sentence, status = _told(error, name, words)
         with contextlib.suppress(OSError):
             print(sentence, file=sys.stderr)  # noqa: T201 (a command's own output)
     return status
+
+
+def mute(stream: TextIO) -> None:
+    """Let a stream lead nowhere from here on: nobody is there to read it."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
 
 
 def _open_streams() -> None:

@@ -42,7 +42,7 @@ def test_typos_are_recognised():
         load_level("s/goalkeper")
     with pytest.raises(CheckpointError, match="did you mean 'goalkeeper'"):
         load_agent("goal_keeper")
-    with pytest.raises(CheckpointError, match="it has general, goalkeeper, noop"):
+    with pytest.raises(CheckpointError, match="there are general, goalkeeper, noop"):
         load_agent("zzz")
 
 

@@ -187,15 +187,22 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     if not os.path.isdir(directory):
         directory = named_agent(named) or directory
     if not os.path.isdir(directory):
-        raise CheckpointError(
-            f"{named}: there is no such directory, nor a bundled agent of this name; "
-            f"{agent_hint(named, (PLANNER, *SCRIPTED))}"
-        )
+        raise CheckpointError(f"{named}: {_no_agent(named)}")
     if is_peer_checkpoint(directory):
         return Agent(*read_peer_checkpoint(directory, accept))
     checkpoint = newest_checkpoint(directory)
     card, params = read_checkpoint(checkpoint, accept)
     return Agent(card.replace(name=name_in_run(checkpoint) or card.name), params)
+
+
+def _no_agent(named: str) -> str:
+    """Say why a name is not that of an agent with a network."""
+    if named in (PLANNER, *SCRIPTED):
+        return f"plays without a network, so nothing can be read of it; {agent_hint(named)}"
+    if os.path.exists(named):
+        return "is a file; expected the directory of an agent or of a training run"
+    near = agent_hint(named, (PLANNER, *SCRIPTED))
+    return f"there is no such directory, nor a bundled agent of this name; {near}"
 
 
 def save_agent(

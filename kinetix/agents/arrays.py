@@ -233,7 +233,10 @@ def check_inside(directory: Path) -> None:
 
 
 def _damaged(directory: Path, error: Exception) -> CheckpointError:
-    return CheckpointError(f"{directory}: the arrays cannot be read: {_reason(error)}")
+    return CheckpointError(
+        f"{directory}: the arrays cannot be read ({_reason(error)}); take another checkpoint, or "
+        "a copy of this one"
+    )
 
 
 def _reason(error: Exception) -> str:
@@ -241,6 +244,8 @@ def _reason(error: Exception) -> str:
     if isinstance(error, (AttributeError, KeyError, TypeError)):  # met where a part is not there
         return "one of their files is missing or damaged"
     text = str(error).strip()
+    if "OUT_OF_RANGE" in text:
+        return "one of their files is shorter than it was"
     for said in ("No space left on device", "Permission denied", "Read-only file system"):
         if said in text:
             return said

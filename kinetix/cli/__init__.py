@@ -8,6 +8,7 @@ import difflib
 import gc
 import importlib
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ from typing import Any, Final
 from kinetix.bounds import LAST_SEED
 from kinetix.cores import use_all_cores
 from kinetix.errors import KinetixError
-from kinetix.failures import guarded, plain_streams
+from kinetix.failures import guarded, interrupts_later, plain_streams
 from kinetix.files.caches import tidy_caches
 from kinetix.paths import cache_dir
 
@@ -42,6 +43,8 @@ COMMANDS: Final[dict[str, str]] = {
 _MEASURES_COMPILING: Final = "bench"
 _CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
 _FEWEST_COLUMNS: Final = 20
+_LONG_NUMBER: Final = "--total-timesteps"
+_EXPONENT: Final = re.compile(r"\d+(\.\d+)?[eE]\+?\d{1,2}")
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -84,14 +87,16 @@ def _run(name: str, words: Sequence[str]) -> int:
         # XLA calls its own tuning hints unknown processor features when it reads that cache.
         os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     try:
-        module = importlib.import_module(f"kinetix.cli.{name}")
+        with interrupts_later():
+            module = importlib.import_module(f"kinetix.cli.{name}")
         command = _parse(module, name, words)
     except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
         return stop.code if isinstance(stop.code, int) else 2
     _check_seed(name, command)
     with plain_streams():
         if hasattr(command, "cores"):
-            use_all_cores(command.cores, unless_started=command.cores is None)
+            with interrupts_later():  # JAX is imported here
+                use_all_cores(command.cores, unless_started=command.cores is None)
         status = module.run(command)
     if "jax" in sys.modules:  # it may have written to its cache
         tidy_caches()
@@ -127,9 +132,21 @@ def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
         getattr(module, name.capitalize()),
         prog=Program(f"kinetix {name}"),
         description=module.__doc__,
-        args=list(words),
+        args=_plain_numbers(words),
         config=(tyro.conf.FlagCreatePairsOff,),
     )
+
+
+def _plain_numbers(words: Sequence[str]) -> list[str]:
+    """Write `--total-timesteps 1e6` as the whole number that it is."""
+    plain, option = list(words), _LONG_NUMBER
+    for k, word in enumerate(words):
+        before, _, value = word.rpartition("=")
+        if before != option and (k == 0 or words[k - 1] != option):
+            continue
+        if _EXPONENT.fullmatch(value) and (number := float(value)).is_integer():
+            plain[k] = f"{before}={int(number)}" if before else str(int(number))
+    return plain
 
 
 def _overview() -> str:

@@ -11,6 +11,7 @@ from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
+from kinetix.level.atomic import backup_of
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, load_document, save_level
 
@@ -45,7 +46,15 @@ def run(command: Convert) -> int:
             "be lost; choose another name"
         )
     made_folder(command.target.parent)
-    lost = save_level(loaded.level, command.target, format=target, source=loaded.source)
+    before = _content(command.target)
+    lost = save_level(
+        loaded.level, command.target, format=target, source=loaded.source, backup=True
+    )
+    if before is not None and before != _content(command.target):
+        print(
+            f"{backup_of(command.target)}: what {command.target.name} held before",
+            file=sys.stderr,
+        )
     if target == FORMAT:
         for warning in loaded.warnings:
             print(f"{command.source}: {warning}", file=sys.stderr)
@@ -56,6 +65,10 @@ def run(command: Convert) -> int:
         )
     print(f"{command.target}: {target}")
     return 0
+
+
+def _content(path: Path) -> bytes | None:
+    return path.read_bytes() if os.path.isfile(path) else None
 
 
 def _same_file(source: Path | None, target: Path) -> bool:

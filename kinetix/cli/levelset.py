@@ -115,8 +115,8 @@ def _build(command: Build) -> int:
 def _split(command: Split) -> int:
     if not os.path.exists(command.source) and named_levels(command.source):
         raise LevelError(
-            f"{command.source}: is bundled, and stays as it is; make one of your own from it: "
-            f"kinetix levelset build mine.json {command.source}"
+            f"{command.source}: is bundled, and stays as it is; make a set of your own from it: "
+            f"kinetix levelset build mine.json --levels {command.source}"
         )
     loaded = load_set(command.source)
     folder = command.source.parent

@@ -1,12 +1,13 @@
 """Make a data set of winning plans for random levels; the same --out goes on where it stopped."""
 
+import contextlib
 import dataclasses
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from kinetix.cli.paths import NamedPath
+from kinetix.cli.terminal import Terminal
 from kinetix.errors import KinetixError
 
 if TYPE_CHECKING:
@@ -60,11 +61,17 @@ def run(command: Teach) -> int:
         machines=command.machines,
     )
 
-    def report(so_far: "Yield") -> None:
-        if so_far.won < command.count:  # the last one is the result
-            print(_told(so_far), file=sys.stderr, flush=True)
+    with contextlib.closing(Terminal()) as terminal:
 
-    done = teach(config, command.count, command.out, report=report)
+        def report(so_far: "Yield") -> None:
+            if so_far.won < command.count:  # the last one is the result
+                terminal.say(_told(so_far))
+
+        try:
+            done = teach(config, command.count, command.out, report=report, status=terminal.status)
+        except KeyboardInterrupt:
+            terminal.say("what was written is kept; the same command goes on after it")
+            raise
     print(f"{command.out}: {_told(done)}")
     return 0
 

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 from typing import Final
 
+from kinetix.failures import mute
 from kinetix.training.telling import now_and_then
 
 _BACK_AND_CLEAR = "\r\x1b[K"
@@ -31,7 +32,10 @@ def announced(text: str, *, after: float = PATIENCE) -> Iterator[None]:
 
 
 class Terminal:
-    """Writes to stderr; where that is no terminal, some of the passing words become lines."""
+    """Writes to stderr; where that is no terminal, some of the passing words become lines.
+
+    Once nobody reads it (`| head`, a terminal that was closed) the command goes on without a word.
+    """
 
     def __init__(self) -> None:
         """Begin on an empty line."""
@@ -43,7 +47,7 @@ class Terminal:
         """Write a line that stays."""
         clear = _BACK_AND_CLEAR if self._shows_status else ""
         self._shows_status = False
-        print(f"{clear}{text}", file=sys.stderr, flush=True)
+        _write(f"{clear}{text}\n")
 
     def status(self, text: str) -> None:
         """Write what is under way; the next words take its place."""
@@ -51,10 +55,17 @@ class Terminal:
             self._now_and_then(text)
             return
         self._shows_status = True
-        print(f"{_BACK_AND_CLEAR}{text} …", end="", file=sys.stderr, flush=True)
+        _write(f"{_BACK_AND_CLEAR}{text} …")
 
     def close(self) -> None:
         """Leave an empty line."""
         if self._shows_status:
             self._shows_status = False
-            print(_BACK_AND_CLEAR, end="", file=sys.stderr, flush=True)
+            _write(_BACK_AND_CLEAR)
+
+
+def _write(text: str) -> None:
+    try:
+        print(text, end="", file=sys.stderr, flush=True)
+    except OSError:
+        mute(sys.stderr)

@@ -362,7 +362,8 @@ def read_levels(
         else:
             levels.append(_from_file(path, Path(source)))
     if not levels and not unreadable:
-        raise LevelError(f"{', '.join(map(str, sources))}: expected levels, found none")
+        named = ", ".join(map(str, sources)) or "no level was named"
+        raise LevelError(f"{named}: expected levels, found none")
     return _told_apart(levels), unreadable
 
 

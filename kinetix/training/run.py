@@ -16,12 +16,12 @@ from typing import Any, Protocol
 import jax
 import numpy as np
 
-from kinetix.agents.agent import Agent
+from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS, write_checkpoint
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
-from kinetix.errors import KinetixError
+from kinetix.errors import CheckpointError, KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_text
@@ -129,7 +129,8 @@ def train(
 ) -> Path:
     """Train until the configured number of steps, from the last checkpoint if there is one.
 
-    Ctrl+C and SIGTERM end it after the update that is under way, with everything saved.
+    Ctrl+C, SIGTERM and a closed terminal end it after the update that is under way, with everything
+    saved.
 
     Args:
         algorithm: Its name, for the records.
@@ -166,6 +167,7 @@ def train(
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
         state, progress, damaged = _begin(trainer, out, say, status, taught=teacher is not None)
+        lost = _cannot_be_read(out, config, progress)
         wait_for_all("everybody has read what is there")
         sinks: list[Sink] = []
         if is_leader():
@@ -200,6 +202,9 @@ def train(
             status=status,
             history=history,
         )
+        if lost:
+            say(f"{lost}; it is made again from the training's state")
+            _save(run, state, progress, {})
         state, progress = _loop(run, state, progress, report)
         if progress.updates < config.num_updates:
             say(f"stopped after update {progress.updates}; saved, the same command resumes here")
@@ -235,9 +240,22 @@ def _begin(
     state, progress, damaged = found
     if progress.updates > config.num_updates:
         say(f"nothing is left to do: update {progress.updates} is done already")
+    elif progress.updates == config.num_updates:
+        say(f"all {config.num_updates} updates are done; more total_timesteps go on from here")
     else:
         say(f"resuming from update {progress.updates} of {config.num_updates}")
     return as_updates_leave_it(state), progress, damaged
+
+
+def _cannot_be_read(out: Path, config: PpoConfig, progress: StoredProgress) -> str:
+    """Say what is wrong with the agent beside the state that a run goes on from, if anything is."""
+    if not progress.updates:
+        return ""
+    try:
+        load_agent(out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update))
+    except CheckpointError as error:
+        return f"damaged agent: {error}"
+    return ""
 
 
 def _refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:

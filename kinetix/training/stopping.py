@@ -1,4 +1,4 @@
-"""Ctrl+C and SIGTERM end a training after the update that is under way, with everything saved."""
+"""Ctrl+C, SIGTERM and a closed terminal end a training after an update, with everything saved."""
 
 import contextlib
 import signal
@@ -33,7 +33,7 @@ class StopRequest:
 
     def error(self) -> BaseException:
         """Return what ends the command with the status that the signal asks for."""
-        return Terminated() if self.signal == signal.SIGTERM else KeyboardInterrupt()
+        return KeyboardInterrupt() if self.signal == signal.SIGINT else Terminated()
 
     @property
     def agreed(self) -> bool:
@@ -46,11 +46,17 @@ class StopRequest:
 
 @contextlib.contextmanager
 def stop_requests(say: Callable[[str], None]) -> Iterator[StopRequest]:
-    """Listen to Ctrl+C and SIGTERM; outside the main thread to neither.
+    """Listen to Ctrl+C, SIGTERM and hang-ups; outside the main thread to none of them.
 
     Args:
         say: Takes a sentence for the terminal.
     """
     request = StopRequest(say)
-    with signals_to(request, signal.SIGINT, signal.SIGTERM):
+    with signals_to(request, signal.SIGINT, signal.SIGTERM, *_hang_up()):
         yield request
+
+
+def _hang_up() -> list[int]:
+    """Return the signal of a terminal that is closed; `nohup` has it ignored, and so do we."""
+    number = getattr(signal, "SIGHUP", None)  # Windows has none
+    return [] if number is None or signal.getsignal(number) == signal.SIG_IGN else [number]

@@ -35,3 +35,12 @@ def test_there_and_back(tmp_path):
     assert load_document(there).format == "kinetix-env"
     assert main(["convert", str(there), str(back)]) == 0
     assert len(load_level(back).bodies) == len(load_level("s/first_flight").bodies)
+
+
+def test_what_another_file_held_stays_beside_it(tmp_path, capsys):
+    mine = tmp_path / "mine.json"
+    save_level(load_level("s/wheelie"), mine)
+    before = mine.read_bytes()
+    assert main(["convert", "s/first_flight", str(mine)]) == 0
+    assert (tmp_path / "mine.json.bak").read_bytes() == before
+    assert "mine.json.bak: what mine.json held before" in capsys.readouterr().err

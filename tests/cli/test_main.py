@@ -2,6 +2,7 @@ import json
 import os
 import resource
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 from kinetix import cli
 from kinetix.errors import LevelError
-from kinetix.failures import KEPT_REPORTS
+from kinetix.failures import KEPT_REPORTS, interrupts_later
 
 
 @pytest.fixture
@@ -240,3 +241,24 @@ def test_every_command_describes_itself(name, capsys):
 def test_a_seed_that_cannot_be_is_refused_before_anything_starts(words, seed, capsys):
     assert cli.main([*words, "--seed", seed]) == 1
     assert f"--seed {seed}: expected a whole number" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "number"),
+    [
+        (["--total-timesteps", "1e6"], "1000000"),
+        (["--total-timesteps=2.5e3"], "--total-timesteps=2500"),
+        (["--total-timesteps", "1e-3"], "1e-3"),
+        (["--out", "1e6"], "1e6"),
+    ],
+)
+def test_steps_are_counted_as_people_write_them(words, number):
+    assert cli._plain_numbers(words)[-1] == number
+
+
+def test_an_interrupt_waits_for_imports():
+    done = []
+    with pytest.raises(KeyboardInterrupt), interrupts_later():
+        os.kill(os.getpid(), signal.SIGINT)
+        done.append(1)
+    assert done == [1]

@@ -1,5 +1,6 @@
 """Lines that stay and words that pass, on a terminal and in a file."""
 
+import subprocess
 import sys
 import time
 
@@ -51,3 +52,25 @@ def test_what_takes_long_is_announced_and_what_does_not_is_not(capsys):
     with announced("compiling", after=5.0):
         pass
     assert capsys.readouterr().err == ""
+
+
+def test_a_command_goes_on_when_nobody_reads_it_any_more(tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from kinetix.cli.terminal import Terminal\n"
+        "terminal = Terminal()\n"
+        "sys.stdin.readline()\n"
+        "for _ in range(3): terminal.say('x')\n"
+        "Path(sys.argv[1]).touch()\n"
+    )
+    ends = tmp_path / "ends"
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(ends)],
+        stdin=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        process.stderr.close()
+        process.stdin.write("\n")
+        process.stdin.flush()
+        assert process.wait() == 0
+    assert ends.exists()

@@ -15,6 +15,7 @@ from kinetix.failures import Terminated
 from kinetix.files.lock import locked_folder
 from kinetix.training.logging import read_metrics
 from kinetix.training.run import train
+from kinetix.training.stopping import stop_requests
 from tests.training.tiny import same_parameters, tiny_config, without_time
 
 pytestmark = pytest.mark.usefixtures("shared_trainers")
@@ -81,7 +82,29 @@ def test_two_trainings_do_not_write_to_one_run(finished):
     assert "another training writes here now" in done.stdout
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_damaged_agent_is_named_and_made_again_from_the_state(finished, tmp_path):
+    run = shutil.copytree(finished, tmp_path / "run")
+    for path in (run / "checkpoints" / "192" / "params").rglob("*"):
+        if path.is_file():
+            path.write_bytes(path.read_bytes()[:20])
+    said = []
+    train("ppo", tiny_config("ppo", dummy_env=True), run, say=said.append)
+    assert any("192" in text and "damaged agent" in text for text in said), said
+    assert "all 6 updates are done; more total_timesteps go on from here" in said
+    same_parameters(finished, run)
+
+
+def test_a_hang_up_that_nohup_ignores_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with stop_requests(print) as request:
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert request.signal is None
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, number):
     said = []
 
@@ -90,8 +113,7 @@ def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, 
             os.kill(os.getpid(), number)
 
     config = tiny_config("ppo", dummy_env=True)
-    ends = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated}[number]
-    with pytest.raises(ends):
+    with pytest.raises(KeyboardInterrupt if number == signal.SIGINT else Terminated):
         train("ppo", config, tmp_path / "run", report=report, say=said.append)
     told = " ".join(said)
     assert "stopping after this update" in told

@@ -39,6 +39,7 @@ from kinetix.training.imitation.teacher import (
     search_round,
     wins_again,
 )
+from kinetix.training.telling import Say, say_nothing
 
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
@@ -120,6 +121,7 @@ def teach(
     out: Path,
     *,
     report: Callable[[Yield], None] = lambda so_far: None,
+    status: Say = say_nothing,
 ) -> Yield:
     """Search random levels until so many are won; what is there already counts.
 
@@ -128,6 +130,7 @@ def teach(
         count: How many levels shall be won.
         out: Folder of the data set; the same one goes on where it stopped.
         report: Called after every shard.
+        status: Takes words for what is under way, which the next ones may replace.
 
     Raises:
         KinetixError: The folder holds something else, or data of other settings.
@@ -140,7 +143,7 @@ def teach(
         search = _Search(config)
         while so_far.won < count:
             began = time.monotonic()
-            found, told = search.shard(so_far.shards)
+            found, told = search.shard(so_far.shards, status)
             # Of a stop between the two writes only this comes twice, and is known then.
             data.add(found)
             so_far = Yield(
@@ -202,23 +205,29 @@ class _Search:
         reset = make_reset_fn_sample_kinetix_level(EnvParams(), static)
         self._draw = jax.jit(jax.vmap(reset))
 
-    def shard(self, index: int) -> tuple[list[RecordedEpisode], dict[str, int]]:
+    def shard(self, index: int, status: Say) -> tuple[list[RecordedEpisode], dict[str, int]]:
         """Search the levels of a shard.
+
+        Args:
+            index: Of the shard.
+            status: Takes words for what is under way.
 
         Returns:
             Episodes, and counts of levels: `trivial` and `won`.
         """
         key = jax.random.fold_in(jax.random.PRNGKey(self._config.seed), index)
+        status(f"compiling and drawing {SHARD} levels")
         levels = self._drawn(index, key)
+        status("leaving out what doing nothing wins")
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
-        plans = self._searched(levels, todo, key)
+        plans = self._searched(levels, todo, key, status)
         dice = np.random.default_rng((self._config.seed, index))
         attempts = self._attempts(
-            levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD
+            levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD, status
         )
-        found = self._proven(attempts)
+        found = self._proven(attempts, status)
         won = len({episode.level.name for episode in found})
         return found, {"trivial": int(trivial.sum()), "won": won}
 
@@ -231,7 +240,9 @@ class _Search:
         rows = [level_state(level, static) for level in levels]
         return jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *rows)
 
-    def _searched(self, levels: EnvState, todo: np.ndarray, key: Any) -> dict[int, np.ndarray]:
+    def _searched(
+        self, levels: EnvState, todo: np.ndarray, key: Any, status: Say
+    ) -> dict[int, np.ndarray]:
         """Winning plans by level: a place that is done takes the next level."""
         places = np.resize(todo, self._config.batch)
         waiting = list(todo[self._config.batch :])
@@ -243,6 +254,8 @@ class _Search:
         while active.any():
             states = jax.tree.map(lambda x: x[places], levels)
             turn += 1
+            begun = len(todo) - len(waiting)
+            status(f"searching: {begun} of {len(todo)} levels begun, {len(plans)} won")
             result = search_round(self._env, states, elite, jax.random.fold_in(key, turn))
             elite, won = np.array(result.elite), np.asarray(result.won)
             age += 1
@@ -262,6 +275,7 @@ class _Search:
         dice: np.random.Generator,
         key: Any,
         first: int,
+        status: Say,
     ) -> list[tuple[Level, np.ndarray, int]]:
         """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
         if not plans:
@@ -271,6 +285,7 @@ class _Search:
         for copy in range(self._config.copies + 1):
             states, winners = chosen, list(plans.values())
             if copy:
+                status(f"perturbed starts: {copy} of {self._config.copies} a level")
                 states = kicked(chosen, dice)
                 winners = self._adapted(states, winners, jax.random.fold_in(key, copy))
             for row, (number, plan) in enumerate(zip(plans, winners, strict=True)):
@@ -296,12 +311,15 @@ class _Search:
             found += list(np.asarray(result.elite)[:, 0])
         return found[: len(plans)]
 
-    def _proven(self, attempts: list[tuple[Level, np.ndarray, int]]) -> list[RecordedEpisode]:
+    def _proven(
+        self, attempts: list[tuple[Level, np.ndarray, int]], status: Say
+    ) -> list[RecordedEpisode]:
         """Episodes of the plans that win the levels as they are written."""
         static = self._env.static_env_params
         found: list[RecordedEpisode] = []
         for start in range(0, len(attempts), SHARD):
             batch = attempts[start : start + SHARD]
+            status(f"playing them again: {start} of {len(attempts)} episodes")
             rows = [level_state(level, static) for level, _, _ in batch]
             # Always as many rows: one compilation.
             filled = [rows[k % len(rows)] for k in range(SHARD)]
