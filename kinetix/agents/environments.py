@@ -77,7 +77,8 @@ def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity
     if not card.sees(capacity):
         raise CheckpointError(
             f"agent {card.name!r} sees exactly {_sizes(own.sizes)}, which is too small for "
-            f"{level} with {_sizes(capacity)}{_others(capacity)}"
+            f"{level} with {_sizes(capacity)} (the arena's four sides count)"
+            f"{_others(capacity)}"
         )
     return own.sizes
 

@@ -92,7 +92,11 @@ def file_report(file: str) -> FileReport:
         ]
         issues = (*validate(loaded.level), *mended)
     except LevelError as error:
-        return FileReport(file=file, format=None, issues=tuple(reading_issues(error)))
+        found = [
+            dataclasses.replace(issue, message=issue.message.removeprefix(f"{file}: "))
+            for issue in reading_issues(error)
+        ]
+        return FileReport(file=file, format=None, issues=tuple(found))
     except Exception as error:  # a fault of ours in one file must not hide the others
         message = crash_sentence(error, "kinetix validate", [file])
         issue = Issue(code="E001", severity="error", path="$", message=message)

@@ -24,6 +24,7 @@ from kinetix.version import __version__
 MANIFEST: Final = "dataset.json"
 SHARD_STEPS: Final = 262_144
 """Environment steps after which a new shard begins (about 2 MB)."""
+_BRING_BACK: Final = "bring the file back, or begin another data set"
 
 
 class ShardEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -106,7 +107,9 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
     for shard in read_manifest(folder).shards:
         path = folder / shard.file
         if check and hashlib.sha256(read_bytes(path, "episodes")).hexdigest() != shard.sha256:
-            raise KinetixError(f"{path}: is not the file that {MANIFEST} names (SHA-256 differs)")
+            raise KinetixError(
+                f"{path}: is not the file that {MANIFEST} names (SHA-256 differs); {_BRING_BACK}"
+            )
         yield from read_shard(path)
 
 
@@ -170,7 +173,10 @@ class DatasetWriter:
         """
         self._folder, self._manifest = folder, manifest
         shards = (folder / shard.file for shard in manifest.shards)
-        self._known = {name for path in shards for name in read_ids(path)}
+        try:
+            self._known = {name for path in shards for name in read_ids(path)}
+        except KinetixError as error:
+            raise KinetixError(f"{error}; {_BRING_BACK}") from None
 
     def add(self, episodes: Iterable[RecordedEpisode]) -> Added:
         """Write episodes; afterwards all that were taken are on disk, also where taking one failed.

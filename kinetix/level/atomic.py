@@ -1,6 +1,7 @@
 """The one writer of files: a file always holds the old or the new content, whatever happens."""
 
 import contextlib
+import itertools
 import os
 import secrets
 import stat
@@ -38,12 +39,13 @@ def write_atomically(path: Path, data: bytes) -> None:
         _write_new(temporary, data)
 
 
-def write_with_backup(path: Path, data: bytes) -> bool:
+def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> bool:
     """Write a whole file; another content that it had stays beside it as `NAME.bak`.
 
     Args:
         path: The file; its folder must exist.
         data: Its new content.
+        keep_all: Whether an older backup stays too, as `NAME.bak2`, `NAME.bak3` and so on.
 
     Returns:
         Whether it had another content.
@@ -57,6 +59,8 @@ def write_with_backup(path: Path, data: bytes) -> bool:
     except OSError as error:
         raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
     if previous != data:
+        if keep_all:
+            _make_room(backup_of(path), previous)
         write_atomically(backup_of(path), previous)
     write_atomically(path, data)
     return previous != data
@@ -68,6 +72,14 @@ def backup_of(path: Path) -> Path:
     while len(os.fsencode(kept)) + len(_BACKUP) > _LONGEST_NAME:
         kept = kept[:-1]
     return path.with_name(f"{kept}{_BACKUP}")
+
+
+def _make_room(backup: Path, data: bytes) -> None:
+    """Give an older backup the first free number, unless it holds the same."""
+    if not os.path.isfile(backup) or backup.read_bytes() == data:
+        return
+    names = (backup.with_name(f"{backup.name}{number}") for number in itertools.count(2))
+    backup.rename(next(name for name in names if not os.path.lexists(name)))
 
 
 @contextlib.contextmanager

@@ -479,7 +479,8 @@ def save_set(
         loaded: The set.
         path: Its file.
         inline: As for `dumps_set`.
-        backup: Whether another set that the file held stays beside it as `NAME.bak`.
+        backup: Whether another set that the file held stays beside it as `NAME.bak`, and an
+            older such backup as `NAME.bak2`.
 
     Returns:
         Whether there is such a backup now.
@@ -498,6 +499,6 @@ def save_set(
             "beside its levels, without --inline"
         )
     if backup:
-        return write_with_backup(Path(path), data)
+        return write_with_backup(Path(path), data, keep_all=True)
     write_atomically(Path(path), data)
     return False

@@ -163,6 +163,16 @@ def test_a_set_does_not_take_the_place_of_a_level(tmp_path, capsys):
         assert main(["levelset", "build", made, "--levels", str(level)]) == 0
 
 
+def test_no_set_is_lost_to_the_second_command_after_it(folder):
+    target = folder / "set.json"
+    assert main(["levelset", "build", str(target), "--levels", str(folder), "--inline"]) == 0
+    first = target.read_bytes()
+    assert main(["levelset", "build", str(target), "--levels", "s/first_flight"]) == 0
+    assert main(["levelset", "split", str(target), "--seed", "4", "--split", "0"]) == 0
+    kept = [path.read_bytes() for path in folder.glob("set.json.bak*")]
+    assert first in kept
+
+
 def test_weights_set_by_hand_are_kept_beside_a_set_that_is_built_anew(folder, capsys):
     made = folder / "set.json"
     assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
