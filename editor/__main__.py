@@ -3,7 +3,6 @@
 import dataclasses
 import importlib.util
 import os
-import signal
 import sys
 import threading
 from pathlib import Path
@@ -18,7 +17,7 @@ from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.errors import KinetixError
-from kinetix.failures import Terminated, guarded, signals_to, terminable
+from kinetix.failures import Terminated, ending_signals, guarded, signals_to, terminable
 from kinetix.paths import levels_dir
 from kinetix.version import __version__
 
@@ -194,7 +193,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
     """Show the window until it is closed.
 
     Raises:
-        Terminated: SIGTERM closed it, without a question; unsaved levels are copied.
+        Terminated: A signal closed it, without a question; unsaved levels are copied.
     """
     told: list[int] = []
 
@@ -205,7 +204,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         told.append(number)
         session.quitting = True
 
-    with signals_to(close, signal.SIGTERM):
+    with signals_to(close, *ending_signals()):
         host.run()
     if told:
         session.save_aside()

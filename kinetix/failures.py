@@ -78,9 +78,20 @@ def interrupts_later() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
+def ending_signals() -> tuple[int, ...]:
+    """Return the signals that ask a process to end: SIGTERM, and that of a terminal that closes.
+
+    Windows has none of the second kind; `nohup` has it ignored, and so it stays.
+    """
+    hang_up = getattr(signal, "SIGHUP", None)
+    if hang_up is None or signal.getsignal(hang_up) == signal.SIG_IGN:
+        return (signal.SIGTERM,)
+    return (signal.SIGTERM, hang_up)
+
+
 def terminable() -> contextlib.AbstractContextManager[None]:
-    """Let SIGTERM raise `Terminated` inside, which libraries with windows keep to themselves."""
-    return signals_to(_terminate, signal.SIGTERM)
+    """Let `ending_signals` raise `Terminated`, which libraries with windows keep to themselves."""
+    return signals_to(_terminate, *ending_signals())
 
 
 class PlainStream:

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from jax.experimental import multihost_utils
 
-from kinetix.failures import Terminated, signals_to
+from kinetix.failures import Terminated, ending_signals, signals_to
 
 
 class StopRequest:
@@ -52,11 +52,5 @@ def stop_requests(say: Callable[[str], None]) -> Iterator[StopRequest]:
         say: Takes a sentence for the terminal.
     """
     request = StopRequest(say)
-    with signals_to(request, signal.SIGINT, signal.SIGTERM, *_hang_up()):
+    with signals_to(request, signal.SIGINT, *ending_signals()):
         yield request
-
-
-def _hang_up() -> list[int]:
-    """Return the signal of a terminal that is closed; `nohup` has it ignored, and so do we."""
-    number = getattr(signal, "SIGHUP", None)  # Windows has none
-    return [] if number is None or signal.getsignal(number) == signal.SIG_IGN else [number]

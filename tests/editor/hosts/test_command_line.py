@@ -1,4 +1,4 @@
-"""The command line of the app: options that cannot be meant, and its end by SIGTERM."""
+"""The command line of the app: options that cannot be meant, and its end by signals."""
 
 import contextlib
 import json
@@ -58,7 +58,8 @@ def begin(home):
 @pytest.mark.gl
 @pytest.mark.usefixtures("software_gl")
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process listens to")
-def test_sigterm_ends_a_scripted_run(begin, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_a_scripted_run(begin, tmp_path, number):
     lines = [
         json.dumps({"do": "state", "file": f"{tmp_path}/begun.json"}),
         '{"do":"wait","frames":1000000000}',
@@ -66,7 +67,7 @@ def test_sigterm_ends_a_scripted_run(begin, tmp_path):
     (tmp_path / "events.jsonl").write_text("\n".join(lines))
     app = begin("--offscreen", "--replay", str(tmp_path / "events.jsonl"))
     until((tmp_path / "begun.json").exists)
-    app.terminate()
+    app.send_signal(number)
     assert app.wait(10) == TERMINATED
     assert app.stderr.read() == "terminated\n"
 

@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -161,7 +162,8 @@ def test_draws_with_the_mouse_saves_with_the_keyboard_and_quits(desktop, tmp_pat
     assert str(level) in recents["recents"][0]
 
 
-def test_sigterm_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_path, number):
     level = tmp_path / "mine.json"
     shutil.copy(levels_dir() / "s" / "first_flight.json", level)
     with contextlib.ExitStack() as ends:
@@ -171,7 +173,7 @@ def test_sigterm_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_pa
         desktop.do("key", "ctrl+a")
         desktop.do("key", "Delete")
         desktop.until(lambda: desktop.title().startswith("●"))
-        desktop.app.terminate()
+        desktop.app.send_signal(number)
         assert desktop.app.wait(10) == TERMINATED
         assert desktop.app.stderr.read() == "terminated\n"
     copies = (tmp_path / "state" / "kinetix-editor" / "autosave").glob("*/*[0-9].json")
