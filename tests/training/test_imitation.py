@@ -275,16 +275,27 @@ def test_a_slip_of_the_first_command_leaves_nothing_in_the_way(tmp_path):
 
 
 def test_a_teacher_tells_its_result_once(monkeypatch, tmp_path, capsys):
-    def shards(config, count, out, *, report):
+    def shards(config, count, out, *, report, status):
         for won in (1, 2):
+            status("searching")
             report(teach.Yield(levels=256 * won, won=won, shards=won))
         return teach.Yield(levels=512, won=2, shards=2)
 
     monkeypatch.setattr(teach, "teach", shards)
     assert main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr()
-    assert printed.err.startswith("1 of 256 levels won") and "512" not in printed.err
+    assert printed.err.startswith("searching\n1 of 256 levels won") and "512" not in printed.err
     assert "2 of 512 levels won" in printed.out
+
+
+def test_an_interrupted_teacher_says_what_is_kept(monkeypatch, tmp_path, capsys):
+    def interrupted(config, count, out, *, report, status):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(teach, "teach", interrupted)
+    assert main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)]) == 130
+    told = capsys.readouterr().err
+    assert told == "what was written is kept; the same command goes on after it\ninterrupted\n"
 
 
 @pytest.mark.slow
