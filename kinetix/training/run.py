@@ -4,10 +4,8 @@ import contextlib
 import dataclasses
 import functools
 import importlib.metadata
-import json
 import math
 import os
-import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -16,22 +14,26 @@ from typing import Any, Protocol
 import jax
 import numpy as np
 
-from kinetix.agents.agent import Agent, load_agent
+from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS, write_checkpoint
-from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import to_card
-from kinetix.errors import CheckpointError, KinetixError
+from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
-from kinetix.files.regular import read_text
 from kinetix.level.atomic import write_atomically
 from kinetix.training.averages import EpisodeAverages
-from kinetix.training.config import RESUMABLE, BcConfig, PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
 from kinetix.training.devices import is_leader, to_host, wait_for_all
+from kinetix.training.directory import (
+    check_same_run,
+    clear_leftovers,
+    refuse_lost_checkpoints,
+    unreadable_agent,
+)
 from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.films import Filming
 from kinetix.training.imitation.clone import Clone
@@ -54,7 +56,7 @@ from kinetix.training.resume import (
     recover,
     write_state,
 )
-from kinetix.training.settings import CONFIG, dumps_config, loads_config, make_config
+from kinetix.training.settings import CONFIG, dumps_config
 from kinetix.training.setup import Setup
 from kinetix.training.stopping import StopRequest, stop_requests
 from kinetix.training.telling import Say, now_and_then, say_nothing
@@ -156,7 +158,7 @@ def train(
     if is_leader():
         made_folder(out)
     wait_for_all("the directory is there")
-    _check_same_run(out, algorithm, config, say)
+    check_same_run(out, algorithm, config, say)
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
     _say_first(trainer, config, say)
@@ -167,12 +169,13 @@ def train(
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
         state, progress, damaged = _begin(trainer, out, say, status, taught=teacher is not None)
-        lost = _cannot_be_read(out, config, progress)
+        checkpoint = _checkpoint(out, config, progress)
+        lost = unreadable_agent(checkpoint) if progress.updates else ""
         wait_for_all("everybody has read what is there")
         sinks: list[Sink] = []
         if is_leader():
             put_aside(damaged)
-            _sweep(out)
+            clear_leftovers(out)
             write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
             keep_damaged_rows(out, progress.updates, say)
             sinks = open_sinks(out, config, updates=progress.updates)
@@ -209,6 +212,10 @@ def train(
         if progress.updates < config.num_updates:
             say(f"stopped after update {progress.updates}; saved, the same command resumes here")
             raise stop.error()
+    return _checkpoint(out, config, progress)
+
+
+def _checkpoint(out: Path, config: PpoConfig, progress: StoredProgress) -> Path:
     return out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update)
 
 
@@ -233,7 +240,7 @@ def _begin(
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
             raise KinetixError(f"{name}: there is no agent to start from; name it with --from")
         if os.path.isfile(out / CONFIG):
-            _refuse_lost_checkpoints(out, trainer.setup.config)
+            refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
@@ -245,31 +252,6 @@ def _begin(
     else:
         say(f"resuming from update {progress.updates} of {config.num_updates}")
     return as_updates_leave_it(state), progress, damaged
-
-
-def _cannot_be_read(out: Path, config: PpoConfig, progress: StoredProgress) -> str:
-    """Say what is wrong with the agent beside the state that a run goes on from, if anything is."""
-    if not progress.updates:
-        return ""
-    try:
-        load_agent(out / RUN_CHECKPOINTS / str(progress.updates * config.steps_per_update))
-    except CheckpointError as error:
-        return f"damaged agent: {error}"
-    return ""
-
-
-def _refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
-    """Refuse to begin anew where a run has come further than to its first checkpoint.
-
-    Raises:
-        KinetixError: It has; a kill before the first checkpoint leaves fewer rows.
-    """
-    done = max((row[UPDATE] for row in read_metrics(out)), default=0)
-    if done > (config.checkpoint_save_freq or config.num_updates):
-        raise KinetixError(
-            f"{out}: has the metrics of {done:.0f} updates and no checkpoint, and a new start "
-            "would overwrite the run; bring its checkpoints back, or choose another directory"
-        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -425,61 +407,10 @@ def _save(run: _Run, state: Any, progress: StoredProgress, results: Mapping[str,
     host = to_host(state)
     if not is_leader():
         return
-    steps = progress.updates * run.trainer.setup.config.steps_per_update
 
     def beside(directory: Path) -> None:
         write_state(directory, host, updates=progress.updates, seconds=progress.seconds)
 
-    target = run.out / RUN_CHECKPOINTS / str(steps)
+    target = _checkpoint(run.out, run.trainer.setup.config, progress)
     write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
     forget_older(run.out)
-
-
-def _sweep(out: Path) -> None:
-    """Remove what kills have left half written."""
-    for folder in (out, out / RUN_CHECKPOINTS):
-        for path in [*folder.glob(".*.tmp"), *folder.glob(".*.old")]:
-            if os.path.isdir(path):
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
-
-
-def _check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> None:
-    """Refuse to go on with a run under other hyper-parameters than it began with."""
-    path = out / CONFIG
-    if not os.path.isfile(path):
-        if not all(_may_lie_there(entry) for entry in out.iterdir()):
-            raise KinetixError(f"{out}: is not empty and holds no training run")
-        return
-    name, values = loads_config(read_text(path, "run"), str(path))
-    before = make_config(name, values=values)
-    if name != algorithm:
-        raise KinetixError(f"{out}: this run was started with {name}, not {algorithm}")
-    for field in dataclasses.fields(config):
-        old, new = getattr(before, field.name), getattr(config, field.name)
-        if field.name == "total_timesteps" and old != new:
-            falls = config.anneal_lr or config.warmup_lr
-            rate = "; the learning rate goes on as in a run of that length" if falls else ""
-            say(f"total_timesteps was {old:,}, now it is {new:,}{rate}")
-        if field.name not in RESUMABLE and old != new:
-            raise KinetixError(
-                f"{path}: this run was started with {_differing(field.name, old, new)}; choose "
-                "another directory"
-            )
-
-
-def _may_lie_there(path: Path) -> bool:
-    """Return whether a run may begin where this file is: hidden, or what a training prints."""
-    return path.name.startswith(".") or path.suffix == ".log"
-
-
-def _differing(name: str, old: Any, new: Any) -> str:
-    """The first field in which two configurations differ, inside the network's too."""
-    if isinstance(old, NetworkConfig) and isinstance(new, NetworkConfig):
-        for field in dataclasses.fields(old):
-            a, b = getattr(old, field.name), getattr(new, field.name)
-            if a != b:
-                return _differing(f"{name}.{field.name}", a, b)
-    old, new = (json.dumps(value, ensure_ascii=False) for value in (old, new))
-    return f"{name} = {old}, now it is {new}"
