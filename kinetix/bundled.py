@@ -75,8 +75,7 @@ def level_hint(name: str | Path) -> str:
 
 def agent_hint(name: str | Path, others: Iterable[str] = ()) -> str:
     """Return the agent nearest to a mistyped name, or the names of all."""
-    near = hint(Path(name).name, [*agent_names(), *others])
-    return near.replace("it has", "there are", 1)
+    return hint(Path(name).name, [*agent_names(), *others], listing="there are")
 
 
 def _within(plain: Path, folder: str) -> Path:

@@ -42,7 +42,7 @@ def lazy_names(
     return find, names
 
 
-def hint(name: str, known: Iterable[str]) -> str:
+def hint(name: str, known: Iterable[str], *, listing: str = "it has") -> str:
     """Return what a sentence about an unknown name ends with: the nearest name, or all of them."""
     import difflib  # only a mistake needs it
 
@@ -53,4 +53,4 @@ def hint(name: str, known: Iterable[str]) -> str:
         return f"did you mean {lower[near[0]]!r}?"
     rest = len(known) - _MOST_LISTED
     listed = ", ".join(known[:_MOST_LISTED]) + (f" and {rest} more" if rest > 0 else "")
-    return f"it has {listed}"
+    return f"{listing} {listed}"

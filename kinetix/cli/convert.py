@@ -11,9 +11,10 @@ from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
-from kinetix.level.atomic import backup_of
+from kinetix.level.atomic import backup_of, write_with_backup
 from kinetix.level.canonical import FORMAT
-from kinetix.level.codec import LevelFormat, load_document, save_level
+from kinetix.level.codec import LevelFormat, dumps, load_document
+from kinetix.level.kinetix_env import lost_fields
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -46,11 +47,8 @@ def run(command: Convert) -> int:
             "be lost; choose another name"
         )
     made_folder(command.target.parent)
-    before = _content(command.target)
-    lost = save_level(
-        loaded.level, command.target, format=target, source=loaded.source, backup=True
-    )
-    if before is not None and before != _content(command.target):
+    text = dumps(loaded.level, format=target, source=loaded.source)
+    if write_with_backup(command.target, text.encode()):
         print(
             f"{backup_of(command.target)}: what {command.target.name} held before",
             file=sys.stderr,
@@ -58,17 +56,13 @@ def run(command: Convert) -> int:
     if target == FORMAT:
         for warning in loaded.warnings:
             print(f"{command.source}: {warning}", file=sys.stderr)
-    elif lost and loaded.source is None:
+    elif loaded.source is None and (lost := lost_fields(loaded.level, stem=command.target.stem)):
         print(
             f"{command.target}: kinetix-env cannot say, or its reader ignores: {', '.join(lost)}",
             file=sys.stderr,
         )
     print(f"{command.target}: {target}")
     return 0
-
-
-def _content(path: Path) -> bytes | None:
-    return path.read_bytes() if os.path.isfile(path) else None
 
 
 def _same_file(source: Path | None, target: Path) -> bool:

@@ -22,7 +22,7 @@ def announced(text: str, *, after: float = PATIENCE) -> Iterator[None]:
         text: What is.
         after: How long it may take without a word [s].
     """
-    timer = threading.Timer(after, lambda: print(text, file=sys.stderr, flush=True))
+    timer = threading.Timer(after, lambda: _write(f"{text}\n"))
     timer.daemon = True
     timer.start()
     try:

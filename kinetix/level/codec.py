@@ -13,7 +13,7 @@ import msgspec
 
 from kinetix.bundled import level_hint, named_levels
 from kinetix.errors import LevelError
-from kinetix.level.atomic import write_atomically, write_with_backup
+from kinetix.level.atomic import write_atomically
 from kinetix.level.canonical import (
     FORMAT,
     VERSION,
@@ -249,7 +249,6 @@ def save_level(
     *,
     format: LevelFormat = FORMAT,
     source: KinetixEnvDocument | None = None,
-    backup: bool = False,
 ) -> tuple[str, ...]:
     """Write a level file atomically: afterwards it holds the old or the new content, never a mix.
 
@@ -258,7 +257,6 @@ def save_level(
         path: The file; its folder must exist.
         format: As in `dumps`.
         source: As in `dumps`.
-        backup: Whether another content that the file had stays beside it as `NAME.bak`.
 
     Returns:
         The names of the fields that the format cannot say; empty for our own format.
@@ -272,8 +270,7 @@ def save_level(
             f"{path}: expected a kinetix.Level to save, got {type(level).__name__}; states are "
             "saved by kinetix.util.saving.export_env_state_to_json"
         )
-    write = write_with_backup if backup else write_atomically
-    write(path, dumps(level, format=format, source=source).encode())
+    write_atomically(path, dumps(level, format=format, source=source).encode())
     return () if format == FORMAT else lost_fields(level, stem=path.stem)
 
 

@@ -140,10 +140,10 @@ def teach(
         so_far = _resumed(config, out)
         if so_far.won >= count:
             return so_far
-        search = _Search(config)
+        search = _Search(config, status)
         while so_far.won < count:
             began = time.monotonic()
-            found, told = search.shard(so_far.shards, status)
+            found, told = search.shard(so_far.shards)
             # Of a stop between the two writes only this comes twice, and is known then.
             data.add(found)
             so_far = Yield(
@@ -193,8 +193,9 @@ def _resumed(config: TeachConfig, out: Path) -> Yield:
 class _Search:
     """Draws levels and searches them, a shard's worth at a time."""
 
-    def __init__(self, config: TeachConfig) -> None:
+    def __init__(self, config: TeachConfig, status: Say) -> None:
         self._config = config
+        self._status = status
         capacity = parse_capacity(config.size)
         static = static_env_params_of(capacity, physics=config.physics)
         env = make_kinetix_env(
@@ -205,29 +206,25 @@ class _Search:
         reset = make_reset_fn_sample_kinetix_level(EnvParams(), static)
         self._draw = jax.jit(jax.vmap(reset))
 
-    def shard(self, index: int, status: Say) -> tuple[list[RecordedEpisode], dict[str, int]]:
+    def shard(self, index: int) -> tuple[list[RecordedEpisode], dict[str, int]]:
         """Search the levels of a shard.
-
-        Args:
-            index: Of the shard.
-            status: Takes words for what is under way.
 
         Returns:
             Episodes, and counts of levels: `trivial` and `won`.
         """
         key = jax.random.fold_in(jax.random.PRNGKey(self._config.seed), index)
-        status(f"compiling and drawing {SHARD} levels")
+        self._status(f"compiling and drawing {SHARD} levels")
         levels = self._drawn(index, key)
-        status("leaving out what doing nothing wins")
+        self._status("leaving out what doing nothing wins")
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
-        plans = self._searched(levels, todo, key, status)
+        plans = self._searched(levels, todo, key)
         dice = np.random.default_rng((self._config.seed, index))
         attempts = self._attempts(
-            levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD, status
+            levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD
         )
-        found = self._proven(attempts, status)
+        found = self._proven(attempts)
         won = len({episode.level.name for episode in found})
         return found, {"trivial": int(trivial.sum()), "won": won}
 
@@ -240,9 +237,7 @@ class _Search:
         rows = [level_state(level, static) for level in levels]
         return jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *rows)
 
-    def _searched(
-        self, levels: EnvState, todo: np.ndarray, key: Any, status: Say
-    ) -> dict[int, np.ndarray]:
+    def _searched(self, levels: EnvState, todo: np.ndarray, key: Any) -> dict[int, np.ndarray]:
         """Winning plans by level: a place that is done takes the next level."""
         places = np.resize(todo, self._config.batch)
         waiting = list(todo[self._config.batch :])
@@ -255,7 +250,7 @@ class _Search:
             states = jax.tree.map(lambda x: x[places], levels)
             turn += 1
             begun = len(todo) - len(waiting)
-            status(f"searching: {begun} of {len(todo)} levels begun, {len(plans)} won")
+            self._status(f"searching: {begun} of {len(todo)} levels begun, {len(plans)} won")
             result = search_round(self._env, states, elite, jax.random.fold_in(key, turn))
             elite, won = np.array(result.elite), np.asarray(result.won)
             age += 1
@@ -275,7 +270,6 @@ class _Search:
         dice: np.random.Generator,
         key: Any,
         first: int,
-        status: Say,
     ) -> list[tuple[Level, np.ndarray, int]]:
         """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
         if not plans:
@@ -285,7 +279,7 @@ class _Search:
         for copy in range(self._config.copies + 1):
             states, winners = chosen, list(plans.values())
             if copy:
-                status(f"perturbed starts: {copy} of {self._config.copies} a level")
+                self._status(f"perturbed starts: {copy} of {self._config.copies} a level")
                 states = kicked(chosen, dice)
                 winners = self._adapted(states, winners, jax.random.fold_in(key, copy))
             for row, (number, plan) in enumerate(zip(plans, winners, strict=True)):
@@ -311,15 +305,13 @@ class _Search:
             found += list(np.asarray(result.elite)[:, 0])
         return found[: len(plans)]
 
-    def _proven(
-        self, attempts: list[tuple[Level, np.ndarray, int]], status: Say
-    ) -> list[RecordedEpisode]:
+    def _proven(self, attempts: list[tuple[Level, np.ndarray, int]]) -> list[RecordedEpisode]:
         """Episodes of the plans that win the levels as they are written."""
         static = self._env.static_env_params
         found: list[RecordedEpisode] = []
         for start in range(0, len(attempts), SHARD):
             batch = attempts[start : start + SHARD]
-            status(f"playing them again: {start} of {len(attempts)} episodes")
+            self._status(f"playing them again: {start} of {len(attempts)} episodes")
             rows = [level_state(level, static) for level, _, _ in batch]
             # Always as many rows: one compilation.
             filled = [rows[k % len(rows)] for k in range(SHARD)]

@@ -162,21 +162,23 @@ def _gradient(
 _ROWS_AT_ONCE: Final = 512
 """Rows that a processor learns from at once: what a network computes of more is too much for its
 caches, and a gradient of 4096 rows takes up to 1.8 times as long as 8 of 512."""
-_NUMBERS_AT_ONCE: Final = {"entity_transformer": 25_000, "relational": 100_000}
-"""The same for networks of entities: numbers of one layer for all bodies together. A transformer
-has many layers: its gradient of 512 rows of size l takes 1.6 times as long as 8 of 64."""
+_NUMBERS_AT_ONCE: Final = {
+    "entity_transformer": (25_000, "transformer_encoder_size"),
+    "relational": (100_000, "encoder_size"),
+}
+"""The same for networks of entities: numbers of one layer for all bodies together, and the option
+that is its width. A transformer has many layers: its gradient of 512 rows of size l takes 1.6 times
+as long as 8 of 64."""
 
 
 def _rows_at_once(config: PpoConfig, observation: Any) -> int:
     """Count the rows that fit a processor's caches, for a network."""
-    network = config.network
-    numbers = _NUMBERS_AT_ONCE.get(network.kind)
-    if numbers is None or not hasattr(observation, "polygons"):
+    if config.network.kind not in _NUMBERS_AT_ONCE or not hasattr(observation, "polygons"):
         return _ROWS_AT_ONCE
+    numbers, width = _NUMBERS_AT_ONCE[config.network.kind]
     bodies = observation.polygons.shape[-2] + observation.circles.shape[-2]
-    transforms = network.kind == "entity_transformer"
-    width = network.transformer_encoder_size if transforms else network.encoder_size
-    return min(max(numbers // (bodies * width), 1), _ROWS_AT_ONCE)
+    of_a_row = bodies * getattr(config.network, width)
+    return min(max(numbers // of_a_row, 1), _ROWS_AT_ONCE)
 
 
 def _pieces(steps: int, environments: int, at_once: int) -> int:
