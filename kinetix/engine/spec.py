@@ -1,7 +1,7 @@
 """The only static configuration of the engine: how many slots there are and what a scene uses."""
 
 import dataclasses
-from typing import Final
+from typing import Any, Final
 
 ARENA_BODIES: Final = 4
 """Floor, left wall, right wall, ceiling: polygons 0–3, fixed, never paired with each other."""
@@ -75,6 +75,26 @@ class Features:
     welds: bool = True
     motors: bool = True
     thrusters: bool = True
+
+    def lacks(self, needed: "Features") -> tuple[str, ...]:
+        """The names of those among some features that are not among these."""
+        return tuple(
+            field.name
+            for field in dataclasses.fields(self)
+            if not _covers(getattr(self, field.name), getattr(needed, field.name))
+        )
+
+
+def _covers(mine: Any, theirs: Any) -> bool:
+    match mine:
+        case bool():
+            return mine or not theirs
+        case None:
+            return True
+        case Used():
+            return theirs is not None and mine.union(theirs) == mine
+        case _:
+            return theirs is not None and set(theirs) <= set(mine)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -8,26 +8,38 @@ range is clipped, or counts as no action (`env.action_space().contains` tells).
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from kinetix.engine.pipeline import empty_cache
-from kinetix.engine.spec import Capacity
+from kinetix.engine.spec import Capacity, Features
+from kinetix.engine.types import World
 from kinetix.environment.actions import AbstractAction
 from kinetix.environment.bounds import check_numbers
 from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.spaces import Box
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.features import capacity_of_world
+from kinetix.level.features import capacity_of_world, features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import describe_capacity
 
 _SINGLE = -1
 """Length of what has no axis of worlds."""
+_PARTS: Final = {
+    "pairs": "some of its contacts",
+    "used": "some of its shapes, joints or thrusters",
+    "restitution": "bouncing",
+    "triangles": "triangles",
+    "limits": "limits of joints",
+    "welds": "welds",
+    "motors": "motors",
+    "thrusters": "thrusters",
+}
+"""What each of `Features` is called."""
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -224,14 +236,42 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         named: Likewise.
 
     Raises:
-        KinetixError: A parameter or a choice of the action is out of its range.
+        KinetixError: A parameter or a choice of the action is out of its range, or the level to
+            start in has something that the environment's step leaves out.
     """
     for argument in (*arguments, *named.values()):
         if isinstance(argument, EnvParams):
             check_numbers(argument)
+    # A state in the second place is that of `step`, looked at when its episode began.
+    is_reset = len(arguments) == 2 and not named
+    starts = (named.get("override_reset_state"), *arguments[1 if is_reset else 2 :])
+    for start in starts:
+        if isinstance(start, EnvState):
+            check_features(start.world, env.static_env_params.features)
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
     if isinstance(action, int | np.integer | np.ndarray | jax.Array):
         _check_choice(action, env.actions)
+
+
+def check_features(world: World, features: Features, name: str = "the level") -> None:
+    """Refuse a level of which a step for other levels would leave parts out.
+
+    Args:
+        world: The level's.
+        features: Those that the step computes.
+        name: The level's name, for the sentence.
+
+    Raises:
+        KinetixError: The step leaves out something that the level has.
+    """
+    if features == Features():
+        return
+    lacking = features.lacks(features_of(world))
+    if lacking:
+        raise KinetixError(
+            f"{name}: the environment was made for other levels, and its step leaves out "
+            f"{', '.join(_PARTS[part] for part in lacking)}: make it with this level among them"
+        )
 
 
 def _check_choice(action: Any, actions: AbstractAction) -> None:

@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 
 from kinetix.bundled import named_levels
 from kinetix.engine.spec import Features, SceneSpec
-from kinetix.environment.checks import check_params, check_static_params
+from kinetix.environment.checks import check_features, check_params, check_static_params
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -146,7 +146,8 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
 
     Raises:
         LevelError: The file is bad, or the level does not fit.
-        KinetixError: The state does not fit.
+        KinetixError: The state does not fit, or has something that a step for other levels leaves
+            out (`static_env_params_for_levels`).
     """
     if isinstance(level, EnvState):
         name = "the level"
@@ -159,6 +160,7 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         name = str(level)
         state, _, _ = _loaded(level, static_env_params)
     check_bindings(state, static_env_params, name=name)
+    check_features(state.world, static_env_params.features, name)
     return state
 
 
@@ -202,6 +204,27 @@ def static_env_params_for_levels(
     generic = dataclasses.replace(static_env_params, features=Features())
     used = (features_of(level_state(level, generic).world) for level in entries)
     features = features_union(used, static_env_params.capacity)
+    return dataclasses.replace(static_env_params, features=features)
+
+
+def static_env_params_with_level(
+    level: LevelLike, static_env_params: StaticEnvParams
+) -> StaticEnvParams:
+    """The same sizes, for a level too: itself where their step leaves out nothing of it.
+
+    Args:
+        level: In any form.
+        static_env_params: Those of `static_env_params_for_levels`, or others.
+
+    Raises:
+        KinetixError: The level does not fit; the message says why.
+    """
+    mine = static_env_params.features
+    generic = dataclasses.replace(static_env_params, features=Features())
+    needed = features_of(level_state(level, generic).world)
+    if not mine.lacks(needed):
+        return static_env_params
+    features = features_union((mine, needed), static_env_params.capacity)
     return dataclasses.replace(static_env_params, features=features)
 
 

@@ -1,5 +1,6 @@
 """One level at a time, for Gymnasium."""
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
@@ -7,7 +8,7 @@ import gymnasium
 import jax
 
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
-from kinetix.environment.reset import level_state
+from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import SEEDS, checked_options, numbers_of, refuse_fork
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
@@ -60,7 +61,8 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
 
         Args:
             seed: Draws this level and all later ones.
-            options: `{"level": …}`: a level of the same size instead of a drawn one.
+            options: `{"level": …}`: a level of the same size instead of a drawn one. The step is
+                compiled anew where it has what the environment's own levels lack.
 
         Raises:
             KinetixError: There is no such option, or the level does not fit. Or the process was
@@ -72,7 +74,9 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         key = jax.random.key(int(self.np_random.integers(SEEDS)))
         override = None
         if level is not None:
-            override = level_state(level, self.kinetix_env.static_env_params)
+            static = static_env_params_with_level(level, self.kinetix_env.static_env_params)
+            self.kinetix_env = dataclasses.replace(self.kinetix_env, static_env_params=static)
+            override = level_state(level, static)
         observation, self._state = self.kinetix_env.reset(key, None, override)
         return numpy_observation(observation), {}
 

@@ -1,6 +1,6 @@
 """A batch of levels in one compiled step, for Gymnasium."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import gymnasium
@@ -31,7 +31,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     In the autoreset mode `NEXT_STEP` (the default) the step after an end starts the next episode
     and ignores its action; in `SAME_STEP` the step that ends an episode returns the start of the
-    next one, and `info["final_obs"]` the last observation of the old; in `DISABLED`
+    next one, and `info["final_obs"]` and `info["final_info"]` the last of the old; in `DISABLED`
     `reset(options={"reset_mask": …})` does it.
     """
 
@@ -148,13 +148,15 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._observation, self._state, told, final = self._advance(
             keys, self._state, actions, jnp.asarray(self._ended)
         )
-        reward, terminated, truncated, solved, distance = map(np.asarray, told)
-        info = {"solved": solved, "distance": distance}
-        info |= {f"_{name}": np.ones(self.num_envs, bool) for name in info}
+        reward, terminated, truncated, solved, distance, nan = map(np.asarray, told)
+        told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
+        info: dict[str, Any] = told | _masks(told, np.ones(self.num_envs, bool))
         ended = terminated | truncated
         if self.mode is AutoresetMode.SAME_STEP:
             if ended.any():
-                info |= {"final_obs": numpy_observation(final), "_final_obs": ended}
+                final = {"final_obs": numpy_observation(final), "final_info": told}
+                info |= final | _masks(final, ended)
+                info["final_info"] = told | _masks(told, ended)
         elif self.mode is AutoresetMode.NEXT_STEP:
             self._ended = ended
         return numpy_observation(self._observation), reward, terminated, truncated, info
@@ -218,8 +220,14 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             info["truncated"] & ~silent,
             info["GoalR"] & ~silent,
             info["distance"],
+            info["nan"] & ~silent,
         )
         return observation, after, told, final if same else None
+
+
+def _masks(info: Mapping[str, Any], mask: np.ndarray) -> dict[str, np.ndarray]:
+    """Say which environments the entries of an info are about, as Gymnasium does."""
+    return {f"_{name}": mask.copy() for name in info}
 
 
 def _select(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:

@@ -10,9 +10,15 @@ import pytest
 
 from kinetix.engine.spec import Features
 from kinetix.environment.env import make_kinetix_env
+from kinetix.environment.named import make_named_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
-from kinetix.environment.reset import level_state
+from kinetix.environment.reset import (
+    level_state,
+    load_from_json_file,
+    static_env_params_with_level,
+)
 from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
 from kinetix.level.features import features_of
 from tests.environment.conftest import small_level
 
@@ -69,3 +75,18 @@ def test_leaving_out_what_a_level_lacks_changes_nothing() -> None:
     amplified = np.max([apart(play(other)) for other in nearby(start, 12)], axis=0)
     assert amplified[STEPS // 2] < 1e-3
     np.testing.assert_array_less(apart(specialised), 1e-5 + 2 * amplified)
+
+
+def test_a_level_of_which_a_step_would_leave_parts_out_is_refused() -> None:
+    """It would be played without its thrusters, and nobody would know why it is never won."""
+    env = make_named_env("s/goalkeeper", auto_reset=False, physics="fast")
+    flight, _, _ = load_from_json_file("s/first_flight", physics="fast")
+    with pytest.raises(KinetixError, match=r"leaves out .*thrusters"):
+        env.reset(jax.random.key(0), None, flight)
+    with pytest.raises(KinetixError, match="level among them"):
+        env.reset(jax.random.key(0), flight)
+    with pytest.raises(KinetixError, match=r"s/first_flight: .*thrusters"):
+        level_state("s/first_flight", env.static_env_params)
+    static = static_env_params_with_level("s/first_flight", env.static_env_params)
+    assert level_state("s/first_flight", static) is not None
+    assert static_env_params_with_level("s/goalkeeper", static) is static

@@ -87,6 +87,8 @@ def test_modes_of_starting_anew(same):
     np.testing.assert_array_equal(info["_final_obs"], ended)
     np.testing.assert_allclose(observation[ended], first[ended])
     assert not np.allclose(info["final_obs"][ended], first[ended])
+    np.testing.assert_array_equal(info["_final_info"], ended)
+    np.testing.assert_array_equal(info["final_info"]["is_success"], info["solved"])
 
     following = KinetixVectorEnv(3, **LEVEL)
     assert following.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
@@ -169,6 +171,19 @@ def test_observations_may_be_written_into(same):
 def test_equal_environments_compile_once():
     first, second = (KinetixGymEnv(**LEVEL).kinetix_env for _ in range(2))
     assert first == second and hash(first) == hash(second)
+
+
+def test_a_level_with_more_in_it_than_the_environments_own_is_played_whole():
+    """`s/goalkeeper` has no thrusters, and its step computes none."""
+    env = KinetixGymEnv(level="s/goalkeeper", physics="fast")
+    env.reset(seed=0, options={"level": "s/first_flight"})
+    hold = np.array([1, 1, 1, 1, 1, 1])
+    played = [env.step(hold) for _ in range(40)]
+    solved = [info["solved"] for *_, info in played]
+    assert any(solved)
+    own = KinetixGymEnv(level="s/first_flight", physics="fast")
+    own.reset(seed=0)
+    assert [own.step(hold)[-1]["solved"] for _ in range(40)] == solved
 
 
 def test_several_levels_are_played(tmp_path):
