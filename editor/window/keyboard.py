@@ -1,10 +1,15 @@
-"""The keyboard: keys and text go to the app unless a field, a pop-up or a panel owns them."""
+"""The keyboard: keys and text go to the app unless a field, a pop-up or a panel owns them.
+
+A chord that means nothing in a text, such as Ctrl+S, takes what was typed and is the app's then; so
+does the window's close button. Otherwise both would overlook what was typed last.
+"""
 
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
 from editor import actions
+from editor.actions import dispatch
 from editor.base import events
 from editor.toolkit import keys
 
@@ -13,12 +18,20 @@ if TYPE_CHECKING:
 
 _NAVIGATION: Final = frozenset({"left", "right", "up", "down", "space", "return", "tab", "escape"})
 """Keys that move between the fields of a panel while the keyboard is there."""
+_TEXT_KEYS: Final = frozenset("acvxyz") | {
+    *("left", "right", "up", "down", "home", "end", "page up", "page down"),
+    *("backspace", "delete", "insert", "tab", "return", "enter", "space"),
+}
+"""Keys that do something in a text while Ctrl is down."""
+_FUNCTION_KEYS: Final = frozenset(f"f{number}" for number in range(1, 13))
 
 
 class Keyboard:
     """Hands keys on; remembers whether a pop-up was open, whose key Esc was."""
 
     def __init__(self) -> None:
+        self._after_typing: list[events.InputEvent] = []
+        """What is handed on once the panel has taken the text that was being typed."""
         self._popup = False
         """True if a pop-up was open in the last frame."""
 
@@ -54,10 +67,30 @@ class Keyboard:
                 moves = name in navigating and not modifiers.ctrl and session.hands.capture is None
                 if not taken and not moves:
                     actions.handle(session, event)
+                elif not popup and not session.view.palette and _leaves_text(session, event):
+                    self.leave_text(event)
         if not taken and session.driver.active:
             typed = "".join(chr(code) for code in io.input_queue_characters)
             if typed:
                 actions.handle(session, events.TextEvent(text=typed))
+
+    def leave_text(self, event: events.InputEvent) -> None:
+        """End the typing: its panel takes what was typed, then `hand_on` has the event handled."""
+        imgui.internal.clear_active_id()
+        self._after_typing.append(event)
+
+    def hand_on(self, session: "Session") -> None:
+        """Handle what waited for the panels to be drawn, and for what they asked for."""
+        waiting, self._after_typing = self._after_typing, []
+        for event in waiting:
+            actions.handle(session, event)
+
+
+def _leaves_text(session: "Session", event: events.KeyEvent) -> bool:
+    """Return whether a key means nothing to the text that is being typed, but to the app."""
+    chord = event.modifiers.ctrl and event.key not in _TEXT_KEYS
+    apart = chord or event.key in _FUNCTION_KEYS
+    return apart and not event.repeat and dispatch.find(session, event.chord) is not None
 
 
 def _closes_overlay(session: "Session") -> bool:

@@ -113,7 +113,10 @@ class Ui:
 
     def notice(self, event: events.InputEvent) -> None:
         """Take an event that is not Dear ImGui's: focus, dropped files, the close button."""
-        actions.handle(self.session, event)
+        if isinstance(event, events.QuitEvent) and imgui.get_io().want_text_input:
+            self._keyboard.leave_text(event)
+        else:
+            actions.handle(self.session, event)
 
     def before_frame(self) -> None:
         """Do what Dear ImGui takes only between frames: stored layouts, further fonts."""
@@ -169,6 +172,7 @@ class Ui:
             self._preferences.draw(session)
         with session.guard():
             actions.work(session)
+            self._keyboard.hand_on(session)
         if not gallery:
             self.workplace.paint()
         arena = 0.0 if gallery else session.camera.to_screen(ARENA[1])[0]

@@ -7,9 +7,11 @@ import time
 import pytest
 from imgui_bundle import imgui
 
+from editor.base.events import QuitEvent
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
 from tests.editor.core.helpers import a_level, a_session
 
@@ -387,3 +389,61 @@ def test_the_arrow_back_is_in_sight_with_larger_text(make_gui):
     gui.frames(6)
     room = imgui.internal.find_window_by_name("###panel-inspector").work_rect
     assert gui.probe("reset.angle").high[0] <= room.max.x + 0.5
+
+
+@pytest.fixture
+def saved(make_gui, tmp_path):
+    """A level of the user's whose description is being typed."""
+    path = tmp_path / "mine.json"
+    save_level(a_level(), path)
+    gui = make_gui()
+    gui.open(path)
+    gui.click("level.description")
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("Jump twice")
+    return gui, path
+
+
+def test_what_is_being_typed_is_saved_too(saved):
+    gui, path = saved
+    gui.key("ctrl+s")
+    gui.frames(2)
+    assert load_level(path).description == "Jump twice"
+    assert not gui.session.document.dirty
+
+
+def test_closing_the_window_asks_about_what_is_being_typed(saved):
+    gui, _ = saved
+    gui.host.frames(1, QuitEvent())
+    gui.frames(3)
+    assert gui.session.document.level.description == "Jump twice"
+    assert [prompt.title for prompt in gui.session.prompts] == ["Unsaved changes"]
+    assert not gui.session.quitting
+
+
+def test_a_number_that_is_being_typed_is_saved_too(make_gui, tmp_path):
+    path = tmp_path / "mine.json"
+    save_level(a_level(), path)
+    gui = make_gui()
+    gui.open(path)
+    gui.click("outliner.1")
+    x, y = gui.probe("inspector.density").centre
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    gui.button(x, y, pressed=False)
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("3")
+    gui.key("ctrl+s")
+    gui.frames(2)
+    assert load_level(path).body(1).density == 3.0
+
+
+def test_a_text_keeps_the_keys_that_edit_it(saved):
+    gui, path = saved
+    gui.key("ctrl+z")
+    gui.key("ctrl+a")
+    gui.text("s")
+    assert load_level(path).description == "" and not gui.session.document.dirty
+    gui.key("return")
