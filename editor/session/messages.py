@@ -28,6 +28,8 @@ class Toast:
     """Time at which it disappears, on the session's clock [s]."""
     action: str | None = None
     """An action offered as a button (`edit.undo`)."""
+    offered: Callable[[], bool] = lambda: True
+    """Whether the button still does what the message says."""
 
 
 class Messages:
@@ -47,12 +49,20 @@ class Messages:
         self.crashes = Crashes()
         """Unexpected errors, and the actions before them."""
 
-    def toast(self, text: str, kind: Kind = "info", *, action: str | None = None) -> None:
+    def toast(
+        self,
+        text: str,
+        kind: Kind = "info",
+        *,
+        action: str | None = None,
+        offered: Callable[[], bool] = lambda: True,
+    ) -> None:
         """Show a message for a few seconds; the same message is not stacked."""
         seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
         self.toasts = [toast for toast in self.toasts if toast.text != text]
         until = self._clock() + seconds
-        self.toasts.append(Toast(text=text, kind=kind, until=until, action=action))
+        shown = Toast(text=text, kind=kind, until=until, action=action, offered=offered)
+        self.toasts.append(shown)
         self.log.add(text)
 
     def withdraw(self, action: str) -> None:
@@ -64,9 +74,13 @@ class Messages:
         self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]
 
     def expire(self) -> None:
-        """Take away the messages whose time is over."""
+        """Take away the messages whose time is over, and buttons that would do something else."""
         now = self._clock()
-        self.toasts = [toast for toast in self.toasts if toast.until > now]
+        self.toasts = [
+            toast if toast.offered() else dataclasses.replace(toast, action=None)
+            for toast in self.toasts
+            if toast.until > now
+        ]
 
     def report(self, error: Exception, *, before: Callable[[], None]) -> None:
         """Show an error: an expected one as its sentence, another with an entry in the log.

@@ -305,8 +305,18 @@ class Session:
             self.document.discard_preview()
 
     def toast(self, text: str, kind: Kind = "info", *, action: str | None = None) -> None:
-        """Show a message for a few seconds; the same message is not stacked."""
-        self.messages.toast(text, kind, action=action)
+        """Show a message for a few seconds; the same message is not stacked.
+
+        One that offers to undo is about the latest edit of the level in front, and offers it until
+        another edit is the latest or another level is in front.
+        """
+        document, level = self.document, self.document.level
+
+        def offered() -> bool:
+            unmoved = self.document is document and document.level is level
+            return action != "edit.undo" or unmoved
+
+        self.messages.toast(text, kind, action=action, offered=offered)
 
     def complain(self, text: str) -> None:
         """Say why something was not done."""

@@ -10,7 +10,8 @@ from editor import actions
 from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
 from editor.base.events import DropEvent, FocusEvent, QuitEvent
-from editor.documents.commands.fields import SetLevelField
+from editor.documents.commands.fields import SetField, SetLevelField
+from editor.documents.document import Document
 from editor.play.mode import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
@@ -141,6 +142,25 @@ def test_playing_changes_nothing_in_the_document(session, hand):
     assert session.document.hash == before
     assert len(session.document.history.entries) == 1
     assert session.scene == session.document.level
+
+
+def test_a_message_offers_to_undo_what_it_tells_of_and_nothing_else(session):
+    session.selection = (1,)
+    actions.run(session, "edit.delete")
+    actions.update(session, 0.1)
+    assert session.toasts[-1].action == "edit.undo"
+    first = session.tab
+    session.open_tab(Document(a_level()))
+    session.execute(SetField(ids=(1,), field="friction", value=0.9))
+    actions.update(session, 0.1)
+    assert session.toasts[-1].text.startswith("Deleted") and session.toasts[-1].action is None
+    session.show_tab(session.tabs.index(first))
+    actions.run(session, "edit.undo")
+    session.selection = (1,)
+    actions.run(session, "edit.delete")
+    session.execute(SetField(ids=(2,), field="friction", value=0.9))
+    actions.update(session, 0.1)
+    assert session.toasts[-1].action is None
 
 
 def test_undo_works_right_after_play(session, hand):
