@@ -141,10 +141,10 @@ def ask_open(session: Session) -> None:
 
 
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
-    """Save in the tab's format; asks for a name where there is none, and about losses."""
+    """Save in the tab's format; asks about losses, and for a name where the user gave none yet."""
     _no_moment(session)
     document = session.document
-    if document.path is None:
+    if document.path is None or filing.bundled(document.path):
         save_as(session, then)
     else:
         save_with_care(session, document, document.path, document.format, then)
@@ -166,6 +166,11 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
     """Save under a name that the user chooses."""
     _no_moment(session)
     document = session.document
+    folder, title = folders.to_save(session), "Save level as"
+    name = document.path.name if document.path else f"{_stem(document.level.name)}.json"
+    if document.path is not None and filing.bundled(document.path):
+        title = f"{name} came with the app: save a copy of your own"
+        name = filing.free_path(folder / name).name
 
     def answer(path: Path | None) -> None:
         if path is not None:
@@ -175,9 +180,9 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
     session.ask(
         FileQuestion(
             purpose="save",
-            title="Save level as",
-            folder=folders.to_save(session),
-            name=document.path.name if document.path else f"{_stem(document.level.name)}.json",
+            title=title,
+            folder=folder,
+            name=name,
             suffixes=LEVEL_SUFFIXES,
             answer=answer,
         )
