@@ -18,7 +18,7 @@ from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, ending_signals, guarded, signals_to, terminable
-from kinetix.paths import levels_dir
+from kinetix.paths import levels_dir, working_dir
 from kinetix.version import __version__
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def _stand_somewhere() -> None:
     try:
         Path.cwd()
     except FileNotFoundError:
-        home = Path.home() if os.path.isdir(Path.home()) else Path(Path.home().anchor)
+        home = working_dir()
         os.chdir(home)
         sys.stderr.write(f"kinetix-editor: the current folder is gone; {home} takes its place\n")
 

@@ -15,6 +15,15 @@ def _bundled(name: str) -> Path:
     return installed if os.path.isdir(installed) else _CHECKOUT / name
 
 
+def working_dir() -> Path:
+    """The folder that the process stands in; the user's own where that one has been deleted."""
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        home = Path.home()
+        return home if os.path.isdir(home) else Path(home.anchor)
+
+
 def levels_dir() -> Path:
     """Folder of the bundled levels (`s/`, `m/`, `l/`), in a checkout and in an installation."""
     return _bundled("levels")

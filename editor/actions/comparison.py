@@ -12,6 +12,7 @@ from kinetix.agents.stored_comparison import StoredComparison, read_comparison
 from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
+from kinetix.paths import working_dir
 from kinetix.wording import plural
 
 
@@ -26,7 +27,7 @@ def ask_comparison(session: Session) -> None:
         FileQuestion(
             purpose="open",
             title="Open a comparison (.json)",
-            folder=Path.cwd(),
+            folder=working_dir(),
             suffixes=(".json",),
             answer=answer,
             about=about_comparison,

@@ -11,6 +11,7 @@ from editor.worker.requests import AddEpisode
 from kinetix.datasets.folder import MANIFEST, read_manifest
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level
+from kinetix.paths import working_dir
 from kinetix.wording import plural
 
 
@@ -31,12 +32,12 @@ def ask_dataset(session: Session) -> None:
         if path is not None:
             add_episode(session, level, trace, path)
 
-    last = Path(session.settings.dataset) if session.settings.dataset else Path.cwd()
+    last = Path(session.settings.dataset) if session.settings.dataset else working_dir()
     session.ask(
         FileQuestion(
             purpose="folder",
             title="Add the episode to a data set",
-            folder=last if os.path.isdir(last) else Path.cwd(),
+            folder=last if os.path.isdir(last) else working_dir(),
             suffixes=(),
             describe=about_dataset,
             wanted="a data set of episodes or an empty folder",

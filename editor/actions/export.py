@@ -23,7 +23,7 @@ from kinetix.level.atomic import write_atomically, write_with_backup
 from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of
-from kinetix.paths import levels_dir
+from kinetix.paths import levels_dir, working_dir
 
 PICTURES: Final = tuple(
     Choice(id=f"png{n}", label=f"Picture, {500 * n} × {500 * n}", detail="PNG")
@@ -126,7 +126,7 @@ def _folder(session: Session) -> Path:
     path = session.document.path
     if path is not None and not path.is_relative_to(levels_dir()):
         return path.parent
-    return Path.cwd()
+    return working_dir()
 
 
 def open_trace(session: Session, path: Path) -> bool:

@@ -26,7 +26,7 @@ from editor.worker.requests import (
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.sets import gather_levels
-from kinetix.paths import levels_dir
+from kinetix.paths import levels_dir, working_dir
 
 
 def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[EvaluatedLevel, str]]:
@@ -149,7 +149,7 @@ def _browse_contender(session: Session) -> None:
         FileQuestion(
             purpose="folder",
             title="Folder of an agent or of a training run",
-            folder=Path.cwd(),
+            folder=working_dir(),
             answer=answer,
             describe=about_agent,
             wanted="an agent or a training run",

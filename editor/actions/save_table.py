@@ -8,6 +8,7 @@ from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.atomic import write_atomically
+from kinetix.paths import working_dir
 
 
 def ask_save(session: Session) -> None:
@@ -24,7 +25,7 @@ def ask_save(session: Session) -> None:
         FileQuestion(
             purpose="save",
             title="Save the table (.csv, .jsonl, .html or .json)",
-            folder=Path.cwd(),
+            folder=working_dir(),
             name="evaluation.csv",
             suffixes=(".csv", ".jsonl", ".html", ".json"),
             answer=answer,

@@ -14,6 +14,7 @@ from editor.worker.jobs import Job, JobState
 from editor.worker.requests import Observe
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
+from kinetix.paths import working_dir
 
 
 def watch_run(session: Session, path: str | Path) -> None:
@@ -33,7 +34,7 @@ def ask_run(session: Session) -> None:
         FileQuestion(
             purpose="folder",
             title="Folder of a training run",
-            folder=Path.cwd(),
+            folder=working_dir(),
             answer=answer,
             describe=_about_run,
             wanted="a training run",

@@ -12,6 +12,7 @@ from msgspec import Meta
 
 from editor.base.physics import PHYSICS
 from editor.base.state_file import read_state, write_state
+from kinetix.files.names import is_text
 from kinetix.paths import config_dir
 from kinetix.render.palette import PALETTES
 
@@ -126,6 +127,8 @@ class Settings:
             if name in stored:
                 with contextlib.suppress(msgspec.ValidationError, UnicodeError):
                     setattr(settings, name, msgspec.convert(stored[name], kind))
+        settings.recents = [path for path in settings.recents if is_text(path)]
+        settings.recent_agents = [path for path in settings.recent_agents if is_text(path)]
         return settings
 
     def save(self, path: Path | None = None) -> None:

@@ -7,6 +7,7 @@ from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document, Format, Stamp
 from editor.documents.old_names import OldNames, named
 from kinetix.errors import LevelError
+from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, read_bytes
 from kinetix.level.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document, resolve_path
@@ -26,6 +27,8 @@ def open_document(path: str | Path, waiting: OldNames | None = None) -> Document
         LevelError: The file is missing or bad; one sentence with file and JSON path.
     """
     file = resolve_path(path)
+    if not is_text(file):
+        raise LevelError(f"{file}: the file's name is no Unicode text; rename it, then open it")
     stamp = read_stamp(file)
     loaded = load_document(file)
     document = Document(

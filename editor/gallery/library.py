@@ -22,6 +22,7 @@ from editor.gallery.card import Card, fault_card, read_card
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from kinetix.errors import LevelError
 from kinetix.failures import crash_sentence, write_report
+from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, open_regular, read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import load_level
@@ -295,29 +296,26 @@ class Library:
         return self._known
 
     def _save_index(self) -> None:
-        files = [one for one in (self._known or {}).values() if _is_text(one.card.path)]
-        index = _Index(version=INDEX_VERSION, files=files)
+        index = _Index(version=INDEX_VERSION, files=list((self._known or {}).values()))
         with contextlib.suppress(OSError, LevelError):
             self.folder.mkdir(parents=True, exist_ok=True)
             write_atomically(self.folder / "index.json", msgspec.json.encode(index))
-
-
-def _is_text(path: str) -> bool:
-    """Return whether a path can be written down; one that is not UTF-8 is read anew."""
-    return not any("\ud800" <= character <= "\udfff" for character in path)
 
 
 _OVER: Final = object()
 
 
 def _files(folders: Sequence[Path]) -> Iterator[tuple[Path, int, int]]:
-    """Every JSON file below some folders with time [ns] and length, in the order of paths."""
+    """Every JSON file below some folders with time [ns] and length, in the order of paths.
+
+    Those whose names are no text are passed over: they cannot be shown.
+    """
     count = 0
     for folder in folders:
         for place, inner, names in os.walk(folder):
-            inner[:] = sorted(name for name in inner if not name.startswith("."))
+            inner[:] = sorted(name for name in inner if not name.startswith(".") and is_text(name))
             for name in sorted(names):
-                if not name.endswith(".json") or name.startswith("."):
+                if not name.endswith(".json") or name.startswith(".") or not is_text(name):
                     continue
                 path = Path(place) / name
                 try:

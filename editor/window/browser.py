@@ -20,10 +20,11 @@ from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
 from editor.toolkit.widgets import px
 from kinetix.errors import KinetixError
+from kinetix.files.names import is_text
 from kinetix.level.codec import load_level
 from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.level.model import Level
-from kinetix.paths import levels_dir, user_levels_dir
+from kinetix.paths import levels_dir, user_levels_dir, working_dir
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -61,6 +62,8 @@ class FileBrowser:
         self._filter = ""
         self._overwrite: Path | None = None
         self._error = ""
+        self._hidden = ""
+        """What is said of names that cannot be shown."""
         self._to_name = True
         """True if the keyboard goes to the name in the next frame."""
 
@@ -99,7 +102,7 @@ class FileBrowser:
                 ("My levels", user_levels_dir()),
                 ("Levels", levels_dir()),
                 ("Home folder", Path.home()),
-                ("Here", Path.cwd()),
+                ("Here", working_dir()),
             )
         ):
             if index:
@@ -128,12 +131,15 @@ class FileBrowser:
 
     def _entries(self) -> list[Path]:
         try:
-            found = [path for path in self._folder.iterdir() if not path.name.startswith(".")]
+            every = [path for path in self._folder.iterdir() if not path.name.startswith(".")]
         except OSError as error:
             if self._folder == user_levels_dir() and isinstance(error, FileNotFoundError):
                 return []
             self._error = f"{self._folder}: {error.strerror or error}"
             return []
+        found = [path for path in every if is_text(path.name)]
+        hidden = len(every) - len(found)
+        self._hidden = f"{hidden} here cannot be shown: no Unicode names." if hidden else ""
         kept = [
             path
             for path in found
@@ -150,6 +156,8 @@ class FileBrowser:
         entries = self._entries()
         if not entries:
             widgets.muted(self._error or nothing_here(self._question))
+        if self._hidden:
+            widgets.muted(self._hidden)
         for path in entries:
             folder = os.path.isdir(path)
             if not self._row(session, path, folder=folder):

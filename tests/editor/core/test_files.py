@@ -319,10 +319,15 @@ def test_folders_that_cannot_be_reached_keep_no_dialog_away(tmp_path):
     assert session.prompts
 
 
-def test_a_recent_file_whose_name_is_not_utf_8_does_not_stop_saving(tmp_path):
+def test_a_file_whose_name_is_no_unicode_is_refused_and_no_recent_one(tmp_path):
+    """Nothing on the screen can show it."""
+    path = tmp_path / "latin\udce9.json"
+    save_level(a_level(), path)
+    with pytest.raises(LevelError, match="no Unicode text; rename it"):
+        files.open_document(path)
     file = tmp_path / "settings.json"
     Settings(recents=["/a/latin\udce9.json"]).save(file)
-    assert Settings.load(file).recents == ["/a/latin\udce9.json"]
+    assert Settings.load(file).recents == []
     file.write_text(json.dumps({"palette": "\ud800", "physics": "\ud800", "minimap": True}))
     assert Settings.load(file).minimap
 

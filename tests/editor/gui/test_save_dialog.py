@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from editor.base.prompts import FileQuestion
+from editor.documents.commands.fields import SetField
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir, user_levels_dir
 
@@ -66,6 +67,27 @@ def test_a_level_of_the_app_is_saved_as_a_file_of_the_users(gui):
     assert question.folder == user_levels_dir() and question.name == "rover_ridge.json"
 
 
+def test_saving_a_level_of_the_app_makes_a_copy_of_the_users(gui):
+    """Else the app's would be gone for good, and the user's work with the app's next version."""
+    path = levels_dir() / "s" / "first_flight.json"
+    before = path.read_bytes()
+    user_levels_dir().mkdir(parents=True)
+    (user_levels_dir() / "first_flight.json").write_text("somebody's")
+    gui.open(path)
+    gui.session.execute(SetField(ids=(1,), field="friction", value=0.9))
+    gui.key("ctrl+s")
+    question = asked(gui)
+    assert question.folder == user_levels_dir() and question.name == "first_flight_2.json"
+    assert "came with the app" in question.title
+    gui.frames(4)
+    gui.key("return")
+    gui.frames(4)
+    assert gui.session.document.path == user_levels_dir() / "first_flight_2.json"
+    assert path.read_bytes() == before
+    gui.key("ctrl+s")
+    assert not gui.session.prompts
+
+
 def test_a_button_leads_to_the_users_folder_and_return_saves_there(drawn, tmp_path):
     drawn.session.settings.save_folder = str(tmp_path)
     drawn.key("ctrl+s")
@@ -99,6 +121,28 @@ def test_a_link_that_leads_nowhere_does_not_keep_a_dialog_from_saving(drawn, tmp
     drawn.frames(4)
     type_name(drawn, tmp_path / "mine.json")
     assert not drawn.session.prompts
+    assert (tmp_path / "mine.json").is_file()
+
+
+def test_names_that_are_no_unicode_are_counted(drawn, tmp_path):
+    (tmp_path / "latin\udce9.json").write_text("{}")
+    (tmp_path / "inner\udce9").mkdir()
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    assert drawn.host.ui._dialogs._browser._hidden.startswith("2 here")
+    type_name(drawn, "mine")
+    assert (tmp_path / "mine.json").is_file()
+
+
+def test_a_level_is_saved_where_the_folder_of_the_process_is_gone(drawn, tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    type_name(drawn, "mine")
     assert (tmp_path / "mine.json").is_file()
 
 
