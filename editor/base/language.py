@@ -3,7 +3,8 @@
 Everything in the app is said in English; `tr` gives what a person reads, where it is drawn. A file
 `languages/CODE.json`, among those of the app or in the user's settings folder, holds the name of
 the language and its words by the English ones. `{0}`, `{1}` … stand for what changes, which is
-translated too: `"{0} selected": "{0} ausgewählt"`. What a file lacks stays English.
+translated too: `"{0} selected": "{0} ausgewählt"`; `{0!}` stands for a name, which is not:
+`"Saved {0!}": "{0!} gespeichert"`. What a file lacks stays English.
 """
 
 import functools
@@ -23,9 +24,15 @@ _MOST_KEPT: Final = 8192
 """Of more sentences that were translated once, all are forgotten: some change with every frame."""
 _AROUND: Final = re.compile(r"^([\s\ue000-\uf8ff●]*)(.*?)(\s*)$", re.DOTALL)
 """Signs and room before some words, the words, room after them."""
-_HOLE: Final = re.compile(r"\{(\d)\}")
+_HOLE: Final = re.compile(r"\{(\d)(!?)\}")
 _DEEPEST: Final = 3
 """Depth to which holes may contain holes."""
+_SAYS_MUCH: Final = 12
+"""A form with fewer characters besides its holes fits many sentences that mean something else."""
+_LONGEST_NAME: Final = 5
+"""So many words may be a name."""
+_SENTENCE: Final = re.compile(r"[.?!;:] ")
+"""Where a sentence ends or goes on."""
 
 
 class Language:
@@ -60,9 +67,15 @@ class Language:
         return found
 
     def _translated(self, words: str, depth: int) -> str:
-        around = _AROUND.match(words)
-        assert around is not None
-        before, inner, after = around.groups()
+        found = self._found(words, depth)
+        if found is None:
+            self.missing.add(_parts(words)[1])
+            return words
+        return found
+
+    def _found(self, words: str, depth: int) -> str | None:
+        """Return words in this language; None where it lacks them."""
+        before, inner, after = _parts(words)
         if not any(map(str.isalpha, inner)):
             return words
         found = self._exact.get(inner)
@@ -70,27 +83,37 @@ class Language:
             found = self._filled(inner, depth)
         if found is None and "\n" in inner:
             found = "\n".join(self._translated(line, depth) for line in inner.split("\n"))
-        if found is None:
-            self.missing.add(inner)
-            return words
-        return before + found + after
+        return None if found is None else before + found + after
 
     def _filled(self, words: str, depth: int) -> str | None:
         """Return words that fit a form, what stands in its holes translated where it can be."""
         if depth == 0:
             return None
         rows = heapq.merge(*(self._forms.get(start, ()) for start in {words[:1], "{"}))
-        for _, _, pattern, form in rows:
+        for length, english, pattern, form in rows:
             fits = pattern.fullmatch(words)
-            if fits is not None:
-                parts = fits.groupdict()
-                return _HOLE.sub(
-                    lambda hole, parts=parts: self._translated(
-                        parts.get(f"p{hole[1]}") or "", depth - 1
-                    ),
-                    form,
-                )
+            if fits is None:
+                continue
+            holes = {digit: fits[f"p{digit}"] for digit, name in _HOLE.findall(english) if not name}
+            short = -length < _SAYS_MUCH
+            if short and any(self._is_sentence(part, depth - 1) for part in holes.values()):
+                continue
+            parts = {digit: fits[f"p{digit}"] for digit, _ in _HOLE.findall(english)}
+            parts |= {digit: self._translated(part, depth - 1) for digit, part in holes.items()}
+            return _HOLE.sub(lambda hole, parts=parts: parts[hole[1]], form)
         return None
+
+    def _is_sentence(self, words: str, depth: int) -> bool:
+        """Return whether words are a sentence, or more than one, that this language lacks."""
+        said = len(words.split()) > _LONGEST_NAME or _SENTENCE.search(words) is not None
+        return said and self._found(words, depth) is None
+
+
+def _parts(words: str) -> tuple[str, str, str]:
+    """Return signs and room before some words, the words, and the room after them."""
+    around = _AROUND.match(words)
+    assert around is not None
+    return around[1], around[2], around[3]
 
 
 def _pattern(form: str) -> re.Pattern[str]:
@@ -98,7 +121,7 @@ def _pattern(form: str) -> re.Pattern[str]:
     parts = _HOLE.split(form)
     seen: set[str] = set()
     pattern = re.escape(parts[0])
-    for number, literal in zip(parts[1::2], parts[2::2], strict=True):
+    for number, literal in zip(parts[1::3], parts[3::3], strict=True):
         pattern += f"(?P=p{number})" if number in seen else f"(?P<p{number}>.+?)"
         pattern += re.escape(literal)
         seen.add(number)
@@ -163,7 +186,9 @@ def read_words(code: str) -> dict[str, str]:
 
 def _same_holes(english: str, other: str) -> bool:
     """Return whether a translation has no hole that the English words lack."""
-    return set(_HOLE.findall(other)) <= set(_HOLE.findall(english))
+    return {digit for digit, _ in _HOLE.findall(other)} <= {
+        digit for digit, _ in _HOLE.findall(english)
+    }
 
 
 def _content(path: Path) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from editor.base.language import tr
 from editor.base.memory import remembers
 from kinetix.level.model import ArenaBody, Body, Circle, Entity, Joint, Level, Record, Thruster
 from kinetix.wording import plural
@@ -49,6 +50,13 @@ def describe(level: Level, entity_id: int | str) -> str:
         return ARENA_LABELS.get(entity_id, entity_id)
     entity = entities_by_id(level).get(entity_id)
     return f"Missing {entity_id}" if entity is None else entity.name or plain_name(entity)
+
+
+def spoken(level: Level, entity_id: int | str) -> str:
+    """Return the same in the language of the app: its own name is nobody's to translate."""
+    entity = None if isinstance(entity_id, str) else entities_by_id(level).get(entity_id)
+    own = None if entity is None else entity.name
+    return own or tr(describe(level, entity_id))
 
 
 @remembers(8)

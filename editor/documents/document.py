@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
-from editor.base.wording import describe
+from editor.base.wording import describe, spoken
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.history import Entry, History
 from kinetix.errors import CommandError
@@ -204,6 +204,10 @@ class Document:
     def name_of(self, entity: EntityId) -> str:
         """Return what an entity is called: by its own name, or by kind and id."""
         return describe(self.shown, entity)
+
+    def spoken_name_of(self, entity: EntityId) -> str:
+        """Return the same in the language of the app."""
+        return spoken(self.shown, entity)
 
     @property
     def problems(self) -> tuple[Issue, ...]:

@@ -230,9 +230,10 @@ class FileBrowser:
         else:
             thumbnail(level, px(_PREVIEW))
             with widgets.font(FONTS.bold, 0.0):
-                widgets.wrapped(level.name)
+                widgets.own_words(level.name)
             if level.description:
-                widgets.small(level.description)
+                with widgets.font(None, SMALL):
+                    widgets.own_words(level.description, COLOURS.muted)
             widgets.small(counts((*level.bodies, *level.joints, *level.thrusters)) or "Empty")
         imgui.end_child()
 

@@ -52,7 +52,7 @@ class _Column:
     ) -> None:
         """Write words, broken to the column's width."""
         with font(face or FONTS.regular, size):
-            for line in broken(tr(words), self.width):
+            for line in broken(words, self.width):
                 extent = imgui.calc_text_size(line)
                 if self.y + extent.y > self.bottom:
                     return
@@ -122,8 +122,8 @@ def _results(
         verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
         mine.insert(0, f"{rival.player}: {verdict}")
     write_verdict(column, playback.outcome, mine)
-    column.lines("Press Backspace to restart", COLOURS.muted)
-    column.lines("Press Esc to edit", COLOURS.muted)
+    column.lines(tr("Press Backspace to restart"), COLOURS.muted)
+    column.lines(tr("Press Esc to edit"), COLOURS.muted)
     column.gap(8)
 
 
@@ -152,7 +152,7 @@ def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> 
     column.y += extent.y
     column.gap(8)
     for words in details:
-        column.lines(words, COLOURS.text, TEXT)
+        column.lines(tr(words), COLOURS.text, TEXT)
 
 
 def _progress(session: "Session", column: _Column, beside: bool) -> None:
@@ -161,13 +161,12 @@ def _progress(session: "Session", column: _Column, beside: bool) -> None:
     total = playback.level.max_timesteps if playback.level is not None else 0
     if playback.waiting:
         job = getattr(playback.simulator, "job", None)
-        column.lines(
-            (job.message or job.title) + " …" if job is not None else "Preparing …", COLOURS.text
-        )
+        words = f"{tr(job.message or job.title)} …" if job is not None else tr("Preparing …")
+        column.lines(words, COLOURS.text)
         return
     if playback.player:
-        column.lines(playback.player, COLOURS.text, SMALL, FONTS.bold)
-    column.lines(f"step {playback.step_count} / {total}", COLOURS.text)
+        column.lines(tr(playback.player), COLOURS.text, SMALL, FONTS.bold)
+    column.lines(tr(f"step {playback.step_count} / {total}"), COLOURS.text)
     if beside and total and column.y < column.bottom:
         share = min(playback.step_count / total, 1.0)
         low = (column.x, column.y)
@@ -177,7 +176,7 @@ def _progress(session: "Session", column: _Column, beside: bool) -> None:
         column.draw.add_rect_filled(low, end, u32(COLOURS.of(MODE_LOOK[session.mode][1])), px(2))
         column.gap(10)
     for words in _states(session):
-        column.lines(words, COLOURS.warn)
+        column.lines(tr(words), COLOURS.warn)
     column.gap(10)
 
 
@@ -225,7 +224,7 @@ def _keys(session: "Session", column: _Column) -> None:
                 at = (x + (wide - extent.x) / 2, column.y + (side - extent.y) / 2)
                 column.draw.add_text(at, u32(ink), words)
                 x += wide + px(3)
-        names = [tr(session.document.name_of(entity)) for entity in driven_by(level, channel)]
+        names = [session.document.spoken_name_of(entity) for entity in driven_by(level, channel)]
         offset = x + px(6) - column.x
         with font(FONTS.regular, SMALL):
             words = _cut(", ".join(names), column.width - offset)

@@ -37,6 +37,13 @@ def wrapped(words: str, colour: Rgba | None = None) -> None:
     imgui.pop_text_wrap_pos()
 
 
+def own_words(words: str, colour: Rgba | None = None) -> None:
+    """Text of a person's own, in no other language, that breaks at the panel's edge."""
+    imgui.push_text_wrap_pos(0.0)
+    raw(words, colour)
+    imgui.pop_text_wrap_pos()
+
+
 def small(words: str, colour: Rgba | None = None) -> None:
     """Small print."""
     with font(None, SMALL):

@@ -69,7 +69,7 @@ class Outliner(Panel):
         self, session: "Session", level: Level, body: Body, hanging: "Hanging", scroll: bool
     ) -> None:
         joints, thrusters = hanging.joints, hanging.thrusters
-        call = session.document.name_of
+        call = session.document.spoken_name_of
         name = call(body.id)
         parts = [(joint.id, call(joint.id)) for joint in joints]
         parts += [(thruster.id, call(thruster.id)) for thruster in thrusters]
@@ -91,12 +91,12 @@ class Outliner(Panel):
         motor = joint.motor
         driven = joint.kind != "fixed" and motor is not None and motor.on
         caps = key_caps(motor.binding, session.control_keys) if driven and motor else ()
-        name = session.document.name_of(joint.id)
+        name = session.document.spoken_name_of(joint.id)
         self._row(session, joint.id, icon, name, COLOURS.muted, scroll, keys=caps)
 
     def _thruster(self, session: "Session", level: Level, thruster: Thruster, scroll: bool) -> None:
         caps = key_caps(MOTOR_BINDINGS + thruster.binding, session.control_keys)
-        name = session.document.name_of(thruster.id)
+        name = session.document.spoken_name_of(thruster.id)
         self._row(session, thruster.id, Icons.thruster, name, COLOURS.muted, scroll, keys=caps)
 
     def _row(
@@ -133,7 +133,6 @@ class Outliner(Panel):
         hidden = entity in session.document.hidden
         ink = COLOURS.faint if hidden else COLOURS.text
         widgets.sign(draw, (start.x + px(4), middle), u32(tint), icon)
-        name = tr(name)
         draw.add_text((start.x + px(28), middle), u32(ink), name)
         x = start.x + px(28) + imgui.calc_text_size(name).x + px(8)
         with widgets.font(None, SMALL):
@@ -186,7 +185,7 @@ class Outliner(Panel):
         for name, label in ARENA_LABELS.items():
             if self._shows(label):
                 role = getattr(level.arena, name).role
-                self._row(session, name, Icons.arena, label, _role_colour(role), False)
+                self._row(session, name, Icons.arena, tr(label), _role_colour(role), False)
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -24,6 +24,7 @@ WORDS = {
     "Step Back": "Zurück",
     "{0} in Play": "{0} im Spiel",
     "{0} of {1} won": "{0} von {1} gewonnen",
+    "Wrote {0!}": "{0!} geschrieben",
 }
 
 
@@ -47,6 +48,9 @@ def english():
         ("3 of 4 won", "3 von 4 gewonnen"),
         ("Nothing of the kind", "the kind davon Nothing"),
         ("Unknown words", "Unknown words"),
+        ("Step by step. We come nearer.", "Step by step. We come nearer."),
+        ("Circle the word that fits best here", "Circle the word that fits best here"),
+        ("Wrote Save", "Save geschrieben"),
         ("", ""),
         ("12.5", "12.5"),
         ("Save\nMy car\n\nStep 2", "Speichern\nMy car\n\nSchritt 2"),

@@ -108,3 +108,14 @@ def test_two_chords_stand_below_each_other_where_a_column_is_narrow(make_gui, mo
     at = next(k for k in range(len(labels)) if labels[k : k + 5] == chords)
     tops = [top for _, top in drawn[at : at + 5]]
     assert tops[0] == tops[2] and tops[3] == tops[4] > tops[2] + 5
+
+
+def test_what_people_call_their_things_stays_as_it_is(make_gui):
+    level = a_level()
+    named = level.replace(bodies=(level.bodies[0].replace(name="Delete"), *level.bodies[1:]))
+    gui = make_gui(level=named)
+    gui.session.settings.language = "de"
+    gui.frames(4)
+    assert gui.session.document.spoken_name_of(1) == "Delete"
+    assert gui.session.document.spoken_name_of("floor") == "Boden"
+    assert language.tr("Saved New cart.json") == "New cart.json gespeichert"

@@ -117,7 +117,7 @@ class Side:
             return
         widgets.small(_summary(card))
         if card.description:
-            widgets.wrapped(card.description)
+            widgets.own_words(card.description)
         if card.tags:
             widgets.small("  ".join(f"#{tag}" for tag in card.tags), COLOURS.info)
         if card.errors or card.warnings:
