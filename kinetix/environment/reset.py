@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import jax
 import jax.numpy as jnp
@@ -30,7 +30,7 @@ from kinetix.environment.rearrange import check_bindings, expand_state, permute_
 from kinetix.environment.sharing import digest, shared
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
-from kinetix.level.codec import LoadedLevel, load_document
+from kinetix.level.codec import LoadedLevel, explaining, load_document
 from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
@@ -104,6 +104,7 @@ def load_from_json_file(
 
     Raises:
         LevelError: The file is missing or bad, or the level does not fit.
+        KinetixError: `gravity`, `time_limit`, `physics` or `parity` is none of what it may be.
     """
     state, static, params = _loaded(path, static_env_params, gravity, time_limit, physics, parity)
     with jax.ensure_compile_time_eval():
@@ -123,9 +124,13 @@ def _loaded(
         loaded, name = LoadedLevel(level=path, format="kinetix-level"), f"level {path.name!r}"
     else:
         loaded, name = load_document(path), str(path)
+    for option, word in (("gravity", gravity), ("time_limit", time_limit)):
+        if word not in get_args(Source):
+            raise KinetixError(f"{option}={word!r}: expected 'file' or 'fixed'")
     if parity is not None:
         gravity = time_limit = "fixed"
-    static = static_env_params or _static_of(loaded)
+    with explaining(loaded.level):
+        static = static_env_params or _static_of(loaded)
     if physics is not None:
         static = dataclasses.replace(static, physics=physics)
     static = with_parity(static, parity)
@@ -155,7 +160,8 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
     elif isinstance(level, Level):
         name = f"level {level.name!r}"
         engine = physics_engine_of(static_env_params)
-        state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+        with explaining(level):
+            state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     else:
         name = str(level)
         state, _, _ = _loaded(level, static_env_params)
@@ -362,7 +368,8 @@ def _compiled(
         level = msgspec.structs.replace(level, gravity=STANDARD_GRAVITY)
     if time_limit == "fixed":
         level = msgspec.structs.replace(level, max_timesteps=EnvParams().max_timesteps)
-    return state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+    with explaining(level):
+        return state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
 
 
 def _permuted(state: EnvState, path: str | Path) -> EnvState:

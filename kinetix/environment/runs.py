@@ -21,7 +21,7 @@ from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
 from kinetix.environment.forks import refuse_forked_process
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level
+from kinetix.level.codec import explaining, load_level
 from kinetix.level.compile import Labels, compile_level
 from kinetix.level.features import features_of
 from kinetix.level.model import Level, Solution
@@ -130,11 +130,12 @@ def simulate(
     rows = _action_rows(actions, steps)
     # There is no step for no body at all.
     specialised = specialised and bool(level.bodies)
-    spec = SceneSpec(capacity=needed_capacity(level) if specialised else capacity_of(level))
-    if specialised:
-        features = features_of(level, capacity=spec.capacity)
-        spec = dataclasses.replace(spec, features=features)
-    scene = compile_level(level, spec=spec, solver=solver)
+    with explaining(level):
+        spec = SceneSpec(capacity=needed_capacity(level) if specialised else capacity_of(level))
+        if specialised:
+            features = features_of(level, capacity=spec.capacity)
+            spec = dataclasses.replace(spec, features=features)
+        scene = compile_level(level, spec=spec, solver=solver)
     binary64 = physics == "reference"
     with precision(binary64):
         world, labels, state = converted(

@@ -73,7 +73,7 @@ def _value_tree(value: Any) -> Any:
         return record_tree(value)
     if isinstance(value, tuple):
         return [_value_tree(item) for item in value]
-    return value
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _optional_keys(cls: type[Record]) -> frozenset[str]:

@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -262,7 +263,8 @@ def save_level(
         The names of the fields that the format cannot say; empty for our own format.
 
     Raises:
-        LevelError: It is no level, the file cannot be written, or the format cannot hold it.
+        LevelError: It is no level, or one that could not be read again; the file cannot be written,
+            or the format cannot hold it. The file is as it was then.
     """
     path = Path(path)
     if not isinstance(level, Level):
@@ -270,8 +272,42 @@ def save_level(
             f"{path}: expected a kinetix.Level to save, got {type(level).__name__}; states are "
             "saved by kinetix.util.saving.export_env_state_to_json"
         )
+    check_level(level, f"{path}: this level cannot be written")
     write_atomically(path, dumps(level, format=format, source=source).encode())
     return () if format == FORMAT else lost_fields(level, stem=path.stem)
+
+
+def check_level(level: Level, name: str) -> None:
+    """Refuse a level that no reader would take.
+
+    Args:
+        level: A level that was made in Python, where anything can be.
+        name: Begins the sentence.
+
+    Raises:
+        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+    """
+    tree = level_tree(level)
+    for path in unsayable_paths(tree):
+        raise LevelError(f"{name}: {path} is no JSON value (not finite, or no Unicode)")
+    level_from_tree(tree, name)
+
+
+@contextlib.contextmanager
+def explaining(level: Level) -> Iterator[None]:
+    """Say what is wrong with a level where computing it fails.
+
+    Raises:
+        LevelError: It failed, and the level has a fault; or a number is not finite.
+    """
+    name = f"level {level.name!r}"
+    for path in unsayable_paths(level_tree(level)):
+        raise LevelError(f"{name}: {path}: expected a finite number")
+    try:
+        yield
+    except (ArithmeticError, LookupError, TypeError, ValueError):
+        check_level(level, name)
+        raise
 
 
 def level_hash(level: Level) -> str:

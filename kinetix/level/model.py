@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Final, Literal, Self
 import msgspec
 from msgspec import Meta
 
+from kinetix.errors import LevelError
 from kinetix.wording import plural
 
 Role = Literal["none", "green", "blue", "red"]
@@ -58,6 +59,8 @@ def round_real(value: float) -> float:
         return _BINARY32.unpack(_BINARY32.pack(value))[0] + 0.0
     except OverflowError:
         return math.copysign(math.inf, value)
+    except struct.error:
+        raise LevelError(f"{value!r:.60}: expected a number") from None
 
 
 def _round_reals(values: Iterable[float]) -> tuple[float, ...]:

@@ -387,3 +387,29 @@ def test_an_off_centre_polygon_is_told_what_it_should_be():
     with pytest.raises(LevelError, match=r"position \[0\.5, 1\.5\] and vertices \[\[0\.5, 0\.5\]"):
         loads(dumps(level))
     loads(dumps(level.replace(bodies=(level.bodies[0].replace(fixed=True),))))
+
+
+@pytest.mark.parametrize(
+    ("changes", "path"),
+    [
+        ({"max_timesteps": 0}, "max_timesteps"),
+        ({"gravity": (0, 0, 1)}, "gravity"),
+        ({"size": "xl"}, "size"),
+        ({"tags": ("My Tag",)}, r"tags\[0\]"),
+        ({"gravity": (math.nan, 0.0)}, r"gravity\[0\]"),
+    ],
+)
+def test_a_level_that_no_reader_takes_is_not_written_over_a_good_one(tmp_path, changes, path):
+    level = load_level("s/goalkeeper")
+    file = tmp_path / "mine.json"
+    save_level(level, file)
+    for wrong in (level.replace(**changes), level.replace(bodies=(*level.bodies, level.bodies[0]))):
+        with pytest.raises(LevelError, match=rf"cannot be written: \$\.({path}|bodies)"):
+            save_level(wrong, file)
+    assert load_level(file) == level
+
+
+def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
+    level = load_level("s/goalkeeper").replace(max_timesteps=np.int64(50))
+    save_level(level, tmp_path / "mine.json")
+    assert load_level(tmp_path / "mine.json").max_timesteps == 50
