@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kinetix.compat.finder import install as install_names_of_kinetix_env
 from kinetix.compiler import ask_for_options
+from kinetix.forks import watch_forks
 from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
@@ -102,6 +103,7 @@ __all__ = [
 ]
 
 ask_for_options()
+watch_forks()
 install_names_of_kinetix_env()
 
 __getattr__, __dir__ = lazy_names(

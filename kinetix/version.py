@@ -2,4 +2,7 @@
 
 import importlib.metadata
 
-__version__ = importlib.metadata.version("kinetix-editor")
+try:
+    __version__ = importlib.metadata.version("kinetix-editor")
+except importlib.metadata.PackageNotFoundError:
+    __version__ = "unknown"  # the folder alone is on Python's path

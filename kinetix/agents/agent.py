@@ -35,6 +35,7 @@ from kinetix.agents.shapes import network_of_card
 from kinetix.bundled import agent_hint, named_agent
 from kinetix.environment.checks import check_key
 from kinetix.errors import CheckpointError
+from kinetix.forks import refuse_forked_process
 
 _TOLD: Final = ("logits", "log_prob", "value", "entropy")
 """Facts about an action that `Agent.act` returns."""
@@ -182,6 +183,7 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     Raises:
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
+    refuse_forked_process()
     named = str(directory)
     directory = surviving(Path(named))
     if not os.path.isdir(directory):

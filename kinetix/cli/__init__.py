@@ -170,6 +170,6 @@ def _unknown(word: str) -> str:
 
 
 def _version() -> str:
-    import importlib.metadata
+    from kinetix.version import __version__
 
-    return importlib.metadata.version("kinetix-editor")
+    return __version__

@@ -21,6 +21,7 @@ from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.level.sets import SetLevel
+from kinetix.version import __version__
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -76,11 +77,8 @@ def run(command: Compare) -> int:
     contenders = _measured(players, named(found), settings)
     _print(contenders, found, as_json=command.json)
     if command.out is not None:
-        import importlib.metadata
-
         hashes = {level.name: level.sha256 for level in found}
-        version = importlib.metadata.version("kinetix-editor")
-        text = text_of(command.out.suffix.lower(), contenders, hashes, version)
+        text = text_of(command.out.suffix.lower(), contenders, hashes, __version__)
         made_folder(command.out.parent)
         write_atomically(command.out, text.encode())
         print(command.out, file=sys.stderr)

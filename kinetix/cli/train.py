@@ -104,7 +104,7 @@ def run(command: Common) -> int:
         raise KinetixError(f"--seeds {command.seeds}: expected at least 1")
     values = _values(command)
     sweep = None if command.sweep is None else read_sweep(command.sweep)
-    runs = _runs(command, values, sweep)
+    runs = _runs(algorithm, command, values, sweep)
     configs = [_configured(algorithm, command, own, out) for out, own in runs.items()]
     narrow_cores(
         lambda cores: all(
@@ -156,7 +156,7 @@ def _values(command: Common) -> dict[str, Any]:
 
 
 def _runs(
-    command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
+    algorithm: str, command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
 ) -> dict[Path, dict[str, Any]]:
     """The directory of every run, and its hyper-parameters."""
     runs = {command.out: values}
@@ -169,7 +169,7 @@ def _runs(
         return runs
     seeds: dict[Path, dict[str, Any]] = {}
     for out, own in runs.items():
-        first = int(own.get("seed", 0))
+        first = _configured(algorithm, command, own, out).seed
         for seed in range(first, first + command.seeds):
             seeds[out / f"seed_{seed}"] = dict(own) | {"seed": seed}
     return seeds

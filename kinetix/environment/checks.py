@@ -40,6 +40,7 @@ _PARTS: Final = {
     "thrusters": "thrusters",
 }
 """What each of `Features` is called."""
+_NUMBERS = int | np.generic | np.ndarray | jax.Array
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -249,8 +250,26 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         if isinstance(start, EnvState):
             check_features(start.world, env.static_env_params.features)
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
-    if isinstance(action, int | np.integer | np.ndarray | jax.Array):
+    if isinstance(action, _NUMBERS):
         _check_choice(action, env.actions)
+
+
+def with_usual_action(
+    arguments: tuple[Any, ...], named: Mapping[str, Any]
+) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The arguments of a method, choices of an action as int32: each other type compiles anew."""
+    if "action" in named:
+        return arguments, {**named, "action": _usual(named["action"])}
+    if len(arguments) > 2:
+        arguments = (*arguments[:2], _usual(arguments[2]), *arguments[3:])
+    return arguments, dict(named)
+
+
+def _usual(action: Any) -> Any:
+    if not isinstance(action, _NUMBERS) or getattr(action, "dtype", None) == np.int32:
+        return action
+    array = np.asarray(action)
+    return array.astype(np.int32) if array.dtype.kind in "biu" else action
 
 
 def check_features(world: World, features: Features, name: str = "the level") -> None:

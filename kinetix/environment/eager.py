@@ -15,7 +15,8 @@ from jax.extend.core import get_opaque_trace_state
 
 from kinetix.compiler import quick_options
 from kinetix.engine.promotion import usual_promotion
-from kinetix.environment.checks import check_values, refuse_what_is_no_array
+from kinetix.environment.checks import check_values, refuse_what_is_no_array, with_usual_action
+from kinetix.forks import refuse_forked_process
 
 _QUICK: Final = dict(quick_options())
 """Options of a program for a processor."""
@@ -42,7 +43,9 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         outside = get_opaque_trace_state("flax") == _OUTSIDE
         if outside:
+            refuse_forked_process()
             check_values(self, arguments, named)
+            arguments, named = with_usual_action(arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
         # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
         compiled = jax.disable_jit(False) if jax.config.values["jax_disable_jit"] else nullcontext()
@@ -66,6 +69,7 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        refuse_forked_process()
         with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)
 

@@ -70,7 +70,9 @@ def gymnax_spaces() -> Any:
     """
     try:
         return importlib.import_module("gymnax.environments.spaces")
-    except ImportError:
+    except ImportError as error:
+        if not (error.name or "gymnax").startswith("gymnax"):
+            raise KinetixError(f"gymnax cannot be imported: {error}") from error
         raise KinetixError("gymnax is not installed: pip install gymnax") from None
 
 

@@ -30,6 +30,7 @@ from kinetix.environment.rearrange import check_bindings, expand_state, permute_
 from kinetix.environment.sharing import digest, shared
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
+from kinetix.forks import refuse_forked_process
 from kinetix.level.codec import LoadedLevel, explaining, load_document
 from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
@@ -106,6 +107,7 @@ def load_from_json_file(
         LevelError: The file is missing or bad, or the level does not fit.
         KinetixError: `gravity`, `time_limit`, `physics` or `parity` is none of what it may be.
     """
+    refuse_forked_process()
     state, static, params = _loaded(path, static_env_params, gravity, time_limit, physics, parity)
     with jax.ensure_compile_time_eval():
         return jax.tree.map(jnp.asarray, state), static, params

@@ -19,8 +19,8 @@ from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
-from kinetix.environment.forks import refuse_forked_process
 from kinetix.errors import KinetixError
+from kinetix.forks import SPAWN, refuse_forked_process
 from kinetix.level.codec import explaining, load_level
 from kinetix.level.compile import Labels, compile_level
 from kinetix.level.features import features_of
@@ -114,10 +114,7 @@ def simulate(
             runs.
         LevelError: There is no such level, or it cannot be compiled.
     """
-    refuse_forked_process(
-        'start it anew, as multiprocessing.get_context("spawn") does; a sweep in one process '
-        "reuses what it has compiled"
-    )
+    refuse_forked_process(f"{SPAWN}; a sweep in one process reuses what it has compiled")
     if isinstance(level, str | Path):
         level = load_level(level)
     if not isinstance(level, Level):

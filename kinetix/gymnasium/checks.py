@@ -6,8 +6,8 @@ from typing import Any, Final
 import numpy as np
 
 from kinetix.bounds import LAST_SEED
-from kinetix.environment.forks import refuse_forked_process
 from kinetix.errors import KinetixError
+from kinetix.forks import refuse_forked_process
 
 SEEDS: Final = 2**31
 """Keys are drawn from so many."""

@@ -144,6 +144,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 f"actions of shape {actions.shape}: expected {self.num_envs} of them, one per "
                 "environment"
             )
+        self._check_choices(actions)
         keys = self._keys()
         self._observation, self._state, told, final = self._advance(
             keys, self._state, actions, jnp.asarray(self._ended)
@@ -160,6 +161,16 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         elif self.mode is AutoresetMode.NEXT_STEP:
             self._ended = ended
         return numpy_observation(self._observation), reward, terminated, truncated, info
+
+    def _check_choices(self, actions: np.ndarray) -> None:
+        """Refuse what no action means; reals are clipped, as agents that draw them expect."""
+        space: Any = self.single_action_space
+        if isinstance(space, gymnasium.spaces.Box):
+            return
+        choices = space.nvec if isinstance(space, gymnasium.spaces.MultiDiscrete) else space.n
+        fits = actions.shape[1:] == space.shape and actions.dtype.kind in "biu"
+        if fits and ((actions < 0) | (actions >= choices)).any():
+            raise KinetixError(f"actions: expected whole numbers from 0 and below {choices}")
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """Return one picture per environment, (height, width, 3); None without a render mode."""

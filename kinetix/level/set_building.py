@@ -16,11 +16,11 @@ from kinetix.level.sets import (
     SetLevel,
     Split,
     distinct,
-    engine_version,
     path_in_set,
 )
 from kinetix.level.sizes import needed_capacity
 from kinetix.level.validate import validate
+from kinetix.version import __version__
 
 
 def build_set(
@@ -48,7 +48,7 @@ def build_set(
     chosen = distinct(levels)
     _refuse_errors(chosen)
     made = LoadedSet(
-        manifest=LevelSet(name=name, size=size, seed=seed, engine_version=engine_version()),
+        manifest=LevelSet(name=name, size=size, seed=seed, engine_version=__version__),
         levels=tuple(chosen),
     )
     for each in chosen:

@@ -5,7 +5,6 @@ README.md describes the file. Free of JAX.
 
 import contextlib
 import dataclasses
-import importlib.metadata
 import itertools
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -441,14 +440,6 @@ def path_in_set(path: Path, folder: Path) -> str | None:
 def relative_path(path: Path, folder: Path) -> str:
     """A path as a manifest in `folder` says it, with forward slashes."""
     return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-
-
-def engine_version() -> str:
-    """The version of this program."""
-    try:
-        return importlib.metadata.version("kinetix-editor")
-    except importlib.metadata.PackageNotFoundError:
-        return "unknown"
 
 
 def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:

@@ -356,6 +356,9 @@ class BcConfig(PpoConfig):
         """One device learns."""
         return devices == 1
 
+    def _check_minibatches(self) -> None:
+        """Nothing is played, so `minibatch_size` alone counts."""
+
     def check(self) -> None:
         """See `PpoConfig.check`."""
         super().check()

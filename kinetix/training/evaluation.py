@@ -9,13 +9,13 @@ import jax
 import numpy as np
 
 from kinetix.agents.agent import Agent
-from kinetix.agents.evaluate import NamedLevel, Progress, Settings, evaluate
+from kinetix.agents.evaluate import NamedLevel, Progress, Settings, capacity_and_key, evaluate
 from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
-from kinetix.errors import CheckpointError
+from kinetix.errors import CheckpointError, KinetixError
 from kinetix.level.sets import evaluation_part, gather_levels
-from kinetix.level.sizes import capacity_of
+from kinetix.level.sizes import capacity_of, describe_capacity
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
 from kinetix.training.setup import Setup
@@ -34,6 +34,9 @@ class TrainingEvaluation:
 
         Args:
             setup: The training.
+
+        Raises:
+            KinetixError: The agent could not play one of them.
         """
         config = setup.config
         self._config = config
@@ -41,6 +44,8 @@ class TrainingEvaluation:
             attempts=config.eval_num_attempts, seed=config.seed, physics=config.physics
         )
         self._hand_designed = evaluation_levels(config) if config.eval_freq else []
+        for level in self._hand_designed:
+            _check_fit(level, setup)
         self._sampled = _sampled(setup)
         self._longest = setup.longest_episode
         self._evaluated = False
@@ -149,6 +154,18 @@ def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
         NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
         for level in fitting
     ]
+
+
+def _check_fit(level: NamedLevel, setup: Setup) -> None:
+    """Refuse a level that the agent has no room for: in an evaluation it would be too late."""
+    capacity, _ = capacity_and_key(level.source)
+    if not setup.card.sees(capacity):
+        named = "eval_levels" if setup.config.eval_levels else "levels"
+        raise KinetixError(
+            f"{named}: {level.name} has {describe_capacity(capacity)} (polygons, circles, joints, "
+            f"thrusters), more than the agent of size {setup.config.size} sees: leave it out, or "
+            "choose a larger size"
+        )
 
 
 def _sampled(setup: Setup) -> list[NamedLevel]:

@@ -3,7 +3,6 @@
 import contextlib
 import dataclasses
 import functools
-import importlib.metadata
 import math
 import os
 import time
@@ -61,6 +60,7 @@ from kinetix.training.setup import Setup
 from kinetix.training.stopping import StopRequest, stop_requests
 from kinetix.training.telling import Say, now_and_then, say_nothing
 from kinetix.training.work import Work
+from kinetix.version import __version__
 
 
 class Trainer(Protocol):
@@ -390,7 +390,7 @@ def _agent(
         "seed": config.seed,
         "environment_steps": steps,
         "wall_time": round(progress.seconds, 3),
-        "code_version": importlib.metadata.version("kinetix-editor"),
+        "code_version": __version__,
     }
     card: AgentCard = trainer.setup.card.replace(
         name=f"{algorithm}-{config.size}-{steps}",

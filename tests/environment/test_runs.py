@@ -158,12 +158,15 @@ def alone():
 
 if sys.argv[1] == "after":
     height(-9.8)
+elif sys.argv[1] == "jax":
+    import jax.numpy
+    jax.numpy.zeros(3).block_until_ready()
 sys.exit(alone())
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("when", "works"), [("before", True), ("after", False)])
+@pytest.mark.parametrize(("when", "works"), [("before", True), ("after", False), ("jax", False)])
 def test_a_fork_of_what_has_simulated_is_refused_rather_than_waiting_for_ever(when, works):
     command = [sys.executable, "-W", "ignore", "-c", FORKED, when]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)

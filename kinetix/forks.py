@@ -1,12 +1,13 @@
 """Processes that were forked from one in which JAX runs: there it would wait for ever."""
 
 import os
+import sys
 from typing import Final
-
-import jax
 
 from kinetix.errors import KinetixError
 
+SPAWN: Final = 'start it anew, as multiprocessing.get_context("spawn") does'
+"""What to do instead of forking."""
 _FORKED: Final[list[int]] = []
 """Grows in a process whose parent had started JAX, and so its threads."""
 
@@ -17,17 +18,21 @@ def _note() -> None:
 
 
 def _runs() -> bool:
-    """Return whether JAX has started; True where this version does not tell."""
-    bridge = getattr(getattr(jax, "_src", None), "xla_bridge", None)
+    """Return whether JAX has started; where this version does not tell, whether it is imported."""
+    if "jax" not in sys.modules:
+        return False
+    bridge = sys.modules.get("jax._src.xla_bridge")
     started = getattr(bridge, "backends_are_initialized", None)
     return started is None or bool(started())
 
 
-if hasattr(os, "register_at_fork"):  # not on Windows, where nothing forks
-    os.register_at_fork(after_in_child=_note)
+def watch_forks() -> None:
+    """Remember from now on whether a process is forked from one in which JAX runs."""
+    if hasattr(os, "register_at_fork"):  # not on Windows, where nothing forks
+        os.register_at_fork(after_in_child=_note)
 
 
-def refuse_forked_process(instead: str) -> None:
+def refuse_forked_process(instead: str = SPAWN) -> None:
     """Refuse to compute where JAX would wait for threads that a fork has left behind.
 
     Args:
