@@ -20,6 +20,7 @@ from kinetix import (
     vectorize,
 )
 from kinetix.engine.presets import solver_named
+from kinetix.environment.checks import with_usual_action
 from kinetix.environment.params import physics_engine
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
@@ -274,3 +275,16 @@ def test_classes_and_solvers_of_ones_own_are_taken(small_env):
         make_kinetix_env("discrete", dict)
     with pytest.raises(KinetixError, match="name or a solver"):
         physics_engine(dataclasses.replace(static, physics=3))
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.uint8, bool, np.int32, jnp.int8])
+def test_whole_numbers_of_every_type_are_one_action(kind):
+    """Each type would compile a step of its own."""
+    key, state = object(), object()
+    for given in (np.ones(6, kind), jnp.array(np.ones(6, kind))):
+        positional, _ = with_usual_action((key, state, given), {})
+        _, named = with_usual_action((key, state), {"action": given})
+        for action in (positional[2], named["action"]):
+            assert action.dtype == np.int32 and (np.asarray(action) == 1).all()
+    real = np.ones(6, np.float32)
+    assert with_usual_action((key, state, real), {})[0][2] is real

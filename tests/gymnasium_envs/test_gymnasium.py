@@ -225,6 +225,8 @@ def test_options_and_actions_that_mean_nothing_are_refused(same):
             env.step(action)
     with pytest.raises(KinetixError, match="reset_mask"):
         same.reset(options={"level": "s/goalkeeper"})
+    with pytest.raises(KinetixError, match="whole numbers from 0 and below"):
+        same.step(np.full((3, 6), 7))
     with pytest.raises(KinetixError, match="3 truth values"):
         same.reset(options={"reset_mask": [True]})
 

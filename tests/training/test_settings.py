@@ -59,6 +59,11 @@ def test_levels_bring_the_mode_and_the_size():
     assert make_config("ppo", values={"eval_levels": [named]}).eval_levels == (str(named),)
 
 
+def test_imitation_has_no_environments_to_divide():
+    values = {"data": ("s/first_flight",), "num_minibatches": 3}
+    assert make_config("bc", values=values).num_minibatches == 3
+
+
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [

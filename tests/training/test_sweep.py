@@ -152,3 +152,22 @@ def test_seeds_that_were_not_reached_keep_the_preset(tmp_path, capsys):
     ]
     assert values[0] | {"seed": 1} == values[1]
     capsys.readouterr()
+
+
+def test_seeds_count_from_the_one_that_a_file_names(tmp_path):
+    from kinetix.cli.train import Common, _runs
+
+    file = tmp_path / "mine.toml"
+    file.write_text("seed = 100\n")
+    command = Common(config=file, seeds=2, out=tmp_path / "out")
+    assert [path.name for path in _runs("ppo", command, {}, None)] == ["seed_100", "seed_101"]
+    assert [path.name for path in _runs("ppo", command, {"seed": 7}, None)] == ["seed_7", "seed_8"]
+
+
+def test_evaluation_levels_without_room_are_refused_at_once(tmp_path, capsys):
+    """At the first evaluation, all that was learnt since the last checkpoint would be lost."""
+    words = ["train", "ppo", "--out", str(tmp_path / "out"), *_TINY, "--eval-freq", "2"]
+    words += ["--observation-type", "symbolic_flat"]
+    assert main([*words, "--eval-levels", "l/rover_ridge"]) == 1
+    assert "eval_levels: l/rover_ridge has l (polygons" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "checkpoints").exists()
