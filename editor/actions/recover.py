@@ -69,6 +69,8 @@ def restore(session: Session, found: Recovery) -> None:
             # Saving will ask: the file has changed since the work on it began.
             document.stamp = Stamp(modified_ns=0, content=b"")
     document.origin = (*document.origin, found.file, *found.origin)
+    # Now, so that no other window that starts offers the same.
+    session.autosaves.keep(document)
 
 
 def _document_of(session: Session, found: Recovery) -> Document | None:

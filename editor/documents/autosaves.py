@@ -347,3 +347,8 @@ def left_behind(base: Path | None = None) -> list[Path]:
             _tidy(run)
         found += copies
     return found
+
+
+def being_kept(base: Path | None = None) -> list[Path]:
+    """Return the copies of runs that go on."""
+    return [file for run in _runs(base) if goes_on(run) for file in run.glob("*[0-9].json")]

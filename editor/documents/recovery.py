@@ -1,5 +1,6 @@
 """Unsaved work of earlier runs: read from their copies, to be offered to the user."""
 
+import contextlib
 import dataclasses
 import datetime
 import os
@@ -63,7 +64,7 @@ def find(base: Path | None = None) -> Found:
     """Read what earlier runs left behind; runs that still go on are left alone.
 
     A copy that says nothing but what its file says by now is removed. One that a later copy began
-    with is not offered beside it; both go together.
+    with is not offered beside it; both go together. Nor is one that another window has restored.
 
     Args:
         base: Where runs have their folders; by default in the user's state folder.
@@ -80,10 +81,17 @@ def find(base: Path | None = None) -> Found:
     read = [recovery for recovery in read if recovery.file not in gone]
     for recovery in saved:
         discard(recovery)
-    begun_with = {file for recovery in read for file in recovery.origin}
+    begun_with = {file for recovery in (*read, *_elsewhere(base)) for file in recovery.origin}
     offered = [recovery for recovery in read if recovery.file not in begun_with]
     offered.sort(key=lambda recovery: recovery.time, reverse=True)
     return Found(recoveries=tuple(offered), unreadable=tuple(unreadable))
+
+
+def _elsewhere(base: Path | None) -> Iterator[Recovery]:
+    """Yield the copies of runs that go on, but those being written."""
+    for file in autosaves.being_kept(base):
+        with contextlib.suppress(KinetixError):
+            yield _read(file)
 
 
 def discard(recovery: Recovery) -> None:

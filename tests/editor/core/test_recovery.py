@@ -181,6 +181,16 @@ def test_restoring_keeps_the_copy_until_the_level_is_saved(start, clock, path):
     assert not start().prompts
 
 
+def test_what_one_window_has_restored_another_does_not_offer(start, clock, path):
+    left(start, clock, path)
+    first = start()
+    first.answer(first.prompts[-1], "restore")
+    first.autosaves.flush()
+    assert not start().prompts
+    kill(first)
+    assert start().prompts
+
+
 def test_a_chain_of_killed_runs_offers_the_last_state_once(start, clock, path):
     left(start, clock, path)
     for _ in range(3):
