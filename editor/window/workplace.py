@@ -253,6 +253,8 @@ class Workplace:
         first = self._in_front[0] if self._in_front else ""
         # Of two in one frame Dear ImGui would bring only the last to the front.
         ready = imgui.get_frame_count() > max(self._put_up + 1, self._brought)
+        # Under a question it brings none there.
+        ready = ready and imgui.internal.get_top_most_popup_modal() is None
         if panel.id == first and ready:
             self._brought = imgui.get_frame_count()
             # Of panels that share a place, the one docked last is in front unless told otherwise.
@@ -318,7 +320,7 @@ class Workplace:
 
     def save_layout(self) -> None:
         """Remember where the panels are, in the settings."""
-        if self._laid_out:
+        if self._laid_out and not self._in_front:
             self.session.settings.layout = layouts.snapshot(self._seen)
 
     def _keep_layout(self) -> None:

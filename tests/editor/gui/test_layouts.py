@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from editor.base.events import KeyEvent
 from editor.base.settings import Settings
 from editor.session import Session
 from editor.worker.requests import AttemptPaths
@@ -108,6 +109,23 @@ def test_panels_that_come_back_take_no_room_and_ask_for_nothing(gui):
         gui.frames(35)
         assert gui.shows("problems.E101")
         assert height_of_canvas(gui) == pytest.approx(low, abs=2)
+
+
+def test_a_question_while_panels_come_back_does_not_change_which_is_in_front(gui):
+    gui.frames(35)
+    gui.bring("problems")
+    gui.frames(35)
+    gui.key("ctrl+g")
+    gui.frames(35)
+    gui.host.frames(1, KeyEvent(key="escape", pressed=True))
+    gui.host.frames(1, KeyEvent(key="escape", pressed=False))
+    gui.session.queue("file.open")
+    gui.frames(60)
+    assert gui.session.prompts
+    gui.host.ui.save_layout()
+    gui.key("escape")
+    gui.frames(35)
+    assert gui.shows("problems.E101")
 
 
 def test_who_has_zoomed_keeps_the_view_when_the_window_changes(gui):
