@@ -43,6 +43,10 @@ THRUSTER_BINDINGS: Final = 2
 """Number of action channels for thrusters."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
+MAX_TITLE: Final = 120
+"""Most characters of the name of a level."""
+MAX_DESCRIPTION: Final = 4000
+"""Most characters of what a level says of itself."""
 MAX_NAME: Final = 60
 """Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
@@ -379,10 +383,10 @@ Entity = Body | Joint | Thruster
 class Level(Record, frozen=True, kw_only=True):
     """A whole level. `next_id` left at 0 becomes one more than the largest id in use."""
 
-    name: Annotated[str, Meta(min_length=1, max_length=120, description="Title for people")]
-    description: Annotated[str, Meta(max_length=4000, description="What to do, hints, credits")] = (
-        ""
-    )
+    name: Annotated[str, Meta(min_length=1, max_length=MAX_TITLE, description="Title for people")]
+    description: Annotated[
+        str, Meta(max_length=MAX_DESCRIPTION, description="What to do, hints, credits")
+    ] = ""
     tags: Annotated[tuple[Tag, ...], Meta(max_length=MAX_TAGS)] = ()
     size: Annotated[
         SizeName | SizeHint | None,

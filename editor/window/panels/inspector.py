@@ -19,6 +19,7 @@ from editor.window.panels.fields import Editor
 from editor.window.panels.resets import SAVED
 from editor.window.panels.texts import TextFields
 from kinetix.level.model import (
+    MAX_NAME,
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
     ArenaBody,
@@ -100,9 +101,8 @@ class Inspector(Panel):
         def commit(name: str) -> None:
             session.queue(named(session.document.level, entity, name))
 
-        self._texts.line(
-            session, "inspector.name", only.name or "", commit, hint="Name, seen in lists and plots"
-        )
+        hint, shown = "Name, seen in lists and plots", only.name or ""
+        self._texts.line(session, "inspector.name", shown, commit, hint=hint, longest=MAX_NAME)
 
     def _bodies(self, session: "Session", records: list[Record]) -> None:
         edit = self._editor

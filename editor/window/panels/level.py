@@ -13,7 +13,7 @@ from editor.window.panels.base import Panel
 from editor.window.panels.fields import Editor
 from editor.window.panels.inspector import role_segments
 from editor.window.panels.texts import TextFields
-from kinetix.level.model import Level
+from kinetix.level.model import MAX_DESCRIPTION, MAX_TITLE, Level
 from kinetix.level.sizes import capacity_of, needed_capacity, size_name
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ class LevelPanel(Panel):
             stored = list(dict.fromkeys(typed.split())) if field == "tags" else typed
             session.queue(SetLevelField(field=field, value=stored))
 
-        self._texts.line(session, f"level.{field}", value, commit)
+        longest = MAX_TITLE if field == "name" else 0
+        self._texts.line(session, f"level.{field}", value, commit, longest=longest)
 
     def _description(self, session: "Session", level: Level) -> None:
         widgets.muted("Description")
@@ -77,7 +78,9 @@ class LevelPanel(Panel):
         def commit(typed: str) -> None:
             session.queue(SetLevelField(field="description", value=typed))
 
-        self._texts.area(session, "level.description", level.description, commit)
+        self._texts.area(
+            session, "level.description", level.description, commit, longest=MAX_DESCRIPTION
+        )
 
     def _gravity(self, session: "Session") -> None:
         gap = imgui.get_style().item_spacing.x

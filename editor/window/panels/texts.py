@@ -49,6 +49,7 @@ class TextFields:
         commit: Callable[[str], None],
         *,
         hint: str = "",
+        longest: int = 0,
     ) -> None:
         """Draw a text as wide as there is room.
 
@@ -58,6 +59,7 @@ class TextFields:
             value: The stored text.
             commit: Takes the new text when it differs.
             hint: What an empty field shows.
+            longest: Characters that are kept; 0: all.
         """
         shown = self._shown(name, value)
         if session.view.field == name:
@@ -68,6 +70,7 @@ class TextFields:
         widgets.probe(session, name)
         if imgui.calc_text_size(shown).x > imgui.get_item_rect_size().x and shown == value:
             widgets.tooltip(value)
+        commit = _within(session, longest, commit)
         self._follow(name, value, commit, new if changed else None)
 
     def area(
@@ -78,6 +81,7 @@ class TextFields:
         commit: Callable[[str], None],
         *,
         lines: int = 4,
+        longest: int = 0,
     ) -> None:
         """Draw a text of several lines that breaks at the edge."""
         height = imgui.get_text_line_height() * lines + 2 * imgui.get_style().frame_padding.y
@@ -86,6 +90,7 @@ class TextFields:
             f"###{name}", self._shown(name, value), (-1, height), flags
         )
         widgets.probe(session, name)
+        commit = _within(session, longest, commit)
         self._follow(name, value, commit, new if changed else None)
 
     def _shown(self, name: str, value: str) -> str:
@@ -105,3 +110,19 @@ class TextFields:
             self._typed[name].frame = frame
             if imgui.is_item_deactivated():
                 self._typed.pop(name).finish()
+
+
+def _within(
+    session: "Session", longest: int, commit: Callable[[str], None]
+) -> Callable[[str], None]:
+    """Let a commit take no more characters than are kept; what is left out is said."""
+
+    def cut(typed: str) -> None:
+        if longest and len(typed) > longest:
+            session.complain(
+                f"{longest} characters are kept of {len(typed)}: there is no more room."
+            )
+            typed = typed[:longest].rstrip()
+        commit(typed)
+
+    return cut

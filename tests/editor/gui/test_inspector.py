@@ -413,6 +413,18 @@ def test_what_is_being_typed_is_saved_too(saved):
     assert not gui.session.document.dirty
 
 
+def test_of_a_text_without_room_the_beginning_is_kept_and_that_is_said(saved):
+    gui, path = saved
+    gui.click("level.name")
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("long " * 40)
+    gui.key("ctrl+s")
+    gui.frames(2)
+    assert load_level(path).name == ("long " * 24).rstrip()
+    assert any("120 characters are kept of 200" in line for line in gui.session.log.lines)
+
+
 def test_closing_the_window_asks_about_what_is_being_typed(saved):
     gui, _ = saved
     gui.host.frames(1, QuitEvent())
