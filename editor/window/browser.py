@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import PIXELS_PER_UNIT, Camera
+from editor.base.language import tr
 from editor.base.prompts import FileQuestion
 from editor.base.wording import counts
 from editor.drawing.vectors import Painter, Placement, paint_level, poses_of
@@ -254,8 +255,7 @@ class FileBrowser:
         entered = self._name_field(session, "File name, or a path")
         if self._error or self._overwrite is not None:
             warning = self._error or f"{self._name} is there already. Press {accept} to replace it."
-            with widgets.font(None, SMALL):
-                widgets.text(warning, COLOURS.warn)
+            self._warn(warning, imgui.get_content_region_avail().x - 2 * px(96) - px(40))
             imgui.same_line()
         width = px(96)
         gap = imgui.get_style().item_spacing.x
@@ -269,6 +269,14 @@ class FileBrowser:
         if (pressed or chosen or entered) and self._name:
             return self._accept()
         return False, None
+
+    def _warn(self, words: str, room: float) -> None:
+        """Say in one line what is wrong; what has no room is in the tooltip."""
+        with widgets.font(None, SMALL):
+            shown = widgets.cut(tr(words), room)
+            widgets.raw(shown, COLOURS.warn)
+        if shown.endswith("…"):
+            widgets.tooltip(words)
 
     def _name_field(self, session: "Session", hint: str) -> bool:
         """Draw the field that takes a typed name or path; whether Return was pressed in it."""

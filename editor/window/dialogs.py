@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.language import tr
-from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question, TextQuestion
+from editor.base.prompts import (
+    Choice,
+    FileQuestion,
+    MenuQuestion,
+    Prompt,
+    Question,
+    TextQuestion,
+)
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS
 from editor.toolkit.keys import label as chord_label
@@ -41,6 +48,14 @@ class Dialogs:
         prompt = session.prompts[-1]
         fresh = prompt is not self._shown
         self._shown = prompt
+        try:
+            self._draw(session, prompt, fresh)
+        except Exception:
+            # It could neither be answered nor left, and nothing else can be reached.
+            session.prompts.remove(prompt)
+            raise
+
+    def _draw(self, session: "Session", prompt: Prompt, fresh: bool) -> None:
         match prompt:
             case Question():
                 self._question(session, prompt, fresh)

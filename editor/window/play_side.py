@@ -14,7 +14,7 @@ from editor.base.language import tr
 from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
-from editor.toolkit.widgets import broken, draw_key_plate, font, px
+from editor.toolkit.widgets import broken, cut, draw_key_plate, font, px
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural
@@ -227,20 +227,11 @@ def _keys(session: "Session", column: _Column) -> None:
         names = [session.document.spoken_name_of(entity) for entity in driven_by(level, channel)]
         offset = x + px(6) - column.x
         with font(FONTS.regular, SMALL):
-            words = _cut(", ".join(names), column.width - offset)
+            words = cut(", ".join(names), column.width - offset)
             at = (column.x + offset, column.y + (side - imgui.get_text_line_height()) / 2)
             column.draw.add_text(at, u32(COLOURS.muted), words)
         column.y += side + px(5)
     column.gap(10)
-
-
-def _cut(words: str, room: float) -> str:
-    """Cut words to a room [px]."""
-    if imgui.calc_text_size(words).x <= room:
-        return words
-    while words and imgui.calc_text_size(words + "…").x > room:
-        words = words[:-1]
-    return words + "…" if words else ""
 
 
 def _goal(session: "Session", column: _Column) -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.fields import SetField
+from editor.window.browser import FileBrowser
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir, user_levels_dir
 
@@ -160,3 +161,26 @@ def test_a_users_folder_that_cannot_be_made_is_told(drawn):
     drawn.frames(4)
     assert drawn.session.prompts, "still asking"
     assert not [line for line in drawn.session.log.lines if "Traceback" in line]
+
+
+def test_a_dialog_that_cannot_be_drawn_does_not_lock_the_app(drawn, monkeypatch):
+    def fails(*_):
+        raise OSError("broken")
+
+    monkeypatch.setattr(FileBrowser, "draw", fails)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    assert not drawn.session.prompts
+    drawn.key("ctrl+n")
+    assert len(drawn.session.tabs) == 3
+
+
+def test_a_long_name_leaves_the_buttons_in_the_dialog(drawn, tmp_path):
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+o")
+    drawn.frames(4)
+    type_name(drawn, "o" * 300)
+    x, _ = drawn.probe("browser.accept").centre
+    assert asked(drawn) and x < drawn.host.size[0]
+    type_name(drawn, "p" * 300)
+    assert drawn.probe("browser.accept").centre[0] == x

@@ -210,11 +210,7 @@ def _text_size() -> float:
 def _fitted(words: str, room: float, size: float) -> str:
     """The words, cut off with an ellipsis where they are wider than the room [px]."""
     del size  # part of the key only: the width depends on it
-    if imgui.calc_text_size(words).x <= room:
-        return words
-    while words and imgui.calc_text_size(words + "…").x > room:
-        words = words[:-1]
-    return words.rstrip() + "…"
+    return widgets.cut(words, room)
 
 
 def _detail(card: Card) -> str:
