@@ -1,4 +1,4 @@
-"""A training on this machine that the app has begun: a process of its own, which may outlive it.
+"""A training on this machine that the app has begun: a process of its own, which ends with the app.
 
 It writes a run's folder like any other training, so the Training panel shows it, and the command
 line can go on with it.
@@ -39,15 +39,24 @@ Start = Callable[[Sequence[str], Path], Process]
 
 
 def start_process(words: Sequence[str], log: Path) -> Process:
-    """Start a command with low priority: it has it from its first instruction on."""
+    """Start a command with low priority: it has it from its first instruction on.
+
+    Where the app ends without a word, the command is asked to end: nobody would see it go on.
+    """
     with log.open("wb") as output:
         return subprocess.Popen(
-            _niced(words),
+            _bound(_niced(words)),
             stdout=output,
             stderr=subprocess.STDOUT,
             stdin=subprocess.DEVNULL,
             start_new_session=True,
         )
+
+
+def _bound(words: Sequence[str]) -> list[str]:
+    """Return the command behind Linux's `setpriv`, which becomes it; elsewhere the command."""
+    bind = shutil.which("setpriv") if sys.platform == "linux" else None
+    return [bind, "--pdeathsig", "TERM", *words] if bind else list(words)
 
 
 def _niced(words: Sequence[str]) -> list[str]:

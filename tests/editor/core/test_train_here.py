@@ -1,7 +1,9 @@
 """Training on the level in front: a process is begun, watched, ended, and its agent taken."""
 
 import os
+import shutil
 import signal
+import subprocess
 import sys
 import time
 
@@ -152,3 +154,35 @@ def test_the_process_is_of_low_priority_and_its_words_are_kept(tmp_path):
     process = start_process([sys.executable, "-c", "import os; print(os.nice(0))"], log)
     assert process.wait(30) == 0
     assert int(log.read_text()) >= 5
+
+
+LEAVES = """
+import pathlib, sys, time
+from editor.agents.local_training import start_process
+
+child = (
+    "import pathlib, signal, sys, time\\n"
+    "def saved(*_):\\n    pathlib.Path(sys.argv[1]).write_text('saved')\\n    sys.exit()\\n"
+    "signal.signal(signal.SIGTERM, saved)\\nprint('ready', flush=True)\\ntime.sleep(60)"
+)
+log = pathlib.Path(sys.argv[1]) / "log"
+start_process([sys.executable, "-c", child, str(log.with_name("done"))], log)
+while "ready" not in log.read_text():
+    time.sleep(0.05)
+print("started", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="it takes Linux's setpriv")
+def test_a_training_is_asked_to_end_when_the_app_is_killed(tmp_path):
+    """Nobody would see it, and nothing in the app could stop it."""
+    command = [sys.executable, "-c", LEAVES, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as app:
+        assert app.stdout is not None and app.stdout.readline() == b"started\n"
+        app.kill()
+    for _ in range(600):
+        if (tmp_path / "done").exists():
+            return
+        time.sleep(0.05)
+    raise AssertionError("it goes on")
