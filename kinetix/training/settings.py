@@ -53,7 +53,7 @@ def make_config(
     """Put a configuration together; later sources win over earlier ones.
 
     Args:
-        algorithm: "ppo", "sfl", "plr", "accel" or "dr".
+        algorithm: "ppo", "sfl", "plr", "accel", "dr" or "bc".
         preset: Name of a preset.
         file: A TOML file: fields, a table `[network]`, and tables named after algorithms that hold
             for those alone.

@@ -26,10 +26,10 @@ def train(
 
     Args:
         config: A configuration (`make_config`), or the name of an algorithm: `ppo`, `sfl`, `plr`,
-            `accel`, `dr`.
+            `accel`, `dr`, `bc`.
         out: The run's directory; the same one goes on where it stopped.
-        preset: `small` (the default, which fits a laptop), `paper` or `kinetix-3`; only with the
-            name of an algorithm.
+        preset: `small` (the default, which fits a laptop), `specialist`, `general`, `paper` or
+            `kinetix-3`; only with the name of an algorithm.
         start_from: An agent to fine-tune.
         report: Called after every update.
         say: Takes what there is to say besides.
