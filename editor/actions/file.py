@@ -1,5 +1,7 @@
 """Actions of the File menu: new, open, save, close, and the questions on the way."""
 
+import functools
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -162,8 +164,16 @@ def _no_moment(session: Session) -> None:
         )
 
 
-def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
-    """Save under a name that the user chooses."""
+def save_as(
+    session: Session, then: Callable[[], None] | None = None, wish: Path | None = None
+) -> None:
+    """Save under a name that the user chooses.
+
+    Args:
+        session: The app.
+        then: What comes after it is saved.
+        wish: The file to propose: one that could not be written.
+    """
     _no_moment(session)
     document = session.document
     folder, title = folders.to_save(session), "Save level as"
@@ -171,11 +181,14 @@ def save_as(session: Session, then: Callable[[], None] | None = None) -> None:
     if document.path is not None and filing.bundled(document.path):
         title = f"{name} came with the app: save a copy of your own"
         name = filing.free_path(folder / name).name
+    if wish is not None and os.path.isdir(wish.parent):
+        folder, name = wish.parent, wish.name
 
     def answer(path: Path | None) -> None:
         if path is not None:
             target = path if path.suffix else path.with_name(f"{path.name}.json")
-            save_with_care(session, document, target, document.format, then)
+            again = functools.partial(save_as, session, then, target)
+            save_with_care(session, document, target, document.format, then, failed=again)
 
     session.ask(
         FileQuestion(
@@ -200,11 +213,13 @@ def save_with_care(
     path: Path,
     format: Format,
     then: Callable[[], None] | None = None,
+    *,
+    failed: Callable[[], None] = lambda: None,
 ) -> None:
     """Save, after asking when that would lose another program's change or what the format lacks."""
 
     def save_to(target: Path) -> None:
-        _save_in_format(session, document, target, format, then)
+        _save_in_format(session, document, target, format, then, failed)
 
     if files.conflicts(document, path):
         conflict.ask(session, document, path, save_to, then)
@@ -218,20 +233,24 @@ def _save_in_format(
     path: Path,
     format: Format,
     then: Callable[[], None] | None,
+    failed: Callable[[], None],
 ) -> None:
     """Save, after asking when the format cannot say everything (IO10)."""
+
+    def save_as_format(chosen: Format) -> None:
+        if not save_now(session, document, path, chosen):
+            failed()
+        elif then is not None:
+            then()
+
     lost = files.lost_on_save(document.level, path, format)
     if not lost:
-        if save_now(session, document, path, format) and then is not None:
-            then()
+        save_as_format(format)
         return
 
     def answer(choice: str) -> None:
-        if choice == "cancel":
-            return
-        chosen: Format = "kinetix-level" if choice == "native" else format
-        if save_now(session, document, path, chosen) and then is not None:
-            then()
+        if choice != "cancel":
+            save_as_format("kinetix-level" if choice == "native" else format)
 
     session.ask(
         Question(

@@ -7,6 +7,7 @@ import pytest
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.fields import SetField
 from editor.window.browser import FileBrowser
+from kinetix.errors import LevelError
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir, user_levels_dir
 
@@ -184,3 +185,20 @@ def test_a_long_name_leaves_the_buttons_in_the_dialog(drawn, tmp_path):
     assert asked(drawn) and x < drawn.host.size[0]
     type_name(drawn, "p" * 300)
     assert drawn.probe("browser.accept").centre[0] == x
+
+
+def test_a_save_that_fails_asks_again_with_the_name_that_was_typed(drawn, tmp_path, monkeypatch):
+    drawn.session.settings.save_folder = str(tmp_path)
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+
+    def full(*_):
+        raise LevelError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("editor.documents.files.write_with_backup", full)
+        type_name(drawn, "long_to_type")
+    assert asked(drawn).name == "long_to_type.json"
+    drawn.key("return")
+    drawn.frames(4)
+    assert (tmp_path / "long_to_type.json").is_file()
