@@ -35,6 +35,37 @@ _GROUPS: Final = {
 }
 """The same for what is no command: `wheel` means the part before an agent of that name."""
 
+_ALSO: Final = {
+    "Mirror Left–Right": "Flip Horizontally",
+    "Mirror Up–Down": "Flip Vertically",
+    "Duplicate": "Clone",
+    "Delete": "Remove Erase",
+    "Rectangle": "Box Square",
+    "Circle": "Ball Disc",
+    "Joint": "Hinge Pivot Axle Pin",
+    "Weld": "Glue Rigid",
+    "Thruster": "Rocket Jet Engine",
+    "Bring Forward": "To Front",
+    "Send Back": "To Back",
+    "Fit Arena": "Zoom All",
+    "Frame Selection": "Zoom Selection",
+    "Actual Size": "Zoom 100 %",
+    "Open…": "Load Import",
+    "Record Film": "Video GIF",
+    "Export Clip…": "Video GIF",
+    "Save Screenshot": "Picture PNG",
+    "Play": "Run Start Simulate",
+    "Let the Agent Play": "Watch AI Bot",
+    "Evaluate…": "Measure Test",
+    "Train on This Level": "Learn",
+    "Preferences…": "Settings Options",
+    "Bounciness": "Restitution Elasticity",
+    "Density": "Mass Weight",
+}
+"""What other programs call the same, by label."""
+_OTHER_WORDS: Final = 0.5
+"""Penalty of an entry that fits by what others call it."""
+
 
 class CommandPalette:
     """A line to type into and the best matches under it."""
@@ -141,8 +172,10 @@ def _behind(entry: Entry) -> float:
 
 
 def _score(label: str, typed: str) -> float | None:
-    """Rate a label by its own words and by those that the person reads."""
+    """Rate a label by its words, by those that the person reads, and by what others call it."""
     ratings = [score(words, typed) for words in dict.fromkeys((label, tr(label)))]
+    elsewhere = score(_ALSO.get(label, ""), typed)
+    ratings.append(None if elsewhere is None else elsewhere + _OTHER_WORDS)
     return min((rating for rating in ratings if rating is not None), default=None)
 
 

@@ -5,8 +5,8 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS
 from editor.actions.base import always, editing, playing, selecting
-from editor.window.panels.found import score
-from editor.window.panels.palette import _behind, entries, scene_entries
+from editor.window.panels.found import _FIELDS
+from editor.window.panels.palette import _ALSO, _behind, _score, entries, scene_entries
 from tests.editor.core.helpers import a_level, a_session
 
 
@@ -95,6 +95,11 @@ def test_a_single_drawing_and_a_setting_are_switched_from_the_palette(make_gui):
         ("level random", "Random Level"),
         ("mirr lr", "Mirror Left–Right"),
         ("d6 br", "D6 bridge"),
+        ("flip hor", "Mirror Left–Right"),
+        ("flip vert", "Mirror Up–Down"),
+        ("box", "Rectangle"),
+        ("hinge", "Joint"),
+        ("settings", "Preferences…"),
     ],
 )
 def test_what_is_meant_comes_first(typed, first):
@@ -104,6 +109,12 @@ def test_what_is_meant_comes_first(typed, first):
     rated = [
         (rating + _behind(entry), number, entry.label)
         for number, entry in enumerate(offered)
-        if (rating := score(entry.label, typed)) is not None
+        if (rating := _score(entry.label, typed)) is not None
     ]
     assert min(rated)[2] == first
+
+
+def test_other_words_belong_to_something_that_can_be_found():
+    labels = {entry.label for entry in entries(a_session())}
+    labels |= {label for _, label, _ in _FIELDS}
+    assert set(_ALSO) <= labels
