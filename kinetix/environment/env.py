@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Self
 
 import jax
 import jax.numpy as jnp
@@ -118,6 +118,10 @@ class KinetixEnv(MethodsOfKinetixEnv):
             f"<KinetixEnv: {self.observations.name} → {self.actions.name}, "
             f"size {describe_capacity(static.capacity)}, {static.physics}>"
         )
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        """Itself, as for any value: a copy of `reset_fn` would be another, and compile anew."""
+        return self
 
     @property
     def name(self) -> str:

@@ -1,5 +1,6 @@
 """Gymnasium's own checks, its modes of starting anew, its films."""
 
+import copy
 import pickle
 import subprocess
 import sys
@@ -171,6 +172,8 @@ def test_observations_may_be_written_into(same):
 def test_equal_environments_compile_once():
     first, second = (KinetixGymEnv(**LEVEL).kinetix_env for _ in range(2))
     assert first == second and hash(first) == hash(second)
+    # Searches copy environments to try something out.
+    assert copy.deepcopy(KinetixGymEnv(**LEVEL)).kinetix_env == first
 
 
 def test_a_level_with_more_in_it_than_the_environments_own_is_played_whole():
