@@ -32,7 +32,7 @@ _SAYS_MUCH: Final = 12
 _LONGEST_NAME: Final = 5
 """So many words may be a name."""
 _SENTENCE: Final = re.compile(r"[.?!;:] ")
-"""Where a sentence ends or goes on."""
+"""Punctuation inside a sentence or after it."""
 
 
 class Language:

@@ -29,7 +29,7 @@ class Toast:
     action: str | None = None
     """An action offered as a button (`edit.undo`)."""
     offered: Callable[[], bool] = lambda: True
-    """Whether the button still does what the message says."""
+    """Returns False once the button would do something else than the message says."""
 
 
 class Messages:

@@ -64,7 +64,7 @@ class FileBrowser:
         self._overwrite: Path | None = None
         self._error = ""
         self._hidden = ""
-        """What is said of names that cannot be shown."""
+        """A line about the files that are not listed because their names are not text; or empty."""
         self._to_name = True
         """True if the keyboard goes to the name in the next frame."""
 
@@ -273,7 +273,7 @@ class FileBrowser:
     def _warn(self, words: str, room: float) -> None:
         """Say in one line what is wrong; what has no room is in the tooltip."""
         with widgets.font(None, SMALL):
-            shown = widgets.cut(tr(words), room)
+            shown = widgets.fitted(tr(words), room)
             widgets.raw(shown, COLOURS.warn)
         if shown.endswith("…"):
             widgets.tooltip(words)

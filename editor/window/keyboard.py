@@ -31,7 +31,7 @@ class Keyboard:
 
     def __init__(self) -> None:
         self._after_typing: list[events.InputEvent] = []
-        """What is handed on once the panel has taken the text that was being typed."""
+        """Events to handle once the panel has taken the text that was being typed."""
         self._popup = False
         """True if a pop-up was open in the last frame."""
 

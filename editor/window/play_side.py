@@ -14,7 +14,7 @@ from editor.base.language import tr
 from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
-from editor.toolkit.widgets import broken, cut, draw_key_plate, font, px
+from editor.toolkit.widgets import broken, draw_key_plate, fitted, font, px
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural
@@ -227,7 +227,7 @@ def _keys(session: "Session", column: _Column) -> None:
         names = [session.document.spoken_name_of(entity) for entity in driven_by(level, channel)]
         offset = x + px(6) - column.x
         with font(FONTS.regular, SMALL):
-            words = cut(", ".join(names), column.width - offset)
+            words = fitted(", ".join(names), column.width - offset)
             at = (column.x + offset, column.y + (side - imgui.get_text_line_height()) / 2)
             column.draw.add_text(at, u32(COLOURS.muted), words)
         column.y += side + px(5)

@@ -39,7 +39,7 @@ _PARTS: Final = {
     "motors": "motors",
     "thrusters": "thrusters",
 }
-"""What each of `Features` is called."""
+"""Words for the fields of `Features`, for error messages."""
 _NUMBERS = int | np.generic | np.ndarray | jax.Array
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.files.limits import DEPTH, LARGEST_INTEGER, Kind
+from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, read_text
 
 # A string that does not end counts as one: otherwise every quote in it would be tried in turn.
 _STRINGS: Final = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)', re.DOTALL)
-_HALVES: Final = re.compile("[\ud800-\udfff]")
 _PAIRS: Final = re.compile(r"\[\]|\{\}")
 _NO_BRACKETS: Final = re.compile(r"[^\[\]{}]+")
 
@@ -128,7 +128,7 @@ def _oddities(value: Any, path: str) -> Iterator[tuple[str, str]]:
     elif isinstance(value, list):
         for k, part in enumerate(value):
             yield from _oddities(part, f"{path}[{k}]")
-    elif isinstance(value, str) and _HALVES.search(value):
+    elif isinstance(value, str) and not is_text(value):
         yield path, "expected Unicode text, got half of a surrogate pair"
     elif isinstance(value, float) and not math.isfinite(value):
         yield path, "expected a finite number"

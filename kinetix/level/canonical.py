@@ -8,6 +8,7 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
+from kinetix.files.names import is_text
 from kinetix.level.model import Level, Record, round_real
 
 FORMAT: Final = "kinetix-level"
@@ -64,7 +65,7 @@ def unsayable_paths(tree: Any, path: str = "$") -> Iterator[str]:
     elif isinstance(tree, float):
         if not math.isfinite(tree):
             yield path
-    elif isinstance(tree, str) and any("\ud800" <= character <= "\udfff" for character in tree):
+    elif isinstance(tree, str) and not is_text(tree):
         yield path
 
 

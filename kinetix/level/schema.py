@@ -14,6 +14,7 @@ from typing import Any, Final
 import msgspec
 from msgspec import inspect
 
+from kinetix.files.names import is_text
 from kinetix.level.faults import FaultCollector, bounds_text
 from kinetix.level.json_text import DuplicateKeys
 from kinetix.level.model import Level, Limits, Motor
@@ -203,7 +204,7 @@ def _check_text(value: Any, kind: Any, path: str, faults: FaultCollector) -> Non
         faults.add("E007", path, f"expected {low} to {high} characters, got {len(value)}")
     elif kind.pattern and not re.fullmatch(kind.pattern, value):
         faults.expect("E007", path, "only the characters a-z 0-9 - _", value)
-    elif not value.isascii() and any("\ud800" <= c <= "\udfff" for c in value):
+    elif not is_text(value):
         faults.add("E007", path, "expected Unicode text, got half of a surrogate pair")
 
 

@@ -113,15 +113,6 @@ def centred_lines(words: str, width: float) -> None:
             raw(line, COLOURS.muted)
 
 
-def cut(words: str, room: float) -> str:
-    """Words cut off with an ellipsis where they are wider than the room [px]."""
-    if imgui.calc_text_size(words).x <= room:
-        return words
-    while words and imgui.calc_text_size(words + "…").x > room:
-        words = words[:-1]
-    return words.rstrip() + "…" if words else ""
-
-
 def broken(words: str, width: float) -> list[str]:
     """Text broken at spaces so that no line is wider than `width` [px]."""
     lines: list[str] = []

@@ -62,7 +62,7 @@ _ALSO: Final = {
     "Bounciness": "Restitution Elasticity",
     "Density": "Mass Weight",
 }
-"""What other programs call the same, by label."""
+"""Synonyms from other programs, by label."""
 _OTHER_WORDS: Final = 0.5
 """Penalty of an entry that fits by what others call it."""
 

@@ -392,12 +392,19 @@ def test_the_arrow_back_is_in_sight_with_larger_text(make_gui):
 
 
 @pytest.fixture
-def saved(make_gui, tmp_path):
-    """A level of the user's whose description is being typed."""
+def opened(make_gui, tmp_path):
+    """A level of the user's, and its file."""
     path = tmp_path / "mine.json"
     save_level(a_level(), path)
     gui = make_gui()
     gui.open(path)
+    return gui, path
+
+
+@pytest.fixture
+def saved(opened):
+    """The same, its description being typed."""
+    gui, path = opened
     gui.click("level.description")
     gui.frames(2)
     gui.key("ctrl+a")
@@ -434,11 +441,8 @@ def test_closing_the_window_asks_about_what_is_being_typed(saved):
     assert not gui.session.quitting
 
 
-def test_a_number_that_is_being_typed_is_saved_too(make_gui, tmp_path):
-    path = tmp_path / "mine.json"
-    save_level(a_level(), path)
-    gui = make_gui()
-    gui.open(path)
+def test_a_number_that_is_being_typed_is_saved_too(opened):
+    gui, path = opened
     gui.click("outliner.1")
     x, y = gui.probe("inspector.density").centre
     gui.move(x, y)

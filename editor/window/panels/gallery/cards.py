@@ -210,7 +210,7 @@ def _text_size() -> float:
 def _fitted(words: str, room: float, size: float) -> str:
     """The words, cut off with an ellipsis where they are wider than the room [px]."""
     del size  # part of the key only: the width depends on it
-    return widgets.cut(words, room)
+    return widgets.fitted(words, room)
 
 
 def _detail(card: Card) -> str:
