@@ -76,12 +76,17 @@ def later(session, clock, seconds):
 
 
 def kill(session):
-    """End a run as SIGKILL does: the system gives its lock back and nothing else happens."""
-    lock = session.autosaves._lock
+    """End a run as SIGKILL does: the system gives its lock back and nothing more is written."""
+    autosaves = session.autosaves
+    with autosaves._wake:
+        for watched in autosaves._watched.values():
+            watched.wanted, watched.gone = None, False
+    autosaves.flush()  # a thread cannot be stopped within a write, as a process can
+    lock = autosaves._lock
     if lock is not None:
         lock._released.set()
         lock._file.close()
-    session.autosaves._stored = False
+    autosaves._stored = False
 
 
 def copies():
@@ -160,7 +165,8 @@ def test_a_document_without_its_file_is_copied(start, clock, path):
     assert len(copies()) == 1
 
 
-def test_restoring_keeps_the_copy_until_the_level_is_saved(start, clock, path):
+@pytest.mark.parametrize("copied", [False, True], ids=["before its copy", "after its copy"])
+def test_restoring_keeps_the_copy_until_the_level_is_saved(start, clock, path, copied):
     level = left(start, clock, path)
     (first,) = copies()
     session = start()
@@ -168,6 +174,8 @@ def test_restoring_keeps_the_copy_until_the_level_is_saved(start, clock, path):
     assert session.document.level == level
     assert session.document.dirty and session.document.path == path
     assert first.exists()
+    if copied:
+        session.autosaves.flush()
     kill(session)  # right after restoring: nothing is lost
     session = start()
     session.answer(session.prompts[-1], "restore")
