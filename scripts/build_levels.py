@@ -12,8 +12,7 @@ from typing import Final
 
 from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Level, SizeName
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import gather_levels, level_files, save_set
+from kinetix.level.sets import build_set, gather_levels, level_files, save_set
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 from scripts.library import (

@@ -10,8 +10,7 @@ from kinetix.errors import LevelError
 from kinetix.level.atomic import write_with_backup
 from kinetix.level.codec import dumps, level_hash, load_document
 from kinetix.level.model import Level, SizeName
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, dumps_set
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, dumps_set
 
 Form = Literal["file", "folder"]
 

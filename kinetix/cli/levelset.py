@@ -19,15 +19,16 @@ from kinetix.errors import LevelError
 from kinetix.files.folders import made_folder
 from kinetix.level.atomic import backup_of
 from kinetix.level.codec import load_document
-from kinetix.level.set_building import build_set, split_set
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
     LoadedSet,
     SetLevel,
+    build_set,
     gather_levels,
     load_set,
     read_levels,
     save_set,
+    split_set,
 )
 from kinetix.level.validate import Issue, has_errors, validate
 from kinetix.wording import plural

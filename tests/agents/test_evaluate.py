@@ -17,8 +17,7 @@ from kinetix.agents.shapes import init_parameters
 from kinetix.cli import main
 from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import gather_levels, save_set
+from kinetix.level.sets import build_set, gather_levels, save_set
 
 _FAST = Settings(attempts=3, physics="jax2d")
 

@@ -12,8 +12,7 @@ from kinetix.level.codec import dumps, level_hash, load_document, load_level, lo
 from kinetix.level.json_schema import level_schema
 from kinetix.level.kinetix_env_export import from_level
 from kinetix.level.model import Level
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import dumps_set, gather_levels, is_set_file, load_set
+from kinetix.level.sets import build_set, dumps_set, gather_levels, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir

@@ -50,8 +50,7 @@ def read_level(folder: Path) -> int:
 
 
 def write_set(folder: Path, number: int) -> None:
-    from kinetix.level.set_building import build_set
-    from kinetix.level.sets import gather_levels, save_set
+    from kinetix.level.sets import build_set, gather_levels, save_set
 
     made = build_set(gather_levels(["s/first_flight"]), name=f"n {number}", folder=folder)
     save_set(made, folder / "set.json", inline=True)

@@ -22,8 +22,7 @@ from kinetix.environment.reset import (
 )
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import gather_levels, load_set, save_set
+from kinetix.level.sets import build_set, gather_levels, load_set, save_set
 
 FIXTURES = Path(__file__).resolve().parents[1] / "level" / "fixtures"
 MOON = (0.25, -1.62)

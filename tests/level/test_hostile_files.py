@@ -9,8 +9,7 @@ from kinetix.cli import main
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, load_level, loads, save_level
 from kinetix.level.model import MAX_STEPS, Level, Solution
-from kinetix.level.set_building import build_set
-from kinetix.level.sets import gather_levels, load_set, save_set, within_reach
+from kinetix.level.sets import build_set, gather_levels, load_set, save_set, within_reach
 
 STILL = [0, 0, 0, 0, 0, 0]
 

@@ -366,7 +366,7 @@ def test_reading_checking_and_saving_need_no_jax(tmp_path):
     script = """
 import sys
 from kinetix.level.codec import load_document, save_level
-from kinetix.level.set_building import build_set
+from kinetix.level.sets import build_set
 from kinetix.level.sets import gather_levels, save_set
 from kinetix.level.validate import validate
 for path in sys.argv[2:]:

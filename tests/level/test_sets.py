@@ -9,10 +9,11 @@ import pytest
 from kinetix.errors import LevelError
 from kinetix.level.codec import level_hash, load_level, loads, save_level
 from kinetix.level.model import Body, Circle, Level, Thruster
-from kinetix.level.set_building import build_set, draw_split, split_set
 from kinetix.level.sets import (
+    build_set,
     common_capacity,
     distinct,
+    draw_split,
     dumps_set,
     evaluation_part,
     gather_levels,
@@ -20,6 +21,7 @@ from kinetix.level.sets import (
     level_files,
     load_set,
     save_set,
+    split_set,
     training_part,
 )
 from kinetix.level.sizes import SIZES

@@ -8,16 +8,16 @@ from pathlib import Path
 from kinetix.errors import LevelError
 from kinetix.level.faults import refuse_all
 from kinetix.level.model import SizeHint, SizeName
-from kinetix.level.sets import (
+from kinetix.level.sets.manifest import (
     DEFAULT_SPLIT,
     LevelSet,
     LoadedSet,
     SetEntry,
     SetLevel,
     Split,
-    distinct,
-    path_in_set,
 )
+from kinetix.level.sets.parts import distinct
+from kinetix.level.sets.paths import path_in_set
 from kinetix.level.sizes import needed_capacity
 from kinetix.level.validate import validate
 from kinetix.version import __version__

@@ -1,0 +1,129 @@
+"""The levels that somebody means: folders, files, names of bundled levels, level sets."""
+
+import dataclasses
+import itertools
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from kinetix.bundled import named_levels, refuse_empty
+from kinetix.errors import LevelError
+from kinetix.level.codec import level_hash, load_document, resolve_path
+from kinetix.level.faults import refuse_all
+from kinetix.level.sets.manifest import SetLevel
+from kinetix.level.sets.paths import plain_name
+from kinetix.level.sets.read import is_set_file, load_set
+
+
+def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
+    """The levels that a command line means: folders, files, names of bundled levels, level sets.
+
+    Args:
+        sources: Each a folder (every level below it), a level file or a level set, or the name of
+            one that is bundled: `s/first_flight`, `levels/s`, `sets/s`.
+
+    Returns:
+        The levels in this order, each with a name of its own: of several called `x`, which two
+        folders or two titles may be, the second is `x (2)`.
+
+    Raises:
+        LevelError: Something is missing or bad, or there is no level at all.
+    """
+    levels, unreadable = read_levels(sources)
+    refuse_all(
+        [str(error) for error in unreadable.values()],
+        of=len(levels) + len(unreadable),
+        what="files cannot be read",
+    )
+    return levels
+
+
+def read_levels(
+    sources: Sequence[str | Path],
+) -> tuple[list[SetLevel], dict[str, LevelError]]:
+    """Like `gather_levels`, but the damaged files of a folder do not keep its others away.
+
+    Returns:
+        The levels, and by name what is wrong with each file of a folder that could not be read.
+
+    Raises:
+        LevelError: A source is missing, or is a damaged level or level set itself; or there is no
+            level at all.
+    """
+    levels: list[SetLevel] = []
+    unreadable: dict[str, LevelError] = {}
+    for source in sources:
+        refuse_empty(source, "a folder, a level or a level set")
+        path = place_of(source)
+        if os.path.isdir(path):
+            for file in level_files(path):
+                try:
+                    levels.append(_from_file(file, file.relative_to(path)))
+                except LevelError as error:
+                    unreadable[str(file)] = error
+            continue
+        path = resolve_path(source)
+        if is_set_file(path):
+            levels += load_set(path).levels
+        else:
+            levels.append(_from_file(path, Path(source)))
+    if not levels and not unreadable:
+        named = ", ".join(map(str, sources)) or "no level was named"
+        raise LevelError(f"{named}: expected levels, found none")
+    return _told_apart(levels), unreadable
+
+
+def place_of(source: str | Path) -> Path:
+    """The path itself if there is something, else the bundled file or folder of that name."""
+    path = Path(source)
+    return path if os.path.exists(path) else named_levels(source) or path
+
+
+def level_files(folder: Path) -> Iterator[Path]:
+    """Yield everything below a folder that is called a level, in the order of names.
+
+    Level sets are left out; links that lead nowhere are not, so that they are told.
+    """
+    for path in json_files(folder):
+        if not os.path.isdir(path) and not (os.path.isfile(path) and is_set_file(path)):
+            yield path
+
+
+def json_files(folder: Path) -> list[Path]:
+    """Return what is called JSON below a folder, in the order of names.
+
+    Folders that are hidden, or hold an agent or a training run, are left out.
+    """
+    found: list[Path] = []
+    for place, inner, names in os.walk(folder):
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        if "agent.json" in names or ("config.toml" in names and "checkpoints" in inner):
+            inner.clear()
+        else:
+            found += [Path(place) / name for name in names if name.endswith(".json")]
+    return sorted(found)
+
+
+def _from_file(path: Path, name: Path) -> SetLevel:
+    level = load_document(path).level
+    return SetLevel(
+        name=plain_name(name.as_posix()),
+        level=level,
+        sha256=level_hash(level),
+        tags=level.tags,
+        path=path,
+    )
+
+
+def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
+    """Return the levels with names that differ: results are told by name."""
+    given = {each.name for each in levels}
+    taken: set[str] = set()
+    found: list[SetLevel] = []
+    for each in levels:
+        numbered = (f"{each.name} ({number})" for number in itertools.count(2))
+        names = itertools.chain([each.name], (name for name in numbered if name not in given))
+        name = next(name for name in names if name not in taken)
+        taken.add(name)
+        found.append(each if name == each.name else dataclasses.replace(each, name=name))
+    return found

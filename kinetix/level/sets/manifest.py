@@ -1,0 +1,105 @@
+"""What a level set is: a manifest of levels with weights and a split into train and eval."""
+
+import dataclasses
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+from msgspec import Meta
+
+from kinetix.engine.spec import Capacity
+from kinetix.errors import LevelError
+from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
+from kinetix.level.sizes import SIZES, capacity_of
+
+Split = Literal["train", "eval"]
+
+VERSION: Final = 1
+MAX_LEVELS: Final = 10_000
+"""Most levels of a set: a bound against hostile files."""
+DEFAULT_SPLIT: Final = 0.8
+
+
+class SetEntry(Record, frozen=True, kw_only=True):
+    """One level of a set, by the path of its file or (with `path` None) inline."""
+
+    path: Annotated[
+        str | None,
+        Meta(description="Relative to the set's folder", extra={"optional": True}),
+    ] = None
+    sha256: Annotated[str, Meta(min_length=64, max_length=64)]
+    """`level_hash` of the level."""
+    tags: tuple[Tag, ...] = ()
+    weight: Annotated[float, Meta(ge=1e-6, le=1e6)] = 1.0
+    """Relative probability in training."""
+    split: Split = "train"
+
+
+class LevelSet(Record, frozen=True, kw_only=True):
+    """A manifest."""
+
+    name: Annotated[str, Meta(min_length=1, max_length=120)]
+    size: Annotated[
+        SizeName | SizeHint | None,
+        Meta(description="Common capacity; none: the largest of each", extra={"optional": True}),
+    ] = None
+    seed: int = 0
+    """Seed of the split."""
+    engine_version: Annotated[str, Meta(max_length=120)] = ""
+    """The version that wrote the set."""
+    levels: Annotated[tuple[SetEntry, ...], Meta(max_length=MAX_LEVELS)] = ()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SetLevel:
+    """A level that was loaded from a set, a folder or a file."""
+
+    name: str
+    """Name in reports: the path below the folder or set, without suffix."""
+    level: Level
+    sha256: str
+    tags: tuple[str, ...] = ()
+    weight: float = 1.0
+    split: Split | None = None
+    """Part of its set; None where it is of none: folders and files are not split."""
+    path: Path | None = None
+    """Its file; None when it was inline."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LoadedSet:
+    """A manifest with its levels."""
+
+    manifest: LevelSet
+    levels: tuple[SetLevel, ...]
+    path: Path | None = None
+
+    @property
+    def capacity(self) -> Capacity:
+        """The common capacity: the manifest's, else the largest of each level's."""
+        size = self.manifest.size
+        if isinstance(size, str):
+            return SIZES[size]
+        if size is not None:
+            return Capacity(
+                polygons=size.polygons,
+                circles=size.circles,
+                joints=size.joints,
+                thrusters=size.thrusters,
+            )
+        return common_capacity(each.level for each in self.levels)
+
+
+def common_capacity(levels: Iterable[Level]) -> Capacity:
+    """The element-wise largest capacity of several levels.
+
+    Raises:
+        LevelError: There is no level.
+    """
+    capacity: Capacity | None = None
+    for level in levels:
+        own = capacity_of(level)
+        capacity = own if capacity is None else capacity.union(own)
+    if capacity is None:
+        raise LevelError("expected at least one level, got none")
+    return capacity

@@ -1,0 +1,175 @@
+"""Level sets read from files: strictly, with every fault of every level named."""
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from kinetix.errors import LevelError
+from kinetix.level.codec import (
+    LEVELSET_FORMAT,
+    level_from_tree,
+    level_hash,
+    load_document,
+    resolve_path,
+)
+from kinetix.level.faults import EnoughFaults, FaultCollector, fail, found
+from kinetix.level.json_text import DuplicateKeys, parse_json, read_text
+from kinetix.level.model import Level
+from kinetix.level.schema import check_tree
+from kinetix.level.sets.manifest import (
+    MAX_LEVELS,
+    VERSION,
+    LevelSet,
+    LoadedSet,
+    SetEntry,
+    SetLevel,
+)
+from kinetix.level.sets.paths import plain_name, within_reach
+
+
+def is_set_file(path: Path) -> bool:
+    """Return whether a JSON file is a level set; a file that cannot be read is none."""
+    try:
+        text = read_text(path, "set")
+        if f'"{LEVELSET_FORMAT}"' not in text:  # most files are levels: tell them without parsing
+            return False
+        tree = parse_json(text, str(path))
+    except LevelError:
+        return False
+    return isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT
+
+
+def load_set(path: str | Path) -> LoadedSet:
+    """Read a level set and all its levels, and check every hash.
+
+    Raises:
+        LevelError: The set or one of its levels is bad, or a level is not the one that was listed.
+    """
+    file = resolve_path(path)
+    return loads_set(read_text(file, "set"), str(file), folder=file.parent)
+
+
+def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
+    """Like `load_set`, from text.
+
+    Args:
+        text: The manifest.
+        file: Name for messages.
+        folder: What paths in the manifest are relative to.
+
+    Raises:
+        LevelError: As for `load_set`.
+    """
+    tree = parse_json(text, file)
+    faults = FaultCollector()
+    manifest, inline = None, {}
+    with contextlib.suppress(EnoughFaults):
+        manifest, inline = _read_manifest(tree, file, faults)
+    if manifest is None or faults.faults:
+        fail(file, faults.faults)
+    levels = []
+    with contextlib.suppress(EnoughFaults):
+        levels = _listed_levels(manifest, inline, folder, faults)
+    if faults.faults:
+        fail(file, faults.faults)
+    return LoadedSet(manifest=manifest, levels=tuple(levels), path=Path(file))
+
+
+def _listed_levels(
+    manifest: LevelSet, inline: dict[int, Level], folder: Path, faults: FaultCollector
+) -> list[SetLevel]:
+    levels = []
+    for k, entry in enumerate(manifest.levels):
+        if entry.path is None:
+            level, where = inline[k], None
+        elif not within_reach(entry.path):
+            message = f"expected a path inside the folder above the set, got {found(entry.path)}"
+            faults.add("E007", f"$.levels[{k}].path", message)
+            continue
+        else:
+            where = folder / entry.path
+            try:
+                level = load_document(where if where.is_absolute() else Path.cwd() / where).level
+            except LevelError as error:
+                faults.add("E007", f"$.levels[{k}].path", str(error))
+                continue
+        own = level_hash(level)
+        if own != entry.sha256:
+            message = f"expected the level with this hash, got one with {own}{_changed(entry)}"
+            faults.add("E007", f"$.levels[{k}].sha256", message)
+        levels.append(
+            SetLevel(
+                name=level.name if entry.path is None else plain_name(entry.path),
+                level=level,
+                sha256=own,
+                tags=entry.tags,
+                weight=entry.weight,
+                split=entry.split,
+                path=where,
+            )
+        )
+    return levels
+
+
+def _read_manifest(
+    tree: Any, file: str, faults: FaultCollector
+) -> tuple[LevelSet | None, dict[int, Level]]:
+    if not isinstance(tree, dict) or tree.get("format") != LEVELSET_FORMAT:
+        faults.add("E002", "$", f'expected an object with "format": "{LEVELSET_FORMAT}"')
+        return None, {}
+    version = tree.get("version")
+    if type(version) is not int or version < 1:
+        faults.expect("E006", "$.version", f"a whole number 1 ≤ x ≤ {VERSION}", version)
+        return None, {}
+    if version > VERSION:
+        faults.add("E003", "$.version", f"this set has a newer version than {VERSION}")
+        return None, {}
+    body = tree if isinstance(tree, DuplicateKeys) else dict(tree)
+    body.pop("format", None)
+    body.pop("version", None)
+    inline: dict[int, Level] = {}
+    entries = body.get("levels")
+    if isinstance(entries, list) and len(entries) <= MAX_LEVELS:
+        body["levels"] = [
+            _without_level(entry, k, file, inline, faults) for k, entry in enumerate(entries)
+        ]
+    check_tree(body, LevelSet, "$", faults)
+    if faults.faults:
+        return None, {}
+    manifest = msgspec.convert(body, LevelSet)
+    seen: dict[str, int] = {}
+    for k, entry in enumerate(manifest.levels):
+        if entry.sha256 in seen:
+            message = f"expected a hash of its own, levels[{seen[entry.sha256]}] has it too"
+            faults.add("E008", f"$.levels[{k}].sha256", message)
+        seen.setdefault(entry.sha256, k)
+    return manifest, inline
+
+
+def _without_level(
+    entry: Any, index: int, file: str, inline: dict[int, Level], faults: FaultCollector
+) -> Any:
+    """An entry without its inline level, which goes to `inline`."""
+    path = f"$.levels[{index}]"
+    if not isinstance(entry, dict):
+        return entry
+    if ("path" in entry) == ("level" in entry):
+        faults.add("E004", path, 'expected either "path" or "level"')
+        return entry
+    if "level" not in entry:
+        return entry
+    if not isinstance(entry["level"], dict):
+        faults.expect("E006", f"{path}.level", "an object", entry["level"])
+    else:
+        inline[index] = level_from_tree(entry["level"], file, f"{path}.level")
+    rest = entry if isinstance(entry, DuplicateKeys) else dict(entry)
+    del rest["level"]
+    return rest
+
+
+def _changed(entry: SetEntry) -> str:
+    if entry.path is None:
+        return ""
+    return f": {entry.path} has changed since the set was built; build the set again"

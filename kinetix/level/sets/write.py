@@ -1,0 +1,65 @@
+"""Level sets written to files, atomically."""
+
+import os
+from pathlib import Path
+
+from kinetix.errors import LevelError
+from kinetix.files.limits import LIMITS, MIB
+from kinetix.level.atomic import write_atomically, write_with_backup
+from kinetix.level.canonical import level_tree, record_tree, tree_text
+from kinetix.level.codec import LEVELSET_FORMAT
+from kinetix.level.sets.manifest import VERSION, LoadedSet
+from kinetix.level.sets.read import is_set_file
+
+
+def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
+    """Canonical text of a set.
+
+    Args:
+        loaded: The set.
+        inline: Whether the levels themselves stand in it instead of paths; levels without a file
+            and those out of the set's reach always do.
+    """
+    tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)
+    tree["levels"] = []
+    for entry, each in zip(loaded.manifest.levels, loaded.levels, strict=True):
+        part = record_tree(entry)
+        if inline or entry.path is None:
+            part.pop("path", None)
+            part = {"level": level_tree(each.level)} | part
+        tree["levels"].append(part)
+    return tree_text(tree)
+
+
+def save_set(
+    loaded: LoadedSet, path: str | Path, *, inline: bool = False, backup: bool = False
+) -> bool:
+    """Write a set atomically.
+
+    Args:
+        loaded: The set.
+        path: Its file.
+        inline: As for `dumps_set`.
+        backup: Whether another set that the file held stays beside it as `NAME.bak`, and an
+            older such backup as `NAME.bak2`.
+
+    Returns:
+        Whether there is such a backup now.
+
+    Raises:
+        LevelError: The file cannot be written, would be too large to be read, or there is a file
+            that is no set, such as one of the levels.
+    """
+    if os.path.isfile(path) and not is_set_file(Path(path)):
+        raise LevelError(f"{path}: there is a file that is no level set; choose another name")
+    data = dumps_set(loaded, inline=inline).encode()
+    largest = LIMITS["set"].largest
+    if len(data) > largest:
+        raise LevelError(
+            f"{path}: a set of more than {largest // MIB} MiB could not be read again; put it "
+            "beside its levels, without --inline"
+        )
+    if backup:
+        return write_with_backup(Path(path), data, keep_all=True)
+    write_atomically(Path(path), data)
+    return False
