@@ -4,7 +4,7 @@ import dataclasses
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import tyro
 from tyro.conf import Positional
@@ -15,6 +15,9 @@ from kinetix.level.atomic import backup_of, write_with_backup
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, dumps, load_document
 from kinetix.level.kinetix_env import lost_fields
+
+_NO_LEVELS: Final = frozenset({".png", ".gif", ".mp4", ".html", ".jpg", ".jpeg", ".svg"})
+"""Endings of pictures and films: who names one wants something else."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -38,6 +41,11 @@ def run(command: Convert) -> int:
     Raises:
         KinetixError: The level is bad, or would be replaced by its form in another format.
     """
+    if command.target.suffix.lower() in _NO_LEVELS:
+        raise KinetixError(
+            f"{command.target}: a level is a file that ends in .json; "
+            "`kinetix render` draws its picture"
+        )
     loaded = load_document(command.source)
     other: LevelFormat = "kinetix-env" if loaded.format == FORMAT else FORMAT
     target = command.format or other
@@ -48,7 +56,7 @@ def run(command: Convert) -> int:
         )
     made_folder(command.target.parent)
     text = dumps(loaded.level, format=target, source=loaded.source)
-    if write_with_backup(command.target, text.encode()):
+    if write_with_backup(command.target, text.encode(), keep_all=True):
         print(
             f"{backup_of(command.target)}: what {command.target.name} held before",
             file=sys.stderr,

@@ -44,3 +44,21 @@ def test_what_another_file_held_stays_beside_it(tmp_path, capsys):
     assert main(["convert", "s/first_flight", str(mine)]) == 0
     assert (tmp_path / "mine.json.bak").read_bytes() == before
     assert "mine.json.bak: what mine.json held before" in capsys.readouterr().err
+
+
+def test_a_second_conversion_keeps_the_first_backup(tmp_path):
+    mine = tmp_path / "mine.json"
+    save_level(load_level("s/wheelie"), mine)
+    before = mine.read_bytes()
+    assert main(["convert", "s/first_flight", str(mine)]) == 0
+    between = mine.read_bytes()
+    assert main(["convert", "s/goalkeeper", str(mine)]) == 0
+    kept = {file.read_bytes() for file in tmp_path.glob("mine.json.bak*")}
+    assert kept == {before, between}
+
+
+def test_a_picture_is_not_written_as_a_level(tmp_path, capsys):
+    picture = tmp_path / "level.png"
+    assert main(["convert", "s/first_flight", str(picture)]) == 1
+    assert "kinetix render" in capsys.readouterr().err
+    assert not picture.exists()
