@@ -20,9 +20,9 @@ from PIL import Image
 
 from editor.gallery.card import Card, fault_card, read_card
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
+from editor.gallery.walk import Walk
 from kinetix.errors import LevelError
 from kinetix.failures import crash_sentence, write_report
-from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, open_regular, read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import load_level
@@ -33,8 +33,6 @@ Thumbnail = UInt8[np.ndarray, "h w 3"]
 
 INDEX_VERSION: Final = 1
 """Rises when cards or thumbnails are made in another way: older ones are made anew."""
-MAX_FILES: Final = 20_000
-"""Most files of one look: a bound against a folder that was chosen by mistake."""
 _PICTURES: Final = 320
 """Thumbnails kept in memory."""
 _BREATH: Final = 0.002
@@ -66,7 +64,7 @@ class Library:
         self._folders: tuple[Path, ...] | None = None
         self._wanted: tuple[Card, ...] = ()
         self._asked = self._ended = 0
-        self._found: tuple[tuple[Card, ...], tuple[Path, ...]] | None = None
+        self._found: tuple[tuple[Card, ...], tuple[Path, ...], str] | None = None
         self._pictures: collections.OrderedDict[str, Thumbnail] = collections.OrderedDict()
         self._known: dict[str, _Known] | None = None
         self._unsaved = False
@@ -75,6 +73,8 @@ class Library:
         """The levels found so far, in the order of folders and paths."""
         self.sets: tuple[Path, ...] = ()
         """The level sets found."""
+        self.passed_over = ""
+        """One sentence about what the last look did not read; empty where it read everything."""
         self.revision = 0
         """Rises whenever `cards` changes."""
 
@@ -114,7 +114,7 @@ class Library:
             found, self._found = self._found, None
             if found is None:
                 return False
-            cards, self.sets = found
+            cards, self.sets, self.passed_over = found
         if cards == self.cards:
             return False
         self.cards = cards
@@ -221,7 +221,8 @@ class Library:
         known = self._index()
         seen: dict[str, _Known] = {}
         published = time.monotonic()
-        for path, modified_ns, size in _files(folders):
+        walk = Walk(folders)
+        for path, modified_ns, size in walk.files():
             name = str(path)
             if name in seen:
                 continue
@@ -236,11 +237,11 @@ class Library:
             seen[name] = known[name] = made
             self._unsaved = True
             if time.monotonic() - published > _PUBLISH_SECONDS:
-                self._publish(seen)
+                self._publish(seen, walk)
                 published = time.monotonic()
             yield
             time.sleep(_BREATH)
-        self._publish(seen, ended=number)
+        self._publish(seen, walk, ended=number)
         others = {
             name: one
             for name, one in known.items()
@@ -278,11 +279,11 @@ class Library:
             return _Known(kind="level", card=fault_card(path, fault))
         return None
 
-    def _publish(self, seen: dict[str, _Known], *, ended: int = 0) -> None:
+    def _publish(self, seen: dict[str, _Known], walk: Walk, *, ended: int = 0) -> None:
         cards = tuple(one.card for one in seen.values() if one.kind == "level")
         sets = tuple(Path(one.card.path) for one in seen.values() if one.kind == "set")
         with self._condition:
-            self._found = (cards, sets)
+            self._found = (cards, sets, walk.passed_over)
             self._ended = max(self._ended, ended)
 
     def _index(self) -> dict[str, _Known]:
@@ -303,29 +304,6 @@ class Library:
 
 
 _OVER: Final = object()
-
-
-def _files(folders: Sequence[Path]) -> Iterator[tuple[Path, int, int]]:
-    """Every JSON file below some folders with time [ns] and length, in the order of paths.
-
-    Those whose names are no text are passed over: they cannot be shown.
-    """
-    count = 0
-    for folder in folders:
-        for place, inner, names in os.walk(folder):
-            inner[:] = sorted(name for name in inner if not name.startswith(".") and is_text(name))
-            for name in sorted(names):
-                if not name.endswith(".json") or name.startswith(".") or not is_text(name):
-                    continue
-                path = Path(place) / name
-                try:
-                    status = path.stat()
-                except OSError:
-                    continue
-                yield path, status.st_mtime_ns, status.st_size
-                count += 1
-                if count >= MAX_FILES:
-                    return
 
 
 def _claims_to_be_a_level(path: Path) -> bool:

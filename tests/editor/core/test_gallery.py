@@ -100,6 +100,21 @@ def test_the_library_finds_levels_and_leaves_other_files_out(library, folder):
     assert "version" not in cards["broken"].name and "name" in cards["broken"].fault
 
 
+def test_what_the_library_passes_over_is_said(library, folder, monkeypatch):
+    look(library, folder)
+    assert library.passed_over == ""
+    odd = folder / "latin\udce9.json"
+    odd.write_text("{}")
+    look(library, folder)
+    assert "no Unicode" in library.passed_over
+    odd.unlink()
+    look(library, folder)
+    assert library.passed_over == ""
+    monkeypatch.setattr("editor.gallery.walk.MAX_FILES", 2)
+    assert len(look(library, folder)) == 2
+    assert "first 2 files" in library.passed_over
+
+
 def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkeypatch):
     look(library, folder)
     read = []

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 from editor.base.language import tr
 from editor.gallery.search import SIZE_ORDER, SORTS, Sort
 from editor.toolkit import widgets
-from editor.toolkit.appearance import FONTS, Icons
+from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.widgets import px
 
 if TYPE_CHECKING:
@@ -40,6 +40,11 @@ def draw_head(session: "Session", count: int) -> None:
     words = f"{count} {noun}" if not session.library.busy else f"{count} {noun} …"
     imgui.align_text_to_frame_padding()
     widgets.muted(words)
+    if session.library.passed_over:
+        imgui.same_line(0, px(8))
+        widgets.text(Icons.warning, COLOURS.warn)
+        widgets.probe(session, "gallery.passed_over")
+        widgets.tooltip(session.library.passed_over)
     imgui.same_line(0, px(18))
     close, free = px(34), imgui.get_content_region_avail().x
     order = px(150) if free > px(420) else px(112)

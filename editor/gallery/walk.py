@@ -1,0 +1,59 @@
+"""The files below the gallery's folders, and what it passes over."""
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from kinetix.files.names import is_text
+
+MAX_FILES: Final = 20_000
+"""Most files of one look: a bound against a folder that was chosen by mistake."""
+
+
+class Walk:
+    """One way through some folders; tells what it passed over."""
+
+    def __init__(self, folders: Sequence[Path]) -> None:
+        """Begin.
+
+        Args:
+            folders: Where; everything below them as well.
+        """
+        self._folders = folders
+        self._unnamed = 0
+        self._full = False
+
+    @property
+    def passed_over(self) -> str:
+        """One sentence about what was not read; empty where everything was."""
+        if self._full:
+            return f"Not shown: what comes after the first {MAX_FILES} files."
+        if self._unnamed:
+            return "Not shown: files and folders whose names are no Unicode text; rename them."
+        return ""
+
+    def files(self) -> Iterator[tuple[Path, int, int]]:
+        """Every JSON file with time [ns] and length, in the order of paths."""
+        count = 0
+        for folder in self._folders:
+            for place, inner, names in os.walk(folder):
+                inner[:] = self._shown(inner)
+                for name in self._shown(name for name in names if name.endswith(".json")):
+                    path = Path(place) / name
+                    try:
+                        status = path.stat()
+                    except OSError:
+                        continue
+                    if count == MAX_FILES:
+                        self._full = True
+                        return
+                    yield path, status.st_mtime_ns, status.st_size
+                    count += 1
+
+    def _shown(self, names: Iterable[str]) -> list[str]:
+        """The names that can be shown, sorted; those that are no text are counted."""
+        seen = [name for name in names if not name.startswith(".")]
+        shown = sorted(filter(is_text, seen))
+        self._unnamed += len(seen) - len(shown)
+        return shown
