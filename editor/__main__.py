@@ -205,7 +205,11 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         session.quitting = True
 
     with signals_to(close, *ending_signals()):
-        host.run()
+        try:
+            host.run()
+        except Exception:
+            session.save_aside()
+            raise
     if told:
         session.save_aside()
         session.training.stop()

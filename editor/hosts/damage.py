@@ -24,6 +24,8 @@ _MARGIN: Final = 2.0
 _WORDS: Final = imgui.VERTEX_SIZE // 4
 _MOST: Final = 4
 """Most rectangles drawn one by one: each costs a pass."""
+_COMPARED: Final = 16
+"""Most rectangles that are compared with each other."""
 _WHOLE: Final = 0.75
 """From this share of the window on everything is drawn at once."""
 
@@ -191,8 +193,14 @@ def _whole_pixels(rect: Rect) -> Rect:
 
 
 def _merged(rects: list[Rect]) -> list[Rect]:
-    """Few rectangles that cover the same: those that overlap, and the cheapest to join."""
-    found = list(rects)
+    """Few rectangles that cover the same: those that overlap, and the cheapest to join.
+
+    Of very many, such as all cards of a gallery, neighbours in the order of drawing are joined
+    unseen: looking at each pair of them would take longer than drawing the whole window.
+    """
+    found = list(dict.fromkeys(rects))
+    while len(found) > _COMPARED:
+        found = [union(found[k : k + 2]) for k in range(0, len(found), 2)]
     while len(found) > 1:
         pairs = [(i, j) for i in range(len(found)) for j in range(i)]
         costs = [

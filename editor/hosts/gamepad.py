@@ -7,7 +7,7 @@ import contextlib
 from typing import Final
 
 import pygame
-from pygame._sdl2 import controller
+from pygame._sdl2 import controller, sdl2
 
 from editor.base import events
 
@@ -16,6 +16,8 @@ PRESS: Final = 0.5
 RELEASE: Final = 0.35
 """… until it comes back to this: between them it keeps what it was."""
 _FULL: Final = 32767.0
+_FAILURES: Final = (pygame.error, sdl2.error)
+"""What pygame raises about pads; neither is a kind of the other."""
 
 _AXES: Final = {
     pygame.CONTROLLER_AXIS_LEFTX: ("pad left", "pad right"),
@@ -45,13 +47,13 @@ class Gamepads:
         self._open: dict[int, controller.Controller] = {}
         self._pushed: set[str] = set()
         # Without pads, or without the rights to them, the app does as well.
-        with contextlib.suppress(pygame.error):
+        with contextlib.suppress(*_FAILURES):
             controller.init()
 
     def translate(self, event: pygame.event.Event) -> list[events.InputEvent]:
         """Return the input event of a pad's event; nothing for all others."""
         if event.type == pygame.CONTROLLERDEVICEADDED:
-            with contextlib.suppress(pygame.error):
+            with contextlib.suppress(*_FAILURES):
                 self._open[event.device_index] = controller.Controller(event.device_index)
         elif event.type == pygame.CONTROLLERDEVICEREMOVED:
             return self._let_go()

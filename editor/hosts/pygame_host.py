@@ -144,14 +144,20 @@ class PygameHost(Host):
             first = pygame.event.wait(int(timeout * 1000))
             raw += [first] if first.type != pygame.NOEVENT else []
         raw += pygame.event.get()
-        batch = [event for event in map(translate, raw) if event is not None]
-        batch += [event for one in raw for event in self._pads.translate(one)]
+        batch = [event for one in raw for event in self._translated(one)]
         if any(isinstance(event, events.ResizeEvent) for event in batch):
             self.size = pygame.display.get_window_size()
         if any(event.type == pygame.WINDOWEXPOSED for event in raw):
             self._awake = _SETTLE_FRAMES
             self._pictures.invalidate()
         return batch
+
+    def _translated(self, raw: pygame.event.Event) -> list[events.InputEvent]:
+        """What an event of pygame's means to the app; one that cannot be read is told, no more."""
+        with self.session.guard():
+            event = translate(raw)
+            return [event] if event is not None else self._pads.translate(raw)
+        return []
 
     def run(self) -> None:
         """Draw until the app is closed. Without input and without play it sleeps."""

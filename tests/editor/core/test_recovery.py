@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from editor import actions
+from editor.__main__ import _until_closed
 from editor.actions import recover
 from editor.documents import autosaves, files, recovery, run_lock
 from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
@@ -122,6 +123,19 @@ def test_changes_without_a_pause_are_copied_as_well(start, clock, path):
         session.execute(Move(ids=(3,), shift=(0.01, 0.0)))
         later(session, clock, 0.5)
     assert len(copies()) == 1
+
+
+def test_a_fault_that_ends_the_app_leaves_a_copy(start, path):
+    class Broken:
+        def run(self):
+            raise RuntimeError("a fault outside of every frame")
+
+    session = start(path)
+    session.execute(MOVE)
+    with pytest.raises(RuntimeError, match="outside"):
+        _until_closed(session, Broken())
+    (file,) = copies()
+    assert recovery._read(file).level == session.document.level
 
 
 def test_the_same_is_not_written_twice(start, clock, path):

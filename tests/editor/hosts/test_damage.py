@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from editor.hosts.damage import DrawnList, area, damage
+from editor.hosts import damage as parts
+from editor.hosts.damage import DrawnList, area, damage, union
 
 SIZE = (400, 300)
 CLIP = (0.0, 0.0, 400.0, 300.0)
@@ -95,6 +96,20 @@ def test_much_change_draws_everything_and_many_places_are_joined():
         x, y = 20 * k + 5, 30 * k + 5
         assert any(r[0] <= x <= r[2] and r[1] <= y <= r[3] for r in rects)
     assert sum(map(area, rects)) < 0.75 * SIZE[0] * SIZE[1]
+
+
+def test_a_thousand_places_are_joined_without_looking_at_each_pair(monkeypatch):
+    unions = []
+    monkeypatch.setattr(parts, "union", lambda rects: unions.append(1) or union(rects))
+    places = [(8 * (k % 20), 5 * (k // 20)) for k in range(1000)]
+    before = [drawn(str(k), place) for k, place in enumerate(places)]
+    after = [drawn(str(k), place, colour=2) for k, place in enumerate(places)]
+    rects = damage(before, after, SIZE)
+    assert all(
+        any(r[0] <= x and r[1] <= y and x + 10 <= r[2] and y + 10 <= r[3] for r in rects)
+        for x, y in places
+    )
+    assert len(unions) < 10_000
 
 
 @pytest.mark.gl

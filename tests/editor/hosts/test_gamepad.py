@@ -44,6 +44,11 @@ def test_a_pad_that_is_pulled_out_holds_nothing(pads):
     assert names(pads.translate(gone)) == [("pad a", False)]
 
 
+def test_a_pad_that_cannot_be_opened_is_left_alone(pads):
+    added = pygame.event.Event(pygame.CONTROLLERDEVICEADDED, device_index=1000)
+    assert pads.translate(added) == []
+
+
 def test_other_events_mean_nothing(pads):
     assert pads.translate(pygame.event.Event(pygame.KEYDOWN, key=1)) == []
     assert pads.translate(axis(pygame.CONTROLLER_AXIS_TRIGGERLEFT, 1.0)) == []
