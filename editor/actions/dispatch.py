@@ -1,10 +1,11 @@
 """From events and time to actions: key chords, the pointer, the queue, the clock."""
 
 import functools
+import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions import address, agents, export, leave, outside, play, train, watch
+from editor.actions import address, agents, export, gallery, leave, outside, play, train, watch
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
@@ -51,12 +52,14 @@ def chords(session: Session, action: Action) -> tuple[str, ...]:
 
 
 def find(session: Session, chord: str) -> Action | None:
-    """The action that a chord means now: of the mode's context first, then of all."""
-    for context in contexts(session):
-        for action in ACTIONS:
-            if action.context is context and chord in (*chords(session, action), *action.variants):
-                return action
-    return None
+    """The action that a chord means now: of the mode's context first, then of all.
+
+    What a chord is by itself comes before what it is as another one with Shift or Alt.
+    """
+    usable = [each for context in contexts(session) for each in ACTIONS if each.context is context]
+    own = (action for action in usable if chord in chords(session, action))
+    varied = (action for action in usable if chord in action.variants)
+    return next(own, None) or next(varied, None)
 
 
 def available(session: Session, action: Action) -> bool:
@@ -146,11 +149,14 @@ def _words(session: Session, action_id: str) -> tuple[str, str]:
 
 
 def _dropped(session: Session, path: Path) -> None:
-    """An agent's folder or file goes to the viewer, an episode is shown; the rest are levels."""
+    """An agent goes to the viewer, a folder to the gallery, a file is opened."""
     folder = agents.agent_folder(path)
     if folder is not None:
         agents.load_agent(session, folder)
         session.view.front = "agents"
+    elif os.path.isdir(path):
+        gallery.include_folder(session, path)
+        session.gallery.open = True
     else:
         address.open_any(session, str(path))
 
@@ -245,8 +251,10 @@ def advance(session: Session, seconds: float) -> None:
     watched = watched or session.viewer.timeline_open
     session.playback.simulator.keep_contacts = watched
     session.playback.restart_automatically = session.settings.restart_automatically
+    # Two players begin together: the one that is ready waits.
+    passed = 0.0 if session.viewer.rival.preparing else seconds
     with session.guard():
-        session.playback.tick(seconds, agents.action_now(session), session.hands.pull)
+        session.playback.tick(passed, agents.action_now(session), session.hands.pull)
     # What is measured or compared is shown step by step, and so are the renderer's pictures.
     exact = debugging or session.viewer.rival.active or session.settings.renderer_picture
     if exact:

@@ -49,6 +49,7 @@ def open_path(
         assert document.path is not None
         index = session.tabs.locate(document.path)
         if index is not None:
+            session.gallery.open = False
             session.show_tab(index)
             return True
         if not anyway and _open_elsewhere(session, document.path):

@@ -228,17 +228,21 @@ def restore(session: Session) -> None:
         raise LevelError(f"{reason}{others}")
 
 
+def include_folder(session: Session, folder: Path) -> None:
+    """Show a folder's levels in the gallery, from now on."""
+    name = str(folder.resolve())
+    if name not in session.settings.gallery_folders:
+        session.settings.gallery_folders.append(name)
+    session.gallery.folder = folder.resolve()
+    look(session)
+
+
 def add_folder(session: Session) -> None:
     """Choose a folder whose levels the gallery shows too."""
 
     def answer(path: Path | None) -> None:
-        if path is None:
-            return
-        name = str(path.resolve())
-        if name not in session.settings.gallery_folders:
-            session.settings.gallery_folders.append(name)
-        session.gallery.folder = path.resolve()
-        look(session)
+        if path is not None:
+            include_folder(session, path)
 
     session.ask(
         FileQuestion(

@@ -8,6 +8,8 @@ from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
+from kinetix.level.model import Level
+from kinetix.level.sizes import outgrown_capacity
 from kinetix.wording import plural
 
 
@@ -16,10 +18,24 @@ def play(session: Session) -> None:
     if session.tab.moment is not None:
         moment.play_on(session, session.tab.moment)
         return
+    _refuse_outgrown(session.document.level)
     session.leave_play()
     session.messages.hush()
     session.autosaves.keep(session.document)
     session.playback.play(session.document.level)
+
+
+def _refuse_outgrown(level: Level) -> None:
+    """Refuse a level that does not fit its size, before anything is compiled for it.
+
+    Raises:
+        CommandError: It does not.
+    """
+    if outgrown_capacity(level) is not None:
+        raise CommandError(
+            "The level does not fit its size: the Problems panel says what is too much, and "
+            "mends it."
+        )
 
 
 def pause(session: Session) -> None:

@@ -1,18 +1,24 @@
 """Train an agent on the level in front: one click, then it shows what it has learnt."""
 
+import contextlib
 import os
 import re
+import time
 from pathlib import Path
+from typing import Final
 
 from editor.actions.agents import LONGEST_NAME, load_agent
 from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
-from editor.agents.local_training import BUSY
+from editor.agents.local_training import BUSY, LOG
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.paths import user_agents_dir
+
+_ABANDONED: Final = 600.0
+"""A training that has printed for so long and kept nothing is none any more [s]."""
 
 
 def train_here(session: Session) -> None:
@@ -50,10 +56,31 @@ def _free_folder(name: str) -> Path:
     """A new folder among the user's agents that is called after a level."""
     plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:LONGEST_NAME] or "level"
     number, folder = 1, user_agents_dir() / plain
-    while os.path.exists(folder) or os.path.exists(folder.with_suffix(".json")):
+    while _taken(folder):
         number += 1
         folder = user_agents_dir() / f"{plain}_{number}"
     return folder
+
+
+def _taken(run: Path) -> bool:
+    """Return whether a name is in use; not by what a closed app has left before it learnt."""
+    if _nothing_learnt(run):
+        return time.time() - (run / LOG).stat().st_mtime < _ABANDONED
+    return os.path.exists(run) or os.path.exists(run.with_suffix(".json"))
+
+
+def _nothing_learnt(run: Path) -> bool:
+    """Return whether a run's folder holds no more than what its training printed."""
+    return os.path.isdir(run) and os.listdir(run) == [LOG]
+
+
+def _clear(run: Path) -> None:
+    """Remove what is left of a training that was stopped before it learnt anything."""
+    if _nothing_learnt(run):
+        with contextlib.suppress(OSError):
+            (run / LOG).unlink()
+            run.rmdir()
+            run.with_suffix(".json").unlink(missing_ok=True)
 
 
 def stop_training(session: Session) -> None:
@@ -72,6 +99,7 @@ def update_training(session: Session) -> None:
         return
     name = training.run.name
     if not steps_in(training.run):
+        _clear(training.run)
         session.toast(f"{name}: stopped before anything was learnt.")
         return
     if training.stopping:

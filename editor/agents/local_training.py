@@ -141,4 +141,6 @@ class LocalTraining:
         if self._process is None or self.running:
             return None
         status, self._process = self._process.poll(), None
+        if self.run is not None and not os.path.isdir(self.run):
+            return "its folder is gone, and what was learnt with it."
         return "" if status == 0 or self.stopping else self.words

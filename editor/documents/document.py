@@ -15,7 +15,7 @@ from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.integrity import level_faults
 from kinetix.level.kinetix_env import KinetixEnvDocument
-from kinetix.level.model import ARENA_NAMES, Level
+from kinetix.level.model import ARENA_NAMES, MAX_ENTITIES, Level
 from kinetix.level.sizes import without_outgrown_size
 from kinetix.level.validate import Issue, validate, value_issues
 
@@ -49,6 +49,14 @@ def _refuse_unwritable(after: Level, before: Level) -> None:
     Raises:
         CommandError: The change does that; the sentence says what no file can hold.
     """
+    for kind in ("bodies", "joints", "thrusters"):
+        count = len(getattr(after, kind))
+        if count > max(MAX_ENTITIES, len(getattr(before, kind))):
+            noun = "shapes" if kind == "bodies" else kind
+            raise CommandError(
+                f"A level holds at most {MAX_ENTITIES} {noun}; this would make {count}. "
+                "Nothing was changed."
+            )
     new = set(_unreadable(after))
     new -= set(_unreadable(before)) if new else set()
     if new:

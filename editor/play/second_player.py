@@ -50,6 +50,11 @@ class Follower:
         """True if its first state has not come."""
         return self._starting
 
+    @property
+    def preparing(self) -> bool:
+        """True if its first state has not come, and nothing says that it will not."""
+        return self._starting and not self.failure
+
     def start(
         self,
         level: Level,

@@ -224,7 +224,7 @@ class Canvas:
         names = (session.playback.player or "You", rival.player)
         if session.viewer.other_physics:
             names = (session.playback.physics, session.viewer.other_physics)
-        if rival.waiting and not rival.failure:
+        if rival.preparing:
             names = (names[0], tr(f"{names[1]}, preparing …"))
         with font(FONTS.bold, TEXT):
             for name, left in zip(names, (x, low[0]), strict=True):

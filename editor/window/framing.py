@@ -27,7 +27,8 @@ class Framing:
     def __init__(self) -> None:
         self.measuring = False
         """True if a panel is on the screen that is looked at together with the level."""
-        self._before_split: Camera | None = None
+        self._before_split: tuple[Tab, Camera, bool] | None = None
+        """While two halves are shown: the tab, where it looked before, and whether it followed."""
         self._cause: object = None
         """Inputs of the fit; when they change, an arena shown whole is fitted anew."""
         self._unmeasured: tuple[Tab, Camera, int] | None = None
@@ -58,10 +59,13 @@ class Framing:
         rival = session.viewer.rival
         wanted = not session.editing and session.viewer.arrangement == "side" and rival.active
         if wanted and not self.split:
-            self._before_split = session.camera
-            session.tab.fitted = False
+            tab = session.tab
+            self._before_split = (tab, tab.camera, self._follows(tab))
+            tab.fitted = False
         elif not wanted and self._before_split is not None:
-            session.camera, self._before_split = self._before_split, None
+            (tab, tab.camera, whole), self._before_split = self._before_split, None
+            if whole:
+                self._followed[tab.document.number] = tab.camera
 
     def choose(self, session: "Session", origin: Point, size: Point) -> None:
         """Choose the camera for the present viewport.

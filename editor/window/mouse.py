@@ -46,7 +46,9 @@ class Mouse:
     def take(self, session: "Session", caps: Sequence[CapPlace], *, hovered: bool) -> None:
         """Make pointer events of Dear ImGui's mouse; a drag goes on outside the canvas."""
         io = imgui.get_io()
-        mouse = (io.mouse_pos.x, io.mouse_pos.y)
+        gone = not imgui.is_mouse_pos_valid()
+        # What is dragged out of the window stays at its edge until the pointer comes back.
+        mouse = self._last if gone and self._down else (io.mouse_pos.x, io.mouse_pos.y)
         self._hovered = hovered
         inside = self._hovered or bool(self._down)
         if self._hovered and (io.mouse_wheel or io.mouse_wheel_h):

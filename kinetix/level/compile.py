@@ -28,8 +28,8 @@ from kinetix.level.model import (
     Polygon,
 )
 from kinetix.level.sizes import (
-    describe_capacity,
     needed_capacity,
+    shortages,
 )
 from kinetix.level.slots import body_slots
 from kinetix.pytree import pytree
@@ -174,10 +174,8 @@ def compile_level(level: Level, *, spec: SceneSpec, solver: AbstractSolver) -> S
     """
     needed = needed_capacity(level)
     if not spec.capacity.covers(needed):
-        raise LevelError(
-            f"level {level.name!r} does not fit: it needs {describe_capacity(needed)} (polygons, "
-            f"circles, joints, thrusters), got {describe_capacity(spec.capacity)}"
-        )
+        sentences = " ".join(shortages(needed, spec.capacity))
+        raise LevelError(f"level {level.name!r}: {sentences}")
     scene = empty_scene(spec, solver)
     slots = body_slots(level, spec.capacity)
     for slot, body in enumerate(arena_bodies(level.arena)):

@@ -51,6 +51,8 @@ MAX_NAME: Final = 60
 """Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
 """Environment steps of an episode, and so of a recorded solution."""
+FARTHEST: Final = 15.0
+"""Most that a coordinate of a body may be, to either side [m]."""
 MAX_ENTITIES: Final = 1024
 """Most bodies, joints or thrusters in one level: a bound against hostile files, far above use."""
 
@@ -105,7 +107,7 @@ _Coordinate = Annotated[
     _real(
         "Place of the frame's origin; of a free body its centre of mass",
         "m",
-        (-15.0, 15.0),
+        (-FARTHEST, FARTHEST),
         slider=(0.0, 5.0),
     ),
 ]

@@ -1,5 +1,6 @@
 """Sizes: the named capacities, and which one a level compiles to. Free of JAX."""
 
+import dataclasses
 from typing import Final, get_args
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
@@ -74,6 +75,25 @@ def describe_capacity(capacity: Capacity) -> str:
     """A capacity as commands write it: its name, or four numbers such as `12,4,6,2`."""
     numbers = (capacity.polygons, capacity.circles, capacity.joints, capacity.thrusters)
     return size_name(capacity) or ",".join(map(str, numbers))
+
+
+def shortages(needed: Capacity, capacity: Capacity) -> list[str]:
+    """Return a sentence for each kind of which there are more than have room.
+
+    Args:
+        needed: What a level needs.
+        capacity: What there is room for.
+    """
+    size = describe_capacity(capacity)
+    counts = {
+        field.name: (getattr(needed, field.name), getattr(capacity, field.name))
+        for field in dataclasses.fields(Capacity)
+    }
+    return [
+        f"Uses {used} of {most} {kind}: does not fit size {size}."
+        for kind, (used, most) in counts.items()
+        if used > most
+    ]
 
 
 def parse_capacity(text: str) -> Capacity:

@@ -43,7 +43,7 @@ from kinetix.level.model import (
     Thruster,
 )
 from kinetix.level.schema import check_tree
-from kinetix.level.sizes import capacity_of, describe_capacity, needed_capacity
+from kinetix.level.sizes import capacity_of, describe_capacity, needed_capacity, shortages
 
 Severity = Literal["error", "warning", "info"]
 
@@ -261,13 +261,8 @@ def _joint_reference_issues(level: Level) -> Iterator[Issue]:
 
 
 def _size_issues(level: Level) -> Iterator[Issue]:
-    capacity, needed = capacity_of(level), needed_capacity(level)
-    size = describe_capacity(capacity)
-    for kind in ("polygons", "circles", "joints", "thrusters"):
-        used, most = getattr(needed, kind), getattr(capacity, kind)
-        if used > most:
-            message = f"Uses {used} of {most} {kind}: does not fit size {size}."
-            yield _issue("E109", message, path="$.size", fix="Choose the size automatically")
+    for sentence in shortages(needed_capacity(level), capacity_of(level)):
+        yield _issue("E109", sentence, path="$.size", fix="Choose the size automatically")
 
 
 def _joint_issues(

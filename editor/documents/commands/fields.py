@@ -22,6 +22,12 @@ _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
 _ANGLES: Final = ("angle", "angular_velocity", "reference_angle", "limits.min", "limits.max")
+_SPOKEN: Final = {
+    "max_timesteps": "Time limit",
+    "gravity.0": "Gravity x",
+    "gravity.1": "Gravity y",
+}
+"""Fields that the panels call otherwise than the format does."""
 _NOISE: Final = 2e-6
 """Values that differ by less, in all or in proportion, are shown as one."""
 
@@ -150,7 +156,9 @@ def _by_id(level: Level) -> Mapping[EntityId, Record]:
 
 
 def field_name(field: str) -> str:
-    """Return a dotted field in words: `Limits min`."""
+    """Return a dotted field in words, as the panels call it: `Limits min`, `Time limit`."""
+    if field in _SPOKEN:
+        return _SPOKEN[field]
     return field.replace(".", " ").replace("_", " ").capitalize()
 
 

@@ -16,7 +16,17 @@ from kinetix.level.geometry import (
     signed_area,
 )
 from kinetix.level.mirror import BOTH, End, mirrored_body, mirrored_joint, mirrored_thruster
-from kinetix.level.model import Body, Circle, Joint, Level, Point, Polygon, Shape, Thruster
+from kinetix.level.model import (
+    FARTHEST,
+    Body,
+    Circle,
+    Joint,
+    Level,
+    Point,
+    Polygon,
+    Shape,
+    Thruster,
+)
 
 
 def _chosen(level: Level, ids: Selection) -> list[Body]:
@@ -28,7 +38,7 @@ def _chosen(level: Level, ids: Selection) -> list[Body]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Move:
-    """Shifts bodies; joints to bodies that stay follow the moved ones."""
+    """Shifts bodies as far as a level reaches; joints to bodies that stay follow the moved ones."""
 
     ids: Selection
     shift: Point
@@ -48,14 +58,21 @@ class Move:
         """
         if self.shift == (0.0, 0.0):
             return level
-        _chosen(level, self.ids)
-        dx, dy = self.shift
+        places = [body.position for body in _chosen(level, self.ids)]
+        dx, dy = (_within(way, [place[k] for place in places]) for k, way in enumerate(self.shift))
         moved = with_bodies(
             level,
             self.ids,
             lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy)),
         )
         return reanchored(moved, self.ids)
+
+
+def _within(way: float, places: list[float]) -> float:
+    """Return a shift along one axis, cut where a body would leave what a level can hold [m]."""
+    if way > 0:
+        return min(way, max(FARTHEST - max(places), 0.0))
+    return max(way, min(-FARTHEST - min(places), 0.0))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ import pytest
 from editor import actions
 from editor.base.events import DropEvent
 from editor.documents import files
-from editor.documents.commands.group import Move
+from editor.documents.commands.group import Move, Remove
 from editor.documents.document import Document
 from editor.gallery.export import SetPlan, export_set
 from editor.play.trace_files import read_trace, write_trace
@@ -18,8 +18,9 @@ from editor.session import Session
 from editor.worker.jobs import Worker
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import load_level, save_level
+from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sets import load_set
-from tests.editor.core.helpers import a_level
+from tests.editor.core.helpers import a_level, texts
 from tests.editor.core.test_traces import played  # noqa: F401 - a fixture
 
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
@@ -151,12 +152,71 @@ def test_the_command_line_opens_no_empty_tab(tmp_path):
     assert "b.json" in session.prompts[-1].message
 
 
-def test_a_shape_cannot_be_put_where_no_file_could_hold_it(tmp_path):
+def test_a_shape_goes_no_farther_than_a_file_can_hold(tmp_path):
     document = Document(load_level("s/first_flight"))
-    body, before = document.level.bodies[-1], document.level
-    with pytest.raises(CommandError, match=r"expected -15 ≤ x ≤ 15, got 4\d.* Nothing was changed"):
-        document.commit(Move(ids=(body.id,), shift=(40.0, 0.0)))
-    assert document.level == before
-    document.commit(Move(ids=(body.id,), shift=(10.0, 0.0)))
+    bodies = document.level.bodies
+    ids = tuple(body.id for body in bodies[-2:])
+    document.commit(Move(ids=ids, shift=(40.0, -40.0)))
+    moved = [body for body in document.level.bodies if body.id in ids]
+    assert max(body.position[0] for body in moved) == 15.0
+    assert min(body.position[1] for body in moved) == -15.0
+    apart = [a.position[0] - b.position[0] for a, b in (bodies[-2:], moved)]
+    assert apart[0] == pytest.approx(apart[1], abs=1e-5)
     files.save_document(document, tmp_path / "x.json", "kinetix-level")
     assert files.open_document(tmp_path / "x.json").level == document.level
+
+
+class _OneMore:
+    label, merge_key = "Add", None
+
+    def apply(self, level):
+        body = level.bodies[-1].replace(id=level.next_id)
+        return level.replace(bodies=(*level.bodies, body), next_id=level.next_id + 1)
+
+
+def test_no_more_is_made_than_a_file_can_hold():
+    document = Document(load_level("s/first_flight"))
+    like = document.level.bodies[-1]
+    start = document.level.next_id
+    many = tuple(like.replace(id=start + k) for k in range(MAX_ENTITIES))
+    full = (*document.level.bodies, *many)[:MAX_ENTITIES]
+    document = Document(document.level.replace(bodies=full, joints=(), thrusters=(), next_id=9999))
+    before = document.level
+    with pytest.raises(CommandError, match="at most 1024 shapes; this would make 1025"):
+        document.commit(_OneMore())
+    assert document.level == before
+    document.commit(Remove(ids=(full[-1].id,)))
+    assert len(document.level.bodies) == MAX_ENTITIES - 1
+
+
+def test_a_folder_dropped_on_the_window_is_in_the_gallery(path):
+    session = Session()
+    actions.handle(session, DropEvent(path=str(path.parent)))
+    assert session.gallery.open and session.gallery.folder == path.parent.resolve()
+    assert session.settings.gallery_folders == [str(path.parent.resolve())]
+    assert not session.prompts
+
+
+def test_a_file_that_is_open_already_comes_out_of_the_gallery(path):
+    session = Session()
+    actions.file.open_path(session, path)
+    session.open_tab(Document(a_level()))
+    for _ in range(2):  # behind another tab, and in front
+        actions.run(session, "gallery.open")
+        actions.handle(session, DropEvent(path=str(path)))
+        assert not session.gallery.open and session.document.path == path
+
+
+def test_a_level_that_has_outgrown_its_size_is_not_played_and_says_what_is_too_much(path):
+    session = Session()
+    level = load_level("s/first_flight").replace(size="s")
+    extra = tuple(
+        level.bodies[-1].replace(id=level.next_id + k, position=(1.0, 1.0)) for k in range(20)
+    )
+    session.open_tab(
+        Document(level.replace(bodies=(*level.bodies, *extra), next_id=level.next_id + 20))
+    )
+    actions.run(session, "run.play_human")
+    assert session.editing
+    (said,) = [text for text in texts(session) if "does not fit" in text]
+    assert "Problems" in said

@@ -33,6 +33,14 @@ def test_conflicts_are_named(session, action, chord, other):
     assert rebinding.conflict(session, BY_ID[action], chord) == other
 
 
+def test_a_chord_that_was_a_variant_of_another_action_does_what_it_was_given_to(session, hand):
+    circle = BY_ID["tool.circle"]
+    rebinding.bind(session, circle, "shift+left")
+    assert actions.find(session, "shift+left") is circle
+    assert actions.find(session, "left") is BY_ID["transform.nudge_left"]
+    assert actions.find(session, "shift+right") is BY_ID["transform.nudge_right"]
+
+
 def test_taking_a_chord_leaves_it_one_meaning(session):
     rebinding.bind(session, BY_ID["edit.lock"], "ctrl+d")
     assert actions.chords(session, BY_ID["edit.lock"]) == ("ctrl+d",)

@@ -87,6 +87,42 @@ def test_there_is_one_training_at_a_time_and_it_can_be_ended(session, began):
     assert not any("is trained" in text for text in texts(session))
 
 
+def test_a_training_that_learnt_nothing_leaves_nothing(session, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    actions.run(session, "agent.stop_training")
+    began[0][1].status = 143
+    settle(session)
+    assert list(run.parent.iterdir()) == []
+    actions.run(session, "agent.train_here")
+    assert session.training.run == run
+
+
+def test_what_a_closed_app_left_before_it_learnt_gives_its_name_back(session, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    began[0][1].status = 143
+    session.training = LocalTraining(session.training._start)
+    actions.run(session, "agent.train_here")
+    assert session.training.run.name == f"{run.name}_2"  # another window may have begun it just now
+    began[1][1].status = 143
+    session.training = LocalTraining(session.training._start)
+    long_ago = time.time() - 3600
+    os.utime(run / "training.log", (long_ago, long_ago))
+    actions.run(session, "agent.train_here")
+    assert session.training.run == run
+
+
+def test_a_folder_that_vanishes_is_no_harmless_end(session, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    shutil.rmtree(run)
+    began[0][1].status = 0
+    settle(session)
+    assert any("its folder is gone" in text for text in texts(session))
+    assert not any("before anything was learnt" in text for text in texts(session))
+
+
 def test_what_was_learnt_until_it_was_stopped_is_taken(session, stage: Stage, began):
     actions.run(session, "agent.train_here")
     run = session.training.run

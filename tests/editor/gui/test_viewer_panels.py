@@ -206,6 +206,23 @@ def test_the_plate_says_what_the_plan_leads_to():
     assert "no way out" in outlook(a_fan("lost", "lost"))
 
 
+def test_one_half_becomes_all_beside_panels_that_came_meanwhile(with_agent):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    with_agent.key("f6")
+    with_agent.frames(6)
+    with_agent.key("f8")
+    with_agent.frames(8)
+    session.viewer.compare = "off"
+    with_agent.frames(8)
+    camera = session.camera
+    (left, top), (width, height) = camera.origin, camera.size
+    for corner in ((0.0, 0.0), (5.0, 5.0)):
+        x, y = camera.to_screen(corner)
+        assert left <= x <= left + width and top <= y <= top + height
+
+
 def test_the_camera_comes_back_after_side_by_side(with_agent):
     session = with_agent.session
     session.viewer.slots["b"].summary = a_summary("Other")
@@ -265,9 +282,12 @@ def test_the_second_half_shows_the_level_until_the_second_player_is_ready(with_a
     with_agent.frames(1)
     assert rival.waiting and len(drawn) == 2
     assert drawn[1].level == session.playback.level and not said
+    assert session.playback.step_count == 0  # the first player waits for it
     rival.failure = "No memory."
     with_agent.frames(1)
     assert said == [("It cannot play", "No memory.")]
+    with_agent.frames(10)
+    assert session.playback.step_count > 0
 
 
 def test_a_clip_of_two_players_films_both(with_agent, tmp_path):
