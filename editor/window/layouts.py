@@ -231,21 +231,23 @@ def _canvas_node(node: imgui.internal.DockNode) -> imgui.internal.DockNode | Non
 _HEADER: Final = "; kinetix-editor layout 2"
 """First line of a stored layout; one without it may have lost its docks."""
 _FRONT_MARK: Final = ", in front: "
+_SCALE_MARK: Final = re.compile(rf"{_HEADER}, scale (\d+\.\d+)")
 _NODE: Final = re.compile(r"^ *Dock(?:Node|Space) +ID=(0x[0-9A-F]+)", re.MULTILINE)
 _WINDOW: Final = re.compile(r"^\[Window\]\[(?:.*###)?panel-(\w+)\]\n((?:\w+=.*\n)*)", re.MULTILINE)
 _DOCK: Final = re.compile(r"^DockId=(0x[0-9A-F]+)", re.MULTILINE)
 _SIZES: Final = re.compile(r"\b(Size|SizeRef)=(\d+),(\d+)")
 
 
-def snapshot(front: Collection[str]) -> str:
+def snapshot(front: Collection[str], scale: float | None = None) -> str:
     """Return where the panels are now, as text for the settings.
 
     Args:
         front: Ids of the panels that are on the screen.
+        scale: Of the interface that they were laid out for; by default the present one.
     """
     room = room_now()
     mark = "" if room is Room.WIDE else f", {room}"
-    first = f"{_HEADER}{mark}{_FRONT_MARK}{' '.join(sorted(front))}"
+    first = f"{_HEADER}, scale {scale or px(1):.4f}{mark}{_FRONT_MARK}{' '.join(sorted(front))}"
     return f"{first}\n{imgui.save_ini_settings_to_memory()}"
 
 
@@ -266,14 +268,17 @@ def is_current(stored: str) -> bool:
     return stored.startswith(_HEADER)
 
 
-def scaled(stored: str, factor: float) -> str:
-    """Return a stored layout for an interface of another scale: every size times the factor."""
+def for_this_scale(stored: str) -> str:
+    """Return a stored layout with every size as at the present scale of the interface."""
+    mark = _SCALE_MARK.match(stored)
+    scale = float(mark[1]) if mark is not None else 0.0
+    factor = px(1) / scale if scale > 0 else 1.0
 
     def grown(found: re.Match[str]) -> str:
         name, width, height = found.groups()
         return f"{name}={round(int(width) * factor)},{round(int(height) * factor)}"
 
-    return _SIZES.sub(grown, stored)
+    return stored if abs(factor - 1.0) < 1e-3 else _SIZES.sub(grown, stored)
 
 
 def usable(stored: str, panels: Sequence[Panel]) -> bool:
@@ -309,5 +314,5 @@ def restore(stored: str, panels: Sequence[Panel]) -> bool:
     """
     if not usable(stored, panels):
         return False
-    imgui.load_ini_settings_from_memory(stored)
+    imgui.load_ini_settings_from_memory(for_this_scale(stored))
     return True

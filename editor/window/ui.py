@@ -122,6 +122,7 @@ class Ui:
         """Do what Dear ImGui takes only between frames: stored layouts, further fonts."""
         if imgui.get_frame_count() > _FALLBACK_FRAME:
             self._fallbacks.step()
+        self._rescale()
         self.workplace.take_layout()
 
     def frame(self, dt: float) -> None:
@@ -132,7 +133,6 @@ class Ui:
         """
         session = self.session
         language.use(session.settings.language)
-        self._rescale()
         self._fps += (1.0 / max(dt, 1e-4) - self._fps) * min(1.0, 4.0 * dt)
         session.fps = self._fps
         session.probe.clear()

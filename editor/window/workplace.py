@@ -131,16 +131,14 @@ class Workplace:
         Args:
             ratio: New scale over old; 1 where only the text's size changed.
         """
-        others = {room: layouts.scaled(kept, ratio) for room, kept in self._other_rooms.items()}
-        self._other_rooms = others
         if not self._laid_out or ratio == 1.0:
             return
-        scaled = layouts.scaled(layouts.snapshot(self._seen), ratio)
+        kept = layouts.snapshot(self._seen, px(1) / ratio)
         if self._room in (None, layouts.room_now()):
-            self._rescaled = scaled
+            self._rescaled = kept
         else:
             # At the new scale the window has room for other columns.
-            others[self._room] = scaled
+            self._other_rooms[self._room] = kept
 
     def hidden(self) -> None:
         """Note that the gallery stands in front of the panels."""

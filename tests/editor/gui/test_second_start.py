@@ -103,6 +103,18 @@ def test_quitting_before_the_panels_stood_keeps_what_was_stored(make_gui):
     assert quit_(gui) == "what a later version wrote"
 
 
+@pytest.mark.parametrize(("before", "after"), [(1.0, 1.5), (1.5, 1.0)])
+def test_another_display_with_another_scale_has_columns_as_wide_in_its_scale(
+    make_gui, before, after
+):
+    size = (2400, 1400)
+    expected = places(started(make_gui, size=size, scale=after))
+    layout = quit_(started(make_gui, size=size, scale=before))
+    later = places(started(make_gui, layout, size=size, scale=after))
+    for panel, place in later.items():
+        assert place[1:] == pytest.approx(expected[panel][1:], abs=6), panel
+
+
 def test_another_scale_keeps_the_panels_docked_and_grows_them(make_gui):
     gui = started(make_gui, size=(1600, 1000))
     before = places(gui)
@@ -190,8 +202,13 @@ def test_the_window_after_version_0_1_0_is_that_of_a_first_start(make_gui, tmp_p
     assert gui.session.tool.id == "circle"
 
 
-def test_sizes_grow_and_nothing_else_does(day):
+def test_sizes_grow_and_nothing_else_does(monkeypatch, day):
     del day
+    monkeypatch.setattr(layouts, "px", lambda value: 1.5 * value)
     text = "Size=100,40\nDockId=0x00000010\n  DockNode SizeRef=20,30 Pos=5,5"
     grown = "Size=150,60\nDockId=0x00000010\n  DockNode SizeRef=30,45 Pos=5,5"
-    assert layouts.scaled(text, 1.5) == grown
+    head = "; kinetix-editor layout 2, scale {}, in front: level\n"
+    assert layouts.for_this_scale(head.format("1.0000") + text) == head.format("1.0000") + grown
+    # From a version that kept no scale, and from a damaged file: as it is.
+    for first in ("; kinetix-editor layout 2, in front: level\n", head.format("0.0"), ""):
+        assert layouts.for_this_scale(first + text) == first + text
