@@ -12,7 +12,7 @@ from editor.base.camera import Point
 from editor.base.controls import Drive, key_caps
 from editor.base.language import tr
 from editor.documents.commands.bodies import posed
-from editor.drawing.futures_overlay import outlook
+from editor.drawing.futures_overlay import futures_of, outlook
 from editor.drawing.strokes import arrow
 from editor.drawing.vectors import Painter, Placement, poses_of
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
@@ -168,8 +168,9 @@ def paint_numbers(
     lines.append((f"{who}{_APART}return {snapshot.total_reward:+.2f}", COLOURS.text))
     if draws:
         lines.append((draws, COLOURS.muted))
-    if snapshot.mind is not None and snapshot.mind.futures is not None:
-        lines.append((outlook(snapshot.mind.futures), COLOURS.info))
+    futures = futures_of(snapshot)
+    if futures is not None:
+        lines.append((outlook(futures), COLOURS.info))
     if other is not None:
         difference = snapshot.total_reward - other.total_reward
         sign = Icons.worse if difference > 0.005 else Icons.better if difference < -0.005 else "="

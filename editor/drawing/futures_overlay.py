@@ -21,7 +21,7 @@ def paint_futures(painter: Painter, snapshot: Snapshot) -> None:
         painter: Where to draw.
         snapshot: The moment; without futures nothing is drawn.
     """
-    futures = None if snapshot.mind is None else snapshot.mind.futures
+    futures = futures_of(snapshot)
     if futures is None:
         return
     draw, camera = painter.draw, painter.camera
@@ -35,6 +35,13 @@ def paint_futures(painter: Painter, snapshot: Snapshot) -> None:
         for at in places[_DOT::_DOT] if chosen else ():
             draw.add_circle_filled(at, px(2.5), u32(COLOURS.backdrop))
         draw.add_circle_filled(places[-1], px(5 if chosen else 3), shade)
+
+
+def futures_of(snapshot: Snapshot) -> Futures | None:
+    """Return the ways that are still ahead of a moment: none once the episode has ended."""
+    if snapshot.mind is None or snapshot.outcome is not None:
+        return None
+    return snapshot.mind.futures
 
 
 def _colour(end: str) -> Rgba:

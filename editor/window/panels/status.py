@@ -102,6 +102,8 @@ class StatusBar:
             words = job.title if ahead else job.message or job.title
             # With the share behind them they would be other words.
             under_way.append((f"{Icons.gear} {tr(words)}{share}", c.accent))
+        if session.gallery.open:
+            return under_way  # the rest is about the level behind it
         if session.hands.cursor is not None:
             x, y = session.hands.cursor
             parts.append((f"{x:.2f}, {y:.2f} m", c.muted))

@@ -12,7 +12,7 @@ from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan
 from editor.base.prompts import FileQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
-from editor.drawing.futures_overlay import outlook, paint_futures
+from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
 from editor.play.mode import Mode
 from editor.window import canvas, play_side
 from editor.window.browser import nothing_here
@@ -194,6 +194,10 @@ def test_the_futures_of_a_planner_are_drawn_and_can_be_switched_off(with_agent, 
         with_agent.frames(3)
     assert drawn
     assert not session.log.lines[-1].startswith("Traceback")
+    mind = dataclasses.replace(mind, futures=a_fan("won"))
+    ahead = dataclasses.replace(session.playback.snapshot, mind=mind)
+    assert futures_of(ahead) is mind.futures
+    assert futures_of(dataclasses.replace(ahead, outcome="won")) is None
     session.settings.agent_overlay = ["heat", "numbers"]
     drawn.clear()
     with_agent.frames(3)
