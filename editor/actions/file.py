@@ -43,7 +43,11 @@ def open_path(
     try:
         document = files.open_document(path, session.old_names)
     except LevelError as error:
-        tell(session, "This cannot be opened", str(error))
+        other = Path(path).suffix not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path)
+        if other:
+            session.log.add(str(error))
+        told = f"{path}: this is no level; a level is a file that ends in .json" if other else error
+        tell(session, "This cannot be opened", str(told))
         return False
     with session.guard():
         assert document.path is not None

@@ -260,12 +260,14 @@ class Canvas:
             (None, TEXT, "Then Space plays: green has to touch blue, and never red.", _INK),
             (None, SMALL, "Ctrl+O opens a level    F1 shows every key", _INK),
         )
-        top += (floor - top) * 0.36
-        for face, size, english, colour in lines:
+        top, room = top + (floor - top) * 0.36, right - left - px(24)
+        for face, usual, english, colour in lines:
             words = tr(english)
+            with font(face, usual):
+                size = usual if imgui.calc_text_size(words).x <= room else SMALL
             with font(face, size):
                 extent = imgui.calc_text_size(words)
-                if extent.x > right - left or top + extent.y > floor:
+                if extent.x > room or top + extent.y > floor:
                     continue
                 draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
                 top += extent.y + px(9)

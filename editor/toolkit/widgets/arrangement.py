@@ -108,11 +108,11 @@ def separator_gap(width: float = 8.0) -> None:
     imgui.same_line(0, px(width))
 
 
-def spinner(radius: float, colour: Rgba | None = None) -> None:
-    """A turning arc: something is being done."""
+def spinner(radius: float, colour: Rgba | None = None, *, framed: bool = False) -> None:
+    """A turning arc: something is being done; `framed`: on a line with buttons."""
     r = px(radius)
     at = imgui.get_cursor_screen_pos()
-    height = imgui.get_text_line_height()
+    height = imgui.get_frame_height() if framed else imgui.get_text_line_height()
     centre = (at.x + r, at.y + height / 2)
     draw = imgui.get_window_draw_list()
     start = imgui.get_time() * 5.0

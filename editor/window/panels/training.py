@@ -119,8 +119,9 @@ class TrainingPanel(Panel):
         training = session.training
         if training.run is None or str(training.run) != session.viewer.run.path:
             return
-        widgets.spinner(7)
+        widgets.spinner(7, framed=True)
         imgui.same_line(0, px(8))
+        imgui.align_text_to_frame_padding()
         widgets.muted("Ending …" if training.stopping else training.words or _STARTING)
         widgets.beside(120)
         if widgets.button(session, "training.end", "Stop training"):

@@ -220,3 +220,14 @@ def test_a_level_that_has_outgrown_its_size_is_not_played_and_says_what_is_too_m
     assert session.editing
     (said,) = [text for text in texts(session) if "does not fit" in text]
     assert "Problems" in said
+
+
+@pytest.mark.parametrize("content", [b"hello", b"GIF89a\xf4\xff", b""])
+def test_a_file_of_another_kind_is_told_in_plain_words(tmp_path, content):
+    session = Session()
+    other = tmp_path / "a.txt"
+    other.write_bytes(content)
+    actions.handle(session, DropEvent(path=str(other)))
+    assert session.prompts[-1].message == (
+        f"{other}: this is no level; a level is a file that ends in .json"
+    )
