@@ -202,7 +202,8 @@ def test_a_file_that_is_open_already_comes_out_of_the_gallery(path):
     actions.file.open_path(session, path)
     session.open_tab(Document(a_level()))
     for _ in range(2):  # behind another tab, and in front
-        actions.run(session, "gallery.open")
+        actions.run(session, "level.gallery")
+        assert session.gallery.open
         actions.handle(session, DropEvent(path=str(path)))
         assert not session.gallery.open and session.document.path == path
 

@@ -90,8 +90,9 @@ def test_a_panel_that_the_user_took_out_stays_out(make_gui):
 def test_quitting_in_the_gallery_keeps_the_layout(make_gui):
     layout = quit_(started(make_gui))
     gui = make_gui(session=Session(settings=Settings(layout=layout)))
-    gui.session.queue("gallery.open")
+    gui.session.queue("level.gallery")
     gui.frames(10)
+    assert gui.session.gallery.open
     again = started(make_gui, quit_(gui))
     assert all(dock for dock, *_ in places(again).values())
 
