@@ -321,7 +321,7 @@ class Canvas:
             outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
             draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
         paint_side(session, draw, self.area, split=self.framing.split)
-        if "numbers" in session.settings.agent_overlay:
+        if "numbers" in session.settings.agent_overlay and width >= px(_ROOM_FOR_PLATE):
             right = x + width - px(_EDGE)
             room = right - session.camera.to_screen(ARENA[1])[0] - px(_EDGE)
             paint_numbers(session, draw, (right, y + px(_EDGE)), room=(room, height - px(_EDGE)))
@@ -333,4 +333,6 @@ class Canvas:
 
 _ROOM_FOR_BADGE: Final = 440.0
 """Width of a canvas that shows the mode's badge over the level [px at 100 %]."""
+_ROOM_FOR_PLATE: Final = 360.0
+"""Width of a canvas that has room for the agent's plate beside the episode's [px at 100 %]."""
 _INK: Final[Rgba] = (0.36, 0.39, 0.45, 1.0)

@@ -204,6 +204,16 @@ def test_the_futures_of_a_planner_are_drawn_and_can_be_switched_off(with_agent, 
     assert not drawn
 
 
+@pytest.mark.parametrize(("size", "shown"), [((1600, 1000), True), ((340, 1000), False)])
+def test_the_plate_covers_no_narrow_canvas(with_agent, monkeypatch, size, shown):
+    drawn = []
+    monkeypatch.setattr(canvas, "paint_numbers", lambda *_, **__: drawn.append(1))
+    with_agent.host.size = size
+    with_agent.key("f6")
+    with_agent.frames(20)
+    assert bool(drawn) is shown
+
+
 def test_the_plate_says_what_the_plan_leads_to():
     assert outlook(a_fan("won", "lost")) == "plans: a win 20 steps ahead"
     assert "no win" in outlook(a_fan("", "won"))
