@@ -166,6 +166,18 @@ class GlRenderer:
         imgui.backends.opengl3_shutdown()
 
 
+def _pixels_of(clip: Rect, height: float) -> Rect:
+    """Return the whole pixels that Dear ImGui's renderer leaves of a clip rectangle [px].
+
+    It cuts off fractions from the left and lower edges, and from width and height, not from the
+    other edges.
+    """
+    left, top, right, bottom = clip
+    low, under = int(left), int(height - bottom)
+    upper = height - under
+    return float(low), upper - int(bottom - top), float(low + int(right - left)), upper
+
+
 def _draw_part(data: imgui.ImDrawData, rect: Rect) -> None:
     """Draw only what lies within a rectangle [px]."""
     # Only by index are they the commands themselves: going through the buffer gives copies.
@@ -173,7 +185,7 @@ def _draw_part(data: imgui.ImDrawData, rect: Rect) -> None:
     clips = [command.clip_rect for command in commands]
     kept = [(clip.x, clip.y, clip.z, clip.w) for clip in clips]
     for command, clip in zip(commands, kept, strict=True):
-        shared = intersection(clip, rect)
+        shared = intersection(_pixels_of(clip, data.display_size.y), rect)
         # The renderer passes over commands whose rectangle is empty.
         visible = shared if area(shared) > 0 else (0.0, 0.0, 0.0, 0.0)
         command.clip_rect = imgui.ImVec4(*visible)

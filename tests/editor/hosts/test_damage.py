@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from editor.hosts import damage as parts
 from editor.hosts.damage import DrawnList, area, damage, union
+from editor.hosts.renderer import _pixels_of
 
 SIZE = (400, 300)
 CLIP = (0.0, 0.0, 400.0, 300.0)
@@ -125,3 +128,18 @@ def test_partly_drawn_frames_equal_whole_ones(home, where):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["0", "30"]
+
+
+@given(
+    st.tuples(*[st.floats(-50, 450, width=32) for _ in range(4)]),
+    st.integers(100, 400),
+)
+def test_a_clip_rectangle_leaves_the_same_pixels_in_parts_as_whole(edges, height):
+    def scissor(clip):
+        """What Dear ImGui's renderer tells OpenGL: left and lower edge, width, height [px]."""
+        left, top, right, bottom = clip
+        return int(left), int(height - bottom), int(right - left), int(bottom - top)
+
+    x, y = sorted(edges[:2]), sorted(edges[2:])
+    clip = (x[0], y[0], x[1], y[1])
+    assert scissor(_pixels_of(clip, height)) == scissor(clip)
