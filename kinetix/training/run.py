@@ -251,7 +251,9 @@ def _begin(
         say(f"all {config.num_updates} updates are done; more total_timesteps go on from here")
     else:
         say(f"resuming from update {progress.updates} of {config.num_updates}")
-    return as_updates_leave_it(state), progress, damaged
+    if not isinstance(trainer, Clone):  # which learns on one device
+        state = as_updates_leave_it(state)
+    return state, progress, damaged
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -60,6 +60,24 @@ for _ in range(2):
 print(*[part.compiled for part in trainer.work.taken()])
 """
 
+_REPLAYING = """
+import json, sys
+import jax
+import numpy as np
+from kinetix.training.ppo.rollout import as_updates_leave_it
+from kinetix.training.run import make_trainer
+from kinetix.training.settings import make_config
+
+trainer = make_trainer(make_config("accel", values=json.loads(sys.argv[1])))
+state = trainer.start()
+for _ in range(8):
+    state, _ = trainer.update(state)
+state = as_updates_leave_it(jax.tree.map(np.asarray, state))
+for _ in range(4):
+    state, _ = trainer.update(state)
+print(*[step._cache_size() for step in trainer._steps.values()])
+"""
+
 _VALUES = {
     "size": "s",
     "num_train_envs": 8,
@@ -122,6 +140,14 @@ def test_scoring_and_learning_are_compiled_once():
     small = {"batch_size": 8, "num_batches": 2, "rollout_steps": 4, "num_to_save": 8}
     done = _train(2, _SCORING, dummy_env=True, **small)
     assert done.stdout.split() == ["1", "1"], done.stderr
+
+
+@pytest.mark.slow
+def test_each_kind_of_step_of_a_replay_is_compiled_once():
+    random = {"level_mode": "random", "levels": [], "dummy_env": True}
+    buffer = {"level_buffer_capacity": 16, "minimum_fill_ratio": 0.5, "replay_prob": 0.7}
+    done = _train(2, _REPLAYING, **random, **buffer)
+    assert done.stdout.split() == ["1", "1", "1"], done.stderr
 
 
 @pytest.mark.slow

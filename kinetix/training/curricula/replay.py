@@ -22,7 +22,7 @@ from kinetix.training.config import ReplayConfig
 from kinetix.training.curricula.buffer import LevelBuffer, draw, empty_buffer, insert, revise
 from kinetix.training.curricula.scores import best_return, level_scores
 from kinetix.training.curricula.turnover import BufferView, Turnover
-from kinetix.training.devices import to_host
+from kinetix.training.devices import everywhere, to_host
 from kinetix.training.ppo.rollout import Rollout, begin, episode_means, rollout
 from kinetix.training.ppo.update import Learner
 from kinetix.training.setup import make_setup
@@ -91,13 +91,17 @@ class Replay:
 
     def _first_state(self) -> ReplayState:
         key, learner_key, level_key = jax.random.split(jax.random.PRNGKey(self.config.seed), 3)
-        return ReplayState(
-            learner=self.setup.start_learner(learner_key, self._teacher),
-            statistics=self.setup.start_statistics(self._teacher),
-            key=key,
-            buffer=empty_buffer(self.setup.reset_fn(level_key), self.config.level_buffer_capacity),
-            replayed=jnp.zeros(self.config.num_train_envs, jnp.int32),
-            just_replayed=jnp.zeros((), bool),
+        return everywhere(
+            ReplayState(
+                learner=self.setup.start_learner(learner_key, self._teacher),
+                statistics=self.setup.start_statistics(self._teacher),
+                key=key,
+                buffer=empty_buffer(
+                    self.setup.reset_fn(level_key), self.config.level_buffer_capacity
+                ),
+                replayed=jnp.zeros(self.config.num_train_envs, jnp.int32),
+                just_replayed=jnp.zeros((), bool),
+            )
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
@@ -179,7 +183,7 @@ class Replay:
         following = dataclasses.replace(
             state, buffer=buffer, just_replayed=jnp.zeros_like(state.just_replayed)
         )
-        return following, metrics, _visits(played, source)
+        return everywhere(following), metrics, _visits(played, source)
 
     def _replay(self, state: ReplayState) -> tuple[ReplayState, dict[str, Array], _Visits]:
         key, draw_key, order_key, step_key = jax.random.split(state.key, 4)
@@ -197,7 +201,11 @@ class Replay:
             replayed=index.astype(jnp.int32),
             just_replayed=jnp.ones_like(state.just_replayed),
         )
-        return following, metrics, _visits(played, jnp.full(buffer.filled.shape, -1, jnp.int32))
+        return (
+            everywhere(following),
+            metrics,
+            _visits(played, jnp.full(buffer.filled.shape, -1, jnp.int32)),
+        )
 
     def _score(self, played: Rollout, best: Array) -> Array:
         config = self.config

@@ -38,17 +38,16 @@ def as_updates_leave_it(state: Any) -> Any:
     """Return a stored training state with its arrays on the devices where updates leave them.
 
     From anywhere else, the first update after a resume would be one program and the second
-    another, each compiled. A state without `Playing` stays as it is.
+    another, each compiled.
 
     Args:
-        state: As numpy arrays.
+        state: As numpy arrays; of an algorithm that plays on all devices.
     """
 
     def is_playing(part: Any) -> bool:
         return isinstance(part, Playing)
 
-    parts = jax.tree.leaves(state, is_leaf=is_playing)
-    if jax.device_count() == 1 or not any(map(is_playing, parts)):
+    if jax.device_count() == 1:
         return state
     return jax.tree.map(
         lambda part: placed(part, OWN if is_playing(part) else WHOLE), state, is_leaf=is_playing
