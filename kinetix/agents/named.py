@@ -11,6 +11,8 @@ from kinetix.errors import CheckpointError
 
 BUILT_IN: Final = (PLANNER, *SCRIPTED)
 """Names of the players that need no checkpoint."""
+SOLUTION: Final = "solution"
+"""Word of `kinetix render` for what a level has recorded."""
 
 
 def load_player(name: str | Path) -> Player:
@@ -24,6 +26,11 @@ def load_player(name: str | Path) -> Player:
     """
     if not str(name):
         raise CheckpointError('"": expected an agent, got an empty word')
+    if name == SOLUTION:
+        raise CheckpointError(
+            f"{SOLUTION}: is no agent; `kinetix render` shows the solution of a level, and "
+            "`kinetix levelset verify` plays it"
+        )
     if name == PLANNER:
         return Planner()
     return ScriptedPlayer(str(name)) if name in SCRIPTED else load_agent(name)

@@ -17,7 +17,7 @@ from kinetix.agents.compare import (
 )
 from kinetix.agents.comparison_files import signed
 from kinetix.agents.results import LevelFailure
-from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts
+from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts, watched
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.level.sets import SetLevel
@@ -62,6 +62,8 @@ def run(command: Compare) -> int:
     from kinetix.agents.evaluate import Settings
     from kinetix.level.atomic import write_atomically
 
+    if not command.agents:
+        raise KinetixError("--agents: expected an agent at least, got no word")
     if command.attempts < 1:
         raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
     if command.out is not None and command.out.suffix.lower() not in SUFFIXES:
@@ -101,17 +103,12 @@ def _players(name: str, every_checkpoint: bool) -> "list[Player]":
 def _measured(
     players: "list[Player]", levels: "list[NamedLevel]", settings: "Settings"
 ) -> list[Contender]:
-    from kinetix.agents.evaluate import Progress, evaluate
+    from kinetix.agents.evaluate import evaluate
 
     provenances = [settings.provenance(player) for player in players]
     contenders = []
     for player, provenance, label in zip(players, provenances, labels_of(provenances), strict=True):
-        progress = Progress(done=0, total=0, results=())
-        for progress in evaluate(player, levels, settings):
-            if sys.stderr.isatty():
-                end = "\n" if progress.done == progress.total else ""
-                told = f"\r{label}: {progress.done} of {plural(progress.total, 'episode')}"
-                print(told, end=end, file=sys.stderr, flush=True)
+        progress = watched(evaluate(player, levels, settings), label)
         results = progress.in_order([level.name for level in levels])
         contenders.append(Contender(label=label, provenance=provenance, results=tuple(results)))
     return contenders

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import sys
 from typing import Annotated, Any
 
 import tyro
@@ -36,10 +35,10 @@ class Eval:
 def run(command: Eval) -> int:
     """Play everything, print a line a level and the summary; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.evaluate import Progress, Settings, evaluate
+    from kinetix.agents.evaluate import Settings, evaluate
     from kinetix.agents.named import load_player
     from kinetix.agents.results import report
-    from kinetix.cli.measured import levels_to_measure, named, parts_of
+    from kinetix.cli.measured import levels_to_measure, named, parts_of, watched
     from kinetix.errors import KinetixError
 
     if command.attempts < 1:
@@ -52,9 +51,7 @@ def run(command: Eval) -> int:
         physics=command.physics or "",
         deterministic=command.deterministic,
     )
-    progress = Progress(done=0, total=0, results=())
-    for progress in evaluate(player, named(levels), settings):
-        _report(progress.done, progress.total)
+    progress = watched(evaluate(player, named(levels), settings))
     results = progress.in_order([level.name for level in levels])
     *lines, summary = report(results, settings.provenance(player))
     parts = parts_of(levels, results)
@@ -64,12 +61,6 @@ def run(command: Eval) -> int:
         _print_level(line, as_json=command.json)
     _print_summary(summary, as_json=command.json)
     return 1 if progress.failures else 0
-
-
-def _report(done: int, total: int) -> None:
-    if sys.stderr.isatty():
-        end = "\n" if done == total else ""
-        print(f"\r{done} of {plural(total, 'episode')}", end=end, file=sys.stderr, flush=True)
 
 
 def _print_level(row: dict[str, Any], *, as_json: bool) -> None:

@@ -1,15 +1,17 @@
 """Levels that a command measures players on: equal ones once, the parts of sets known apart."""
 
+import contextlib
 import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from kinetix.agents.results import LevelFailure, LevelResult, rates_of_parts
+from kinetix.cli.terminal import Terminal
 from kinetix.level.sets import SetLevel, distinct, gather_levels
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
-    from kinetix.agents.evaluate import NamedLevel
+    from kinetix.agents.evaluate import NamedLevel, Progress
 
 
 def levels_to_measure(sources: Sequence[str]) -> list[SetLevel]:
@@ -37,6 +39,22 @@ def named(levels: Iterable[SetLevel]) -> "list[NamedLevel]":
         NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
         for level in levels
     ]
+
+
+def watched(measuring: "Iterable[Progress]", who: str = "") -> "Progress":
+    """Measure to the end, and say on stderr how far it is.
+
+    Args:
+        measuring: From `evaluate`.
+        who: Who is measured, where there are several.
+    """
+    begin, last = f"{who}: " if who else "", None
+    with contextlib.closing(Terminal()) as terminal:
+        terminal.status(f"{begin}compiling the player and the step")
+        for last in measuring:
+            terminal.status(f"{begin}{last.done} of {plural(last.total, 'episode')}")
+    assert last is not None
+    return last
 
 
 def parts_of(

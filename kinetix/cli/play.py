@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
+from kinetix.cli.terminal import announced
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -47,11 +48,12 @@ def run(command: Play) -> int:
     check_attempt(command.attempt)
     document = load_document(command.level)
     player = load_player(command.agent)
-    episode = (
-        _attempt(command, player, command.attempt)
-        if command.attempt is not None
-        else _alone(command, player, document)
-    )
+    with announced("compiling the player and the step"):
+        episode = (
+            _attempt(command, player, command.attempt)
+            if command.attempt is not None
+            else _alone(command, player, document)
+        )
     row = {
         "steps": episode.steps,
         "outcome": episode.outcome,

@@ -9,6 +9,8 @@ import tyro
 from kinetix.cli.paths import NamedPath
 from kinetix.cli.terminal import Terminal
 from kinetix.errors import KinetixError
+from kinetix.failures import Terminated
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.training.imitation.teach import Yield
@@ -46,7 +48,7 @@ class Teach:
 def run(command: Teach) -> int:
     """Search until enough levels are won; 0 when they are."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.training.imitation.teach import TeachConfig, teach
+    from kinetix.training.imitation.teach import SHARD, TeachConfig, teach
 
     if command.count < 1:
         raise KinetixError(f"--count {command.count}: expected at least 1")
@@ -62,15 +64,21 @@ def run(command: Teach) -> int:
     )
 
     with contextlib.closing(Terminal()) as terminal:
+        written = 0
 
         def report(so_far: "Yield") -> None:
+            nonlocal written
+            written = so_far.episodes
             if so_far.won < command.count:  # the last one is the result
                 terminal.say(_told(so_far))
 
         try:
             done = teach(config, command.count, command.out, report=report, status=terminal.status)
-        except KeyboardInterrupt:
-            terminal.say("what was written is kept; the same command goes on after it")
+        except (KeyboardInterrupt, Terminated):
+            kept = f"{plural(written, 'episode')} of this search kept; " if written else ""
+            terminal.say(
+                f"stopped: {kept}the {SHARD} levels under way begin anew with the same command"
+            )
             raise
     print(f"{command.out}: {_told(done)}")
     return 0

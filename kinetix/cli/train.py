@@ -147,6 +147,10 @@ def run(command: Common) -> int:
 def _values(command: Common) -> dict[str, Any]:
     """The hyper-parameters that flags name."""
     own = {field.name for field in dataclasses.fields(Common)}
+    for name in ("levels", "eval_levels", "data"):
+        if getattr(command, name, None) in ((), []):
+            flag = name.replace("_", "-")
+            raise KinetixError(f"--{flag}: expected names, files or folders, got no word")
     values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}
     return values | {
         field.name: getattr(command, field.name)

@@ -122,6 +122,12 @@ def simulate(
             f"level {level!r:.60}: expected a name, a file, or a kinetix.Level, from "
             "LevelBuilder.build() or load_level()"
         )
+    for name, value in (("seconds", seconds), ("actions", actions), ("dt", dt)):
+        if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(value)):
+            raise KinetixError(
+                f"{name}: simulate takes numbers, no tracers: it cannot stand inside jax.jit, "
+                "jax.vmap or jax.grad (the engine has no derivative); env.step can, but for grad"
+            )
     steps = _steps(seconds, dt)
     solver = solver_named(physics)
     rows = _action_rows(actions, steps)

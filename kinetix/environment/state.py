@@ -12,6 +12,7 @@ from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import State, World
 from kinetix.environment.fields import FieldsOfKinetixEnv
 from kinetix.environment.rewrite import own_changes
+from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, Scene
 from kinetix.level.model import Level, Polygon
 from kinetix.pytree import pytree
@@ -113,7 +114,17 @@ def stack_states(states: list[EnvState]) -> Any:
     """States of equal capacity as one state with a leading axis of levels.
 
     By numpy: JAX would compile a program for every array, of a thousand levels for minutes.
+
+    Raises:
+        KinetixError: There is no state, or they are of several sizes.
     """
+    shapes = {tuple(np.shape(x) for x in jax.tree.leaves(state)) for state in states}
+    if len(shapes) != 1:
+        wrong = "states of several sizes" if shapes else "none"
+        raise KinetixError(
+            f"expected states of one size to stack, got {wrong} "
+            "(kinetix.environment.rearrange.expand_state makes a state larger)"
+        )
     return jax.tree.map(
         lambda *leaves: jnp.asarray(np.stack([np.asarray(x) for x in leaves])), *states
     )

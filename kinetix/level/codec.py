@@ -12,7 +12,7 @@ from typing import Any, Final, Literal
 
 import msgspec
 
-from kinetix.bundled import level_hint, named_levels
+from kinetix.bundled import level_hint, named_levels, refuse_empty
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_atomically
 from kinetix.level.canonical import (
@@ -69,7 +69,11 @@ def resolve_path(name: str | Path) -> Path:
     Raises:
         LevelError: There is no such file.
     """
-    name = name or "."
+    if isinstance(name, Level):
+        raise LevelError(f"{name!r:.60}: this is a level already, no file")
+    if not isinstance(name, str | os.PathLike):
+        raise LevelError(f"{name!r:.60}: expected a path or a name, got {type(name).__name__}")
+    refuse_empty(name, "a level")
     plain = Path(_PERMUTATION.sub("", str(name)))
     for path in (plain, Path(f"{plain}.json"), named_levels(name)):
         # Not Path.is_file, which raises where a name is too long for the file system.

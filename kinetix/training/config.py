@@ -5,7 +5,7 @@ except that `parity` is off (see `presets/kinetix-3.toml`).
 """
 
 import dataclasses
-from typing import Final, Literal, get_args
+from typing import ClassVar, Final, Literal, get_args
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.errors import KinetixError
@@ -148,6 +148,9 @@ class PpoConfig:
         """Rollouts in the whole training."""
         return self.total_timesteps // self.steps_per_update
 
+    update_size: ClassVar[tuple[str, ...]] = ("num_steps", "num_train_envs")
+    """Fields whose product is `steps_per_update`."""
+
     @property
     def steps_per_update(self) -> int:
         """Environment steps of one update."""
@@ -193,7 +196,7 @@ class PpoConfig:
             raise KinetixError(
                 f"total_timesteps = {self.total_timesteps} is less than one update of "
                 f"{self.steps_per_update}: ask for that many at least, or make updates smaller "
-                "(num_steps, num_train_envs)"
+                f"({', '.join(self.update_size)})"
             )
         if self.num_updates > _MOST_UPDATES:
             raise KinetixError(
@@ -202,6 +205,11 @@ class PpoConfig:
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")
+        if self.demo_starts and self.level_mode == "random" and not self.levels:
+            raise KinetixError(
+                f"demo_starts = {self.demo_starts:g}: episodes that begin on the way of a win need "
+                "levels: name them (--levels), or set it to 0"
+            )
         reads = OBSERVATIONS_OF_KIND[self.network.kind]
         if self.observation_type not in reads:
             raise KinetixError(
@@ -319,6 +327,8 @@ class ReplayConfig(PpoConfig):
     eval_freq: int = 50
     """Updates between two evaluations; 0: none."""
 
+    update_size: ClassVar[tuple[str, ...]] = (*PpoConfig.update_size, "outer_rollout_steps")
+
     @property
     def steps_per_update(self) -> int:
         """Environment steps of one update: all the rollouts on the same levels."""
@@ -346,6 +356,8 @@ class BcConfig(PpoConfig):
     """Share of the episodes that is measured and not learnt from."""
     total_timesteps: int = 8_388_608
     """Moments in all, repetitions included."""
+
+    update_size: ClassVar[tuple[str, ...]] = ("minibatch_size", "num_minibatches")
 
     @property
     def steps_per_update(self) -> int:

@@ -262,3 +262,42 @@ def test_an_interrupt_waits_for_imports():
         os.kill(os.getpid(), signal.SIGINT)
         done.append(1)
     assert done == [1]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["compare", "--agents", "--levels", "s/goalkeeper"], "--agents: expected an agent"),
+        (["train", "ppo", "--levels", "--out", "runs/x"], "--levels: expected names"),
+        (["train", "ppo", "--preset", "specialist", "--out", "runs/x"], "demo_starts = 0.5"),
+        (["convert", "", "x.json"], '"": expected a level, got an empty word'),
+        (["play", "s/first_flight", "--agent", "solution"], "kinetix render"),
+        (
+            [
+                "train",
+                "plr",
+                "--num-train-envs",
+                "8",
+                "--num-steps",
+                "16",
+                "--total-timesteps",
+                "256",
+                "--out",
+                "x",
+            ],
+            "(num_steps, num_train_envs, outer_rollout_steps)",
+        ),
+    ],
+)
+def test_wrong_words_get_a_sentence_that_helps(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(words) == 1
+    told = capsys.readouterr().err
+    assert said in told and "should not have" not in told
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_evaluation_says_what_it_does_where_nobody_looks(capsys):
+    assert cli.main(["eval", "--agent", "noop", "--levels", "s/goalkeeper", "--attempts", "1"]) == 0
+    told = capsys.readouterr().err
+    assert "compiling" in told and "of 1 episode" in told

@@ -21,10 +21,12 @@ from kinetix import (
 )
 from kinetix.engine.presets import solver_named
 from kinetix.environment.checks import with_usual_action
-from kinetix.environment.params import physics_engine
+from kinetix.environment.params import physics_engine, static_env_params_of
 from kinetix.environment.reset import level_state
+from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
+from kinetix.level.sizes import SIZES
 from tests.environment.conftest import small_level
 
 KEY = jax.random.key(0)
@@ -288,3 +290,15 @@ def test_whole_numbers_of_every_type_are_one_action(kind):
             assert action.dtype == np.int32 and (np.asarray(action) == 1).all()
     real = np.ones(6, np.float32)
     assert with_usual_action((key, state, real), {})[0][2] is real
+
+
+def test_states_of_several_sizes_are_not_stacked():
+    small, large = (
+        level_state(name, static_env_params_of(SIZES[name[0]]))
+        for name in ("s/first_flight", "l/rover_ridge")
+    )
+    assert stack_states([small, small]).timestep.shape == (2,)
+    with pytest.raises(KinetixError, match="of one size to stack, got states of several sizes"):
+        stack_states([small, large])
+    with pytest.raises(KinetixError, match="got none"):
+        stack_states([])

@@ -3,6 +3,8 @@ import pickle
 import subprocess
 import sys
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -172,3 +174,16 @@ def test_a_fork_of_what_has_simulated_is_refused_rather_than_waiting_for_ever(wh
     ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert (ended.returncode == 0) == works, ended.stderr
     assert works or ("would hang" in ended.stderr and "spawn" in ended.stderr)
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda x: kinetix.simulate(falling(), 0.1, actions=x * jnp.ones(6)).position.sum(),
+        lambda x: kinetix.simulate(falling(), x).position.sum(),
+    ],
+)
+@pytest.mark.parametrize("transform", [jax.grad, jax.jit])
+def test_inside_of_a_transformation_it_says_that_it_cannot_stand_there(run, transform):
+    with pytest.raises(KinetixError, match="takes numbers, no tracers"):
+        transform(run)(0.5)

@@ -413,3 +413,10 @@ def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
     level = load_level("s/goalkeeper").replace(max_timesteps=np.int64(50))
     save_level(level, tmp_path / "mine.json")
     assert load_level(tmp_path / "mine.json").max_timesteps == 50
+
+
+def test_what_is_no_name_of_a_file_is_told_as_what_it_is():
+    with pytest.raises(LevelError, match="a level already"):
+        load_level(load_level("s/first_flight"))
+    with pytest.raises(LevelError, match="expected a path or a name, got int"):
+        load_level(3)
