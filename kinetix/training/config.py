@@ -205,11 +205,6 @@ class PpoConfig:
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")
-        if self.demo_starts and self.level_mode == "random" and not self.levels:
-            raise KinetixError(
-                f"demo_starts = {self.demo_starts:g}: episodes that begin on the way of a win need "
-                "levels: name them (--levels), or set it to 0"
-            )
         reads = OBSERVATIONS_OF_KIND[self.network.kind]
         if self.observation_type not in reads:
             raise KinetixError(

@@ -223,6 +223,11 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
     """Say what a person may not expect of this training."""
     if config.rounded:
         say(config.rounded)
+    if config.demo_starts and not config.levels:
+        say(
+            f"warning: demo_starts = {config.demo_starts:g} has no effect: no levels are named "
+            "(--levels), and of random ones no way to a win is known"
+        )
     if isinstance(trainer, Clone):
         say(trainer.told)
     if trainer.setup.cut_short():

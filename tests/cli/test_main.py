@@ -269,7 +269,6 @@ def test_an_interrupt_waits_for_imports():
     [
         (["compare", "--agents", "--levels", "s/goalkeeper"], "--agents: expected an agent"),
         (["train", "ppo", "--levels", "--out", "runs/x"], "--levels: expected names"),
-        (["train", "ppo", "--preset", "specialist", "--out", "runs/x"], "demo_starts = 0.5"),
         (["convert", "", "x.json"], '"": expected a level, got an empty word'),
         (["play", "s/first_flight", "--agent", "solution"], "kinetix render"),
         (

@@ -17,6 +17,7 @@ from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset, writin
 from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import static_env_params_of
 from kinetix.errors import KinetixError
+from kinetix.failures import Terminated
 from kinetix.level.codec import load_level
 from kinetix.level.sizes import SIZES
 from kinetix.training.config import BcConfig
@@ -288,14 +289,22 @@ def test_a_teacher_tells_its_result_once(monkeypatch, tmp_path, capsys):
     assert "2 of 512 levels won" in printed.out
 
 
-def test_an_interrupted_teacher_says_what_is_kept(monkeypatch, tmp_path, capsys):
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, Terminated])
+@pytest.mark.parametrize(("episodes", "kept"), [(0, ""), (7, "7 episodes of this search kept; ")])
+def test_an_interrupted_teacher_says_what_is_kept(
+    monkeypatch, tmp_path, capsys, stop, episodes, kept
+):
     def interrupted(config, count, out, *, report, status):
-        raise KeyboardInterrupt
+        if episodes:
+            report(teach.Yield(levels=256, won=1, episodes=episodes, shards=1))
+        raise stop
 
     monkeypatch.setattr(teach, "teach", interrupted)
-    assert main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)]) == 130
+    status = main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)])
+    assert status == (130 if stop is KeyboardInterrupt else 143)
     told = capsys.readouterr().err
-    assert told == "what was written is kept; the same command goes on after it\ninterrupted\n"
+    under_way = f"the {teach.SHARD} levels under way begin anew with the same command"
+    assert f"stopped: {kept}{under_way}\n" in told
 
 
 @pytest.mark.slow

@@ -98,6 +98,13 @@ def test_a_run_may_begin_where_its_words_are_kept(tmp_path):
     assert train("ppo", config, tmp_path).is_dir()
 
 
+def test_starts_on_the_way_of_a_win_need_levels_and_it_is_said(tmp_path):
+    told = []
+    config = _config("ppo", dummy_env=True, demo_starts=0.5, level_mode="random", levels=())
+    train("ppo", config, tmp_path, say=told.append)
+    assert any("demo_starts = 0.5 has no effect" in words for words in told)
+
+
 def test_the_command_trains_and_goes_on(tmp_path, capsys):
     flags = [
         word
