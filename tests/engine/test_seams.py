@@ -4,12 +4,14 @@ import dataclasses
 import random
 
 import numpy as np
+import pytest
 
 from kinetix.bench.runner import run_trials
 from kinetix.engine.presets import PRESETS
 from kinetix.scenes.built.surfaces import over_tiles
 
 
+@pytest.mark.usefixtures("optimised")
 def test_a_corner_that_leaves_a_tile_does_not_meet_its_end():
     dice = random.Random(1)
     speeds = [round(dice.uniform(0.5, 2), 3) for _ in range(48)]
