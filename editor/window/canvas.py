@@ -28,7 +28,7 @@ from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, TITLE, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.textures import TextureStore
-from editor.toolkit.widgets import font, probe, px
+from editor.toolkit.widgets import broken, font, probe, px
 from editor.window.framing import Framing
 from editor.window.mouse import Mouse
 from editor.window.play_image import PlayImage
@@ -261,16 +261,17 @@ class Canvas:
             (None, SMALL, "Ctrl+O opens a level    F1 shows every key", _INK),
         )
         top, room = top + (floor - top) * 0.36, right - left - px(24)
-        for face, usual, english, colour in lines:
-            words = tr(english)
-            with font(face, usual):
-                size = usual if imgui.calc_text_size(words).x <= room else SMALL
+        for face, size, english, colour in lines:
+            sentence = tr(english)
             with font(face, size):
-                extent = imgui.calc_text_size(words)
-                if extent.x > room or top + extent.y > floor:
-                    continue
-                draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
-                top += extent.y + px(9)
+                whole = imgui.calc_text_size(sentence).x <= room
+                for words in [sentence] if whole else broken(sentence, room):
+                    extent = imgui.calc_text_size(words)
+                    if extent.x > room or top + extent.y > floor:
+                        continue
+                    draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
+                    top += extent.y + px(3)
+                top += px(6)
 
     def _frame(self, session: "Session", draw: imgui.ImDrawList) -> None:
         """The mode as a coloured frame, a badge, and how the episode ended."""
