@@ -12,7 +12,7 @@ from kinetix.errors import CheckpointError
 BUILT_IN: Final = (PLANNER, *SCRIPTED)
 """Names of the players that need no checkpoint."""
 SOLUTION: Final = "solution"
-"""Word of `kinetix render` for what a level has recorded."""
+"""Word of `kinetix play` and `kinetix render` for what a level has recorded."""
 
 
 def load_player(name: str | Path) -> Player:
@@ -28,8 +28,8 @@ def load_player(name: str | Path) -> Player:
         raise CheckpointError('"": expected an agent, got an empty word')
     if name == SOLUTION:
         raise CheckpointError(
-            f"{SOLUTION}: is no agent; `kinetix render` shows the solution of a level, and "
-            "`kinetix levelset verify` plays it"
+            f"{SOLUTION}: is no agent; `kinetix play` and `kinetix render` take it for what a "
+            "level has recorded"
         )
     if name == PLANNER:
         return Planner()

@@ -24,7 +24,7 @@ class Play:
     level: Annotated[str, tyro.conf.Positional]
     """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
     agent: str = "noop"
-    """Directory of an agent, a bundled agent (general), or planner, noop or random."""
+    """Directory of an agent, a bundled agent (general), planner, noop, random, or solution."""
     seed: int = 0
     """Seed of the agent's draws."""
     attempt: int | None = None
@@ -42,18 +42,12 @@ class Play:
 def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout, broken) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.named import load_player
     from kinetix.level.codec import load_document
 
     check_attempt(command.attempt)
     document = load_document(command.level)
-    player = load_player(command.agent)
     with announced("compiling the player and the step"):
-        episode = (
-            _attempt(command, player, command.attempt)
-            if command.attempt is not None
-            else _alone(command, player, document)
-        )
+        episode = _played(command, document)
     row = {
         "steps": episode.steps,
         "outcome": episode.outcome,
@@ -75,6 +69,19 @@ def run(command: Play) -> int:
             file=sys.stderr,
         )
     return 0
+
+
+def _played(command: Play, document: "LoadedLevel") -> "Episode":
+    """Play the recorded solution, an attempt of an evaluation, or an episode of its own."""
+    from kinetix.agents.named import SOLUTION, load_player
+    from kinetix.environment.replay import play_solution
+
+    if command.agent == SOLUTION:
+        return play_solution(document.level, command.physics)
+    player = load_player(command.agent)
+    if command.attempt is not None:
+        return _attempt(command, player, command.attempt)
+    return _alone(command, player, document)
 
 
 def _attempt(command: Play, player: "Player", attempt: int) -> "Episode":

@@ -139,7 +139,7 @@ class Showing:
 def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.agents.identity import digest_of
-    from kinetix.agents.named import load_player
+    from kinetix.agents.named import SOLUTION, load_player
     from kinetix.environment.replay import recorded_rows
     from kinetix.environment.reset import level_state
     from kinetix.environment.state import document_slots
@@ -151,7 +151,7 @@ def _showing(command: Render, agent: str) -> Showing:
     source, solution = document.source, document.level.solution
     recorded: dict[str, Any] | None = None
     player: Player
-    if agent == "solution":
+    if agent == SOLUTION:
         if solution is None:
             raise KinetixError(f"{command.level}: this level records no solution")
         recorded, player = recorded_rows(list(solution.unrolled())), load_player("noop")
@@ -168,7 +168,7 @@ def _showing(command: Render, agent: str) -> Showing:
         steps = document.level.max_timesteps if film else 0
     start = level_state(command.level, env.static_env_params)
     moments = _played(command, env, start, player, recorded)
-    name = "solution" if recorded else player.card.name
+    name = SOLUTION if recorded else player.card.name
     draws = draws_of(command.seed, command.attempt, deterministic=command.deterministic)
     return Showing(
         level=document.level,

@@ -24,6 +24,11 @@ _ROWS: Final = 512
 
 
 def replay_solution(level: Level, physics: str | None = None) -> Outcome:
+    """Return how a level's recorded solution ends; see `play_solution`."""
+    return play_solution(level, physics).outcome
+
+
+def play_solution(level: Level, physics: str | None = None) -> Episode:
     """Play a level's recorded solution.
 
     Args:
@@ -31,7 +36,7 @@ def replay_solution(level: Level, physics: str | None = None) -> Outcome:
         physics: Physics preset; by default the one that the solution names.
 
     Returns:
-        How the episode stands when it ends or the actions run out (a time-out).
+        The episode as it stands when it ends or the actions run out (a time-out).
 
     Raises:
         KinetixError: The level has no solution, or its physics preset does not exist.
@@ -44,7 +49,7 @@ def replay_solution(level: Level, physics: str | None = None) -> Outcome:
         list(solution.unrolled()),
         physics=physics or solution.physics,
         frame_skip=solution.frame_skip,
-    ).outcome
+    )
 
 
 def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:

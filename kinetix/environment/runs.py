@@ -11,6 +11,7 @@ from typing import Any, Final
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Array, Float, Int
 
 from kinetix.engine.pipeline import step
@@ -123,7 +124,7 @@ def simulate(
             "LevelBuilder.build() or load_level()"
         )
     for name, value in (("seconds", seconds), ("actions", actions), ("dt", dt)):
-        if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(value)):
+        if any(isinstance(x, Tracer) for x in jax.tree.leaves(value)):
             raise KinetixError(
                 f"{name}: simulate takes numbers, no tracers: it cannot stand inside jax.jit, "
                 "jax.vmap or jax.grad (the engine has no derivative); env.step can, but for grad"

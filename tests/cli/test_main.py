@@ -12,6 +12,7 @@ import pytest
 from kinetix import cli
 from kinetix.errors import LevelError
 from kinetix.failures import KEPT_REPORTS, interrupts_later
+from kinetix.level.codec import load_level, save_level
 
 
 @pytest.fixture
@@ -270,7 +271,7 @@ def test_an_interrupt_waits_for_imports():
         (["compare", "--agents", "--levels", "s/goalkeeper"], "--agents: expected an agent"),
         (["train", "ppo", "--levels", "--out", "runs/x"], "--levels: expected names"),
         (["convert", "", "x.json"], '"": expected a level, got an empty word'),
-        (["play", "s/first_flight", "--agent", "solution"], "kinetix render"),
+        (["eval", "--agent", "solution", "--levels", "s/first_flight"], "kinetix render"),
         (
             [
                 "train",
@@ -300,3 +301,12 @@ def test_an_evaluation_says_what_it_does_where_nobody_looks(capsys):
     assert cli.main(["eval", "--agent", "noop", "--levels", "s/goalkeeper", "--attempts", "1"]) == 0
     told = capsys.readouterr().err
     assert "compiling" in told and "of 1 episode" in told
+
+
+def test_a_recorded_solution_is_played(capsys, tmp_path):
+    assert cli.main(["play", "s/first_flight", "--agent", "solution", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["outcome"] == "won"
+    bare = tmp_path / "bare.json"
+    save_level(load_level("s/first_flight").replace(solution=None), bare)
+    assert cli.main(["play", str(bare), "--agent", "solution"]) == 1
+    assert "has no recorded solution" in capsys.readouterr().err
