@@ -8,7 +8,6 @@ import difflib
 import gc
 import importlib
 import os
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,8 +42,6 @@ COMMANDS: Final[dict[str, str]] = {
 _MEASURES_COMPILING: Final = "bench"
 _CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
 _FEWEST_COLUMNS: Final = 20
-_LONG_NUMBER: Final = "--total-timesteps"
-_EXPONENT: Final = re.compile(r"\d+(\.\d+)?[eE]\+?\d{1,2}")
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -122,6 +119,7 @@ def _can_be_filled(folder: Path) -> bool:
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
     import tyro  # here, so that the overview and the completion of names stay instant
 
+    from kinetix.cli.optional import OPTIONS
     from kinetix.cli.program import Program
 
     # Its layout of the help never ends in fewer columns than some six.
@@ -132,21 +130,10 @@ def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
         getattr(module, name.capitalize()),
         prog=Program(f"kinetix {name}"),
         description=module.__doc__,
-        args=_plain_numbers(words),
+        args=words,
         config=(tyro.conf.FlagCreatePairsOff,),
+        registry=OPTIONS,
     )
-
-
-def _plain_numbers(words: Sequence[str]) -> list[str]:
-    """Write `--total-timesteps 1e6` as the whole number that it is."""
-    plain, option = list(words), _LONG_NUMBER
-    for k, word in enumerate(words):
-        before, _, value = word.rpartition("=")
-        if before != option and (k == 0 or words[k - 1] != option):
-            continue
-        if _EXPONENT.fullmatch(value) and (number := float(value)).is_integer():
-            plain[k] = f"{before}={int(number)}" if before else str(int(number))
-    return plain
 
 
 def _overview() -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from kinetix import cli
+from kinetix.cli.optional import _whole
 from kinetix.errors import LevelError
 from kinetix.failures import KEPT_REPORTS, interrupts_later
 from kinetix.level.codec import load_level, save_level
@@ -245,16 +246,25 @@ def test_a_seed_that_cannot_be_is_refused_before_anything_starts(words, seed, ca
 
 
 @pytest.mark.parametrize(
-    ("words", "number"),
-    [
-        (["--total-timesteps", "1e6"], "1000000"),
-        (["--total-timesteps=2.5e3"], "--total-timesteps=2500"),
-        (["--total-timesteps", "1e-3"], "1e-3"),
-        (["--out", "1e6"], "1e6"),
-    ],
+    ("word", "number"), [("12", 12), ("-3", -3), ("1e6", 1_000_000), ("2.5e3", 2500), ("1E+2", 100)]
 )
-def test_steps_are_counted_as_people_write_them(words, number):
-    assert cli._plain_numbers(words)[-1] == number
+def test_whole_numbers_are_read_as_people_write_them(word, number):
+    assert _whole(word) == number
+
+
+@pytest.mark.parametrize("word", ["1e-6", "1.5", "2.55e1", "one", "", "1e999"])
+def test_what_is_no_whole_number_is_none(word):
+    with pytest.raises(ValueError, match="int"):
+        _whole(word)
+
+
+def test_the_help_shows_what_an_option_takes_and_no_word_for_nothing(capsys):
+    assert cli.main(["train", "ppo", "--help"]) == 0
+    told = capsys.readouterr().out
+    assert "--seed INT" in told and "--kind {entity_transformer," in told
+    assert "{None" not in told
+    assert cli.main(["convert", "a.json", "b.json", "--format", "foo"]) == 2
+    assert "None" not in capsys.readouterr().err
 
 
 def test_an_interrupt_waits_for_imports():
