@@ -18,7 +18,7 @@ from kinetix.level.controls import channels_in_use
 from kinetix.paths import user_agents_dir
 
 _ABANDONED: Final = 600.0
-"""A training that has printed for so long and kept nothing is none any more [s]."""
+"""A folder with nothing but a log is in use while the log is younger than this [s]."""
 
 
 def train_here(session: Session) -> None:

@@ -21,8 +21,7 @@ class Walk:
             folders: Where; everything below them as well.
         """
         self._folders = folders
-        self._unnamed = 0
-        self._full = False
+        self._unnamed = self._full = False
 
     @property
     def passed_over(self) -> str:
@@ -52,8 +51,8 @@ class Walk:
                     count += 1
 
     def _shown(self, names: Iterable[str]) -> list[str]:
-        """The names that can be shown, sorted; those that are no text are counted."""
+        """The names that can be shown, sorted; whether some are no text is noted."""
         seen = [name for name in names if not name.startswith(".")]
         shown = sorted(filter(is_text, seen))
-        self._unnamed += len(seen) - len(shown)
+        self._unnamed |= len(shown) < len(seen)
         return shown

@@ -17,7 +17,7 @@ RELEASE: Final = 0.35
 """… until it comes back to this: between them it keeps what it was."""
 _FULL: Final = 32767.0
 _FAILURES: Final = (pygame.error, sdl2.error)
-"""What pygame raises about pads; neither is a kind of the other."""
+"""Errors of pygame about gamepads; the second is no subclass of the first."""
 
 _AXES: Final = {
     pygame.CONTROLLER_AXIS_LEFTX: ("pad left", "pad right"),

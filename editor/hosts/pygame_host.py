@@ -153,7 +153,7 @@ class PygameHost(Host):
         return batch
 
     def _translated(self, raw: pygame.event.Event) -> list[events.InputEvent]:
-        """What an event of pygame's means to the app; one that cannot be read is told, no more."""
+        """Translate an event of pygame's; an error in it is reported, and the app goes on."""
         with self.session.guard():
             event = translate(raw)
             return [event] if event is not None else self._pads.translate(raw)

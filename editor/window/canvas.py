@@ -262,10 +262,8 @@ class Canvas:
         )
         top, room = top + (floor - top) * 0.36, right - left - px(24)
         for face, size, english, colour in lines:
-            sentence = tr(english)
             with font(face, size):
-                whole = imgui.calc_text_size(sentence).x <= room
-                for words in [sentence] if whole else broken(sentence, room):
+                for words in broken(tr(english), room):
                     extent = imgui.calc_text_size(words)
                     if extent.x > room or top + extent.y > floor:
                         continue

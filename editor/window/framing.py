@@ -63,9 +63,10 @@ class Framing:
             self._before_split = (tab, tab.camera, self._follows(tab))
             tab.fitted = False
         elif not wanted and self._before_split is not None:
-            (tab, tab.camera, whole), self._before_split = self._before_split, None
+            (tab, camera, whole), self._before_split = self._before_split, None
+            tab.camera = camera
             if whole:
-                self._followed[tab.document.number] = tab.camera
+                self._followed[tab.document.number] = camera
 
     def choose(self, session: "Session", origin: Point, size: Point) -> None:
         """Choose the camera for the present viewport.

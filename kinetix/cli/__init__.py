@@ -119,7 +119,7 @@ def _can_be_filled(folder: Path) -> bool:
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
     import tyro  # here, so that the overview and the completion of names stay instant
 
-    from kinetix.cli.optional import OPTIONS
+    from kinetix.cli.options import OPTIONS
     from kinetix.cli.program import Program
 
     # Its layout of the help never ends in fewer columns than some six.

@@ -1,4 +1,4 @@
-"""Levels that a command measures players on: equal ones once, the parts of sets known apart."""
+"""Measuring players: the levels, each once, the progress, and the rates of the parts of a set."""
 
 import contextlib
 import sys

@@ -17,7 +17,7 @@ from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
-from kinetix.training.settings import field_notes
+from kinetix.training.settings import SOURCES, field_notes
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 from kinetix.wording import plural
 
@@ -147,8 +147,8 @@ def run(command: Common) -> int:
 def _values(command: Common) -> dict[str, Any]:
     """The hyper-parameters that flags name."""
     own = {field.name for field in dataclasses.fields(Common)}
-    for name in ("levels", "eval_levels", "data"):
-        if getattr(command, name, None) in ((), []):
+    for name in SOURCES:
+        if getattr(command, name, None) == ():
             flag = name.replace("_", "-")
             raise KinetixError(f"--{flag}: expected names, files or folders, got no word")
     values: dict[str, Any] = {"dummy_env": True} if command.dummy_env else {}

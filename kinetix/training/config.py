@@ -5,6 +5,7 @@ except that `parity` is off (see `presets/kinetix-3.toml`).
 """
 
 import dataclasses
+import math
 from typing import ClassVar, Final, Literal, get_args
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
@@ -153,8 +154,8 @@ class PpoConfig:
 
     @property
     def steps_per_update(self) -> int:
-        """Environment steps of one update."""
-        return self.num_steps * self.num_train_envs
+        """Environment steps of one update; moments, where demonstrations are learnt from."""
+        return math.prod(getattr(self, name) for name in self.update_size)
 
     @property
     def rounded(self) -> str:
@@ -325,11 +326,6 @@ class ReplayConfig(PpoConfig):
     update_size: ClassVar[tuple[str, ...]] = (*PpoConfig.update_size, "outer_rollout_steps")
 
     @property
-    def steps_per_update(self) -> int:
-        """Environment steps of one update: all the rollouts on the same levels."""
-        return self.num_steps * self.outer_rollout_steps * self.num_train_envs
-
-    @property
     def only_listed(self) -> bool:
         """See `PpoConfig`; mutations make levels that have other things."""
         return super().only_listed and not self.use_accel
@@ -353,11 +349,6 @@ class BcConfig(PpoConfig):
     """Moments in all, repetitions included."""
 
     update_size: ClassVar[tuple[str, ...]] = ("minibatch_size", "num_minibatches")
-
-    @property
-    def steps_per_update(self) -> int:
-        """Moments of one update."""
-        return self.minibatch_size * self.num_minibatches
 
     def fits_devices(self, devices: int) -> bool:
         """One device learns."""

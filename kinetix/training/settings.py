@@ -130,7 +130,7 @@ def _sources(
         yield _parse(_read(file), str(file)), str(file)
 
 
-_SOURCES: Final = ("levels", "eval_levels", "data")
+SOURCES: Final = ("levels", "eval_levels", "data")
 """Fields that name files, folders and bundled levels."""
 
 
@@ -140,7 +140,7 @@ def _check_sources(fields: dict[str, Any]) -> None:
     Raises:
         KinetixError: One is neither.
     """
-    for name in _SOURCES:
+    for name in SOURCES:
         given = fields.get(name)
         if given is None:
             continue

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from kinetix import cli
-from kinetix.cli.optional import _whole
+from kinetix.cli.options import _whole
 from kinetix.errors import LevelError
 from kinetix.failures import KEPT_REPORTS, interrupts_later
 from kinetix.level.codec import load_level, save_level

@@ -114,9 +114,12 @@ def centred_lines(words: str, width: float) -> None:
 
 
 def broken(words: str, width: float) -> list[str]:
-    """Text broken at spaces so that no line is wider than `width` [px]."""
+    """Text broken at spaces so that no line is wider than `width` [px]; one that fits is kept."""
     lines: list[str] = []
     for paragraph in words.split("\n"):
+        if imgui.calc_text_size(paragraph).x <= width:
+            lines.append(paragraph)
+            continue
         line = ""
         for word in paragraph.split(" "):
             longer = f"{line} {word}".strip()

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from editor.actions import examples, view
+from editor.documents.commands.fields import field_name
 from editor.drawing.debug_draw import LAYERS
 from editor.window.panels.preferences import PAGES, choose
 from kinetix.level.model import Body, Circle, Joint, Record, Thruster
@@ -13,9 +14,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _LEVEL_FIELDS: Final = (
-    ("Gravity x", "level.gravity.0"),
-    ("Gravity y", "level.gravity.1"),
-    ("Time limit", "level.max_timesteps"),
+    *((field_name(name), f"level.{name}") for name in ("gravity.0", "gravity.1", "max_timesteps")),
     ("Name of the level", "level.name"),
     ("Tags", "level.tags"),
 )

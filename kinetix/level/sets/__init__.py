@@ -23,8 +23,8 @@ from kinetix.level.sets.manifest import (
     common_capacity,
 )
 from kinetix.level.sets.parts import distinct, evaluation_part, training_part
-from kinetix.level.sets.paths import path_in_set, relative_path, within_reach
-from kinetix.level.sets.read import is_set_file, load_set, loads_set
+from kinetix.level.sets.paths import within_reach
+from kinetix.level.sets.read import is_set_file, load_set
 from kinetix.level.sets.write import dumps_set, save_set
 
 __all__ = [
@@ -47,11 +47,8 @@ __all__ = [
     "json_files",
     "level_files",
     "load_set",
-    "loads_set",
-    "path_in_set",
     "place_of",
     "read_levels",
-    "relative_path",
     "save_set",
     "split_set",
     "training_part",

@@ -1,4 +1,4 @@
-"""What a level set is: a manifest of levels with weights and a split into train and eval."""
+"""The manifest of a level set: its levels, their weights, and the split into train and eval."""
 
 import dataclasses
 from collections.abc import Iterable

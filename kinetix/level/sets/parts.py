@@ -1,4 +1,4 @@
-"""What of some levels is used: each once, those to train on, those to evaluate with."""
+"""Parts of a list of levels: without duplicates, for training, for evaluation."""
 
 from collections.abc import Iterable, Sequence
 

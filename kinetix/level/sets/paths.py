@@ -1,4 +1,4 @@
-"""How a set names the files of its levels: relative to its folder, and within reach of it."""
+"""Paths of the levels of a set: relative to its folder, and never outside of the folder above."""
 
 import os
 from pathlib import Path

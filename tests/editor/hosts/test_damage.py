@@ -136,7 +136,7 @@ def test_partly_drawn_frames_equal_whole_ones(home, where):
 )
 def test_a_clip_rectangle_leaves_the_same_pixels_in_parts_as_whole(edges, height):
     def scissor(clip):
-        """What Dear ImGui's renderer tells OpenGL: left and lower edge, width, height [px]."""
+        """The arguments of glScissor, as Dear ImGui's renderer computes them [px]."""
         left, top, right, bottom = clip
         return int(left), int(height - bottom), int(right - left), int(bottom - top)
 

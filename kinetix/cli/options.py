@@ -1,4 +1,4 @@
-"""Options that may be left out: shown and read as what they hold, without a word for nothing."""
+"""How options are read: whole numbers as people write them, optional ones without a word `None`."""
 
 import dataclasses
 import re
@@ -13,7 +13,7 @@ from tyro.constructors import (
 )
 
 OPTIONS: Final = ConstructorRegistry()
-"""How the words of every command are read, beside tyro's own rules."""
+"""Rules for options of all commands, in addition to tyro's."""
 _EXPONENT: Final = re.compile(r"\d+(\.\d+)?[eE]\+?\d{1,2}")
 
 
