@@ -263,10 +263,12 @@ class Canvas:
         top, room = top + (floor - top) * 0.36, right - left - px(24)
         for face, size, english, colour in lines:
             with font(face, size):
-                for words in broken(tr(english), room):
-                    extent = imgui.calc_text_size(words)
-                    if extent.x > room or top + extent.y > floor:
-                        continue
+                parts = broken(tr(english), room)
+                extents = [imgui.calc_text_size(words) for words in parts]
+                high = sum(extent.y + px(3) for extent in extents)
+                if top + high > floor or any(extent.x > room for extent in extents):
+                    continue  # half of a sentence says less than none
+                for words, extent in zip(parts, extents, strict=True):
                     draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
                     top += extent.y + px(3)
                 top += px(6)
