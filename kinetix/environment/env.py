@@ -1,19 +1,17 @@
 """The environment: reset, step and observation of one level, batched by `vmap`."""
 
 import dataclasses
-import functools
 from collections.abc import Callable
 from typing import Any, Self
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Int
 
 from kinetix.engine.batch import where_marked, worlds_last
-from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.solvers.room import worlds_at_once
-from kinetix.engine.types import Control, State, World
 from kinetix.environment.actions import ACTIONS, AbstractAction
+from kinetix.environment.advance import Advanced, advance
 from kinetix.environment.checks import (
     check_action,
     check_is_state,
@@ -23,8 +21,8 @@ from kinetix.environment.checks import (
     check_state,
     fitted,
 )
+from kinetix.environment.dummy import DummyEnv
 from kinetix.environment.eager import quick_alone
-from kinetix.environment.goal import dense_reward, goal_distance, sparse_reward
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
 from kinetix.environment.params import (
@@ -32,55 +30,22 @@ from kinetix.environment.params import (
     Parity,
     PhysicsEngine,
     StaticEnvParams,
-    engine_parameters,
     physics_engine,
     with_parity,
 )
 from kinetix.environment.spaces import ActionType, ObservationType, Space
-from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
+from kinetix.environment.state import EnvState, StepResult
 from kinetix.errors import KinetixError
 from kinetix.lazy import lazy_names
-from kinetix.level.compile import empty_scene
 from kinetix.level.sizes import describe_capacity
-from kinetix.pytree import pytree
 
 ResetFunction = Callable[[Array], EnvState]
 """Draws the state in which an episode starts."""
-
-StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]
-"""Observation, state, reward, done, info."""
-
-
-@pytree
-class _Played:
-    """State of an environment step after some of its physics steps."""
-
-    physics: State
-    reward: Float[Array, ""]
-    """Sparse reward of the first physics step that had one."""
-    scored_position: Float[Array, "b 2"]
-    """Positions after that step, or after the last one so far."""
-    overflow: Bool[Array, ""]
-
-
-def _time_limit(own: Int[Array, ""], params: EnvParams) -> Int[Array, ""]:
-    """A level's own limit, else that of the parameters; none at all where theirs is infinite."""
-    given = jnp.asarray(params.max_timesteps)
-    endless = jnp.isinf(given.astype(jnp.float32))
-    never = jnp.iinfo(jnp.int32).max
-    given = jnp.where(endless, never, given.astype(jnp.int32))
-    return jnp.where((own > 0) & ~endless, own, given)
 
 
 def _settled(state: EnvState) -> EnvState:
     """The state with strong dtypes, so that steps can be scanned."""
     return jax.tree.map(lambda x: jax.lax.convert_element_type(x, jnp.asarray(x).dtype), state)
-
-
-def has_nan(physics: State) -> Bool[Array, ""]:
-    """Return whether anything that a step changes is NaN."""
-    reals = [x for x in jax.tree.leaves(physics) if jnp.issubdtype(x.dtype, jnp.floating)]
-    return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -285,6 +250,10 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
         return self._by_tiles(one)
 
+    def _advance(self, state: EnvState, action: Any, params: EnvParams) -> Advanced:
+        control = self.actions.process_action(action, state.labels)
+        return advance(state, control, params, static=self.static_env_params)
+
     def _by_tiles(self, one: Callable[..., Any]) -> Callable[..., Any]:
         return worlds_last(
             jax.vmap(one, in_axes=-1, out_axes=-1),
@@ -297,129 +266,8 @@ class KinetixEnv(MethodsOfKinetixEnv):
         del action, params
         return self.physics_engine.solver.effort(state.world, state.physics)
 
-    def _advance(
-        self, state: EnvState, action: Any, params: EnvParams
-    ) -> tuple[dict[str, Any], Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
-        """Return the changed fields of the state, reward, done and info.
-
-        The level itself is not returned, so that its arrays stay where they are.
-        """
-        control = self.actions.process_action(action, state.labels)
-        played = self._play(state, control, params)
-        world, labels = state.world, state.labels
-        distance = goal_distance(played.scored_position, world, labels)
-        touched = played.reward != 0
-        nan = has_nan(played.physics) | jnp.isnan(world.gravity).any()
-        timestep = state.timestep + 1
-        done = touched | nan | (timestep >= _time_limit(labels.max_timesteps, params))
-        reward = played.reward + dense_reward(
-            distance, state.last_distance, params.dense_reward_scale
-        )
-        changed = {
-            "physics": played.physics,
-            "timestep": timestep,
-            "last_distance": jnp.where(done, NO_DISTANCE, distance),
-        }
-        info = {
-            "GoalR": played.reward > 0,
-            "distance": distance,
-            "terminated": touched,
-            "truncated": done & ~touched & ~nan,
-            "nan": nan,
-            "overflow": played.overflow,
-        }
-        return changed, reward, done, info
-
-    def _play(self, state: EnvState, control: Control, params: EnvParams) -> _Played:
-        """All physics steps of one environment step; what counts is the first one with a touch."""
-        engine = self.physics_engine
-        parameters = engine_parameters(params)
-        includes_joined = self.static_env_params.touch_includes_joined
-        world: World = state.world
-
-        def substep(played: _Played, _: None) -> tuple[_Played, None]:
-            physics = physics_step(
-                world, played.physics, control, parameters, spec=engine.spec, solver=engine.solver
-            )
-            reward = sparse_reward(
-                physics.touching, world, state.labels, includes_joined=includes_joined
-            )
-            ended = played.reward != 0
-            return _Played(
-                physics=physics,
-                reward=jnp.where(ended, played.reward, reward),
-                scored_position=jnp.where(ended, played.scored_position, physics.position),
-                overflow=played.overflow | physics.overflow,
-            ), None
-
-        played = _Played(
-            physics=state.physics,
-            reward=jnp.zeros((), jnp.float32),
-            scored_position=state.physics.position,
-            overflow=jnp.zeros((), bool),
-        )
-        if self.static_env_params.frame_skip == 1:
-            return substep(played, None)[0]
-        return jax.lax.scan(substep, played, length=self.static_env_params.frame_skip)[0]
-
 
 KinetixEnv.__setattr__ = set_method
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class DummyEnv:
-    """The shapes of an environment with a step that does nothing, to debug training code quickly.
-
-    Every episode is the empty level; the reward is 0 and nothing is ever done. Everything else is
-    that of the environment it stands in for.
-    """
-
-    env: KinetixEnv
-
-    def step_env(
-        self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
-    ) -> StepResult:
-        """The same state again."""
-        return self.step(key, state, action, params)
-
-    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
-        """Observation and state of the empty level."""
-        return self.reset(key, params)
-
-    def __getattr__(self, name: str) -> Any:
-        """Spaces, parameters and names of the real environment."""
-        if name.startswith("__"):
-            raise AttributeError(name)
-        return getattr(self.env, name)
-
-    @functools.partial(jax.jit, static_argnums=0)
-    def reset(
-        self,
-        key: Array,
-        env_params: EnvParams | None = None,
-        override_reset_state: EnvState | None = None,
-    ) -> tuple[Any, EnvState]:
-        """Observation and state of the empty level, or of the override."""
-        engine = self.env.physics_engine
-        state = override_reset_state
-        if state is None:
-            state = state_of(empty_scene(engine.spec, engine.solver))
-        state = fitted(state, engine)
-        return self.env.get_obs(state), state
-
-    @functools.partial(jax.jit, static_argnums=0)
-    def step(
-        self,
-        key: Array,
-        state: EnvState,
-        action: Any,
-        env_params: EnvParams | None = None,
-        override_reset_state: EnvState | None = None,
-    ) -> StepResult:
-        """The same state again."""
-        no = jnp.zeros((), bool)
-        info = dict.fromkeys(("GoalR", "terminated", "truncated", "nan", "overflow"), no)
-        return self.env.get_obs(state), state, jnp.zeros(()), no, info | {"distance": jnp.zeros(())}
 
 
 def make_kinetix_env(  # noqa: PLR0913 (the public signature)

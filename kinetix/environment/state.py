@@ -89,6 +89,10 @@ class EnvState(FieldsOfKinetixEnv):
         )
 
 
+StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]
+"""Observation, state, reward, done, info."""
+
+
 def state_of(scene: Scene) -> EnvState:
     """The state in which an episode of a compiled level starts."""
     return EnvState(
