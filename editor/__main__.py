@@ -16,6 +16,7 @@ from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
 from editor.session import Session
+from kinetix.command_line.parse import parse
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, ending_signals, guarded, signals_to, terminable
 from kinetix.paths import levels_dir, working_dir
@@ -35,7 +36,7 @@ class Options:
     """Draw, edit and play 2D physics levels."""
 
     files: Annotated[
-        tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE|ADDRESS")
+        tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE|ADDRESS …")
     ] = ()
     """Levels in either format, episodes (`.npz`), comparisons (`.json`); files or addresses."""
     agent: Path | None = None
@@ -270,7 +271,7 @@ def main() -> int:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     with terminable():
         status = guarded(
-            lambda: _run(tyro.cli(Options, prog="kinetix-editor")),
+            lambda: _run(parse(Options, program="kinetix-editor")),
             name="kinetix-editor",
             words=sys.argv[1:],
         )

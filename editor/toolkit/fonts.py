@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+import imgui_bundle
 from imgui_bundle import imgui
 
 FAMILIES: Final[dict[str, tuple[str, ...]]] = {
@@ -33,6 +34,8 @@ FAMILIES: Final[dict[str, tuple[str, ...]]] = {
 """File names by what they are for, the one to prefer first: small ones, and those with outlines."""
 _DEPTH: Final = 6
 """Folders within each other that are looked through."""
+_OF_THE_TOOLKIT: Final = Path(imgui_bundle.__file__).parent / "demos_assets" / "fonts"
+"""Where the toolkit has emoji with outlines, for systems without."""
 
 
 def folders() -> tuple[Path, ...]:
@@ -94,7 +97,7 @@ class Fallbacks:
     def _additions(
         self, fonts: Sequence[imgui.ImFont], places: Sequence[Path] | None
     ) -> Iterator[bool]:
-        for path in found(folders() if places is None else places):
+        for path in found((*folders(), _OF_THE_TOOLKIT) if places is None else places):
             for font in fonts:
                 config = imgui.ImFontConfig()
                 config.merge_mode = True

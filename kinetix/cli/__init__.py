@@ -41,7 +41,6 @@ COMMANDS: Final[dict[str, str]] = {
 
 _MEASURES_COMPILING: Final = "bench"
 _CACHE: Final = "JAX_COMPILATION_CACHE_DIR"
-_FEWEST_COLUMNS: Final = 20
 _SELDOM: Final = (100_000, 50, 100)
 """Thresholds of the garbage collector: tracing makes many objects and next to no garbage.
 
@@ -117,22 +116,13 @@ def _can_be_filled(folder: Path) -> bool:
 
 
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
-    import tyro  # here, so that the overview and the completion of names stay instant
+    from kinetix.command_line.parse import parse  # here: the overview stays instant
 
-    from kinetix.cli.options import OPTIONS
-    from kinetix.cli.program import Program
-
-    # Its layout of the help never ends in fewer columns than some six.
-    columns = os.environ.get("COLUMNS", "")
-    if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
-        os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
-    return tyro.cli(
+    return parse(
         getattr(module, name.capitalize()),
-        prog=Program(f"kinetix {name}"),
+        program=f"kinetix {name}",
         description=module.__doc__,
-        args=words,
-        config=(tyro.conf.FlagCreatePairsOff,),
-        registry=OPTIONS,
+        words=words,
     )
 
 

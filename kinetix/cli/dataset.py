@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.paths import NamedPath
+from kinetix.command_line.paths import NamedPath
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.wording import plural

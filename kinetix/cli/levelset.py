@@ -13,8 +13,8 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
-from kinetix.cli.paths import NamedPath
 from kinetix.cli.validate import issue_tree, reading_issues
+from kinetix.command_line.paths import NamedPath
 from kinetix.errors import LevelError
 from kinetix.files.folders import made_folder
 from kinetix.level.atomic import backup_of

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.paths import NamedPath
 from kinetix.cli.terminal import PATIENCE, Terminal, announced
+from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.wording import plural

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from kinetix.cli.paths import NamedPath
 from kinetix.cli.terminal import Terminal
+from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
 from kinetix.wording import plural

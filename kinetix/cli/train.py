@@ -10,8 +10,8 @@ from typing import Annotated, Any, Final, Union
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.cli.paths import NamedPath
 from kinetix.cli.terminal import Terminal
+from kinetix.command_line.paths import NamedPath
 from kinetix.compiler import forget_programs
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from kinetix import cli
-from kinetix.cli.options import _whole
+from kinetix.command_line.options import _whole
 from kinetix.errors import LevelError
 from kinetix.failures import KEPT_REPORTS, interrupts_later
 from kinetix.level.codec import load_level, save_level
@@ -254,7 +254,7 @@ def test_whole_numbers_are_read_as_people_write_them(word, number):
 
 @pytest.mark.parametrize("word", ["1e-6", "1.5", "2.55e1", "one", "", "1e999"])
 def test_what_is_no_whole_number_is_none(word):
-    with pytest.raises(ValueError, match="int"):
+    with pytest.raises(ValueError, match=f"expected a whole number, got '{word}'"):
         _whole(word)
 
 

@@ -71,6 +71,14 @@ def test_the_app_adds_them_by_itself(make_gui, dejavu):
     assert FONTS.regular.is_glyph_in_font(STAR)
 
 
+def test_emoji_are_drawn_on_a_system_without_any(make_gui, monkeypatch):
+    monkeypatch.setattr("editor.toolkit.fonts.folders", lambda: ())
+    gui = make_gui()
+    gui.frames(20)
+    for sign in "🚀🏎🙂":
+        assert FONTS.regular.is_glyph_in_font(ord(sign)), sign
+
+
 def test_names_of_files_and_levels_in_other_scripts_are_shown(make_gui, tmp_path):
     from kinetix.level.codec import save_level
     from kinetix.level.model import Level

@@ -29,6 +29,23 @@ def test_the_scales_that_the_help_names_are_taken(scale):
     _check(Options(scale=scale))
 
 
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["--help"], 0, r"--scale FLOAT .* --port INT"),
+        (["--scale", "big"], 2, r"--scale: expected a number, got 'big'"),
+    ],
+)
+def test_the_help_and_mistakes_are_worded_as_those_of_every_command(words, status, said, home):
+    command = [sys.executable, "-m", "editor", *words]
+    done = subprocess.run(
+        command, check=False, env=home, capture_output=True, text=True, timeout=120
+    )
+    told = done.stdout + done.stderr
+    assert done.returncode == status
+    assert re.search(said, " ".join(told.split()).replace("│ ", "")) and "{None" not in told
+
+
 def listens(pid: int) -> bool:
     """Return whether a process takes SIGTERM itself."""
     (caught,) = re.findall(r"^SigCgt:\s*(\w+)$", Path(f"/proc/{pid}/status").read_text(), re.M)

@@ -1,4 +1,4 @@
-"""How options are read: whole numbers as people write them, optional ones without a word `None`."""
+"""How options are read: numbers as people write them, optional ones without a word `None`."""
 
 import dataclasses
 import re
@@ -49,10 +49,34 @@ def _whole_number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[int] | No
     )
 
 
+@OPTIONS.primitive_rule
+def _number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[float] | None:
+    """A number; what is none is told in words of ours."""
+    if info.type is not float:
+        return None
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="FLOAT",
+        instance_from_str=lambda words: _real(words[0]),
+        is_instance=lambda value: isinstance(value, int | float) and not isinstance(value, bool),
+        str_from_instance=lambda value: [str(value)],
+    )
+
+
 def _whole(word: str) -> int:
     if _EXPONENT.fullmatch(word) and (number := float(word)).is_integer():
         return int(number)
-    return int(word)
+    try:
+        return int(word)
+    except ValueError:
+        raise ValueError(f"expected a whole number, got {word!r}") from None
+
+
+def _real(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise ValueError(f"expected a number, got {word!r}") from None
 
 
 def _without_none(kind: Any) -> Any:

@@ -1,0 +1,1 @@
+"""How the words of a command line are read, the same for every command and for the editor."""

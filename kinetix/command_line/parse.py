@@ -1,0 +1,43 @@
+"""From the words of a command line to what a command shall do."""
+
+import os
+from collections.abc import Sequence
+from typing import Final, TypeVar
+
+import tyro
+
+from kinetix.command_line.options import OPTIONS
+from kinetix.command_line.program import Program
+
+_FEWEST_COLUMNS: Final = 20
+"""Tyro's layout of the help never ends in fewer columns than some six."""
+
+_Command = TypeVar("_Command")
+
+
+def parse(
+    command: type[_Command],
+    *,
+    program: str,
+    description: str | None = None,
+    words: Sequence[str] | None = None,
+) -> _Command:
+    """Read the words of a command line; ends the process after help, or a sentence on a mistake.
+
+    Args:
+        command: A dataclass, or a union of subcommands: what the words are read as.
+        program: The command as people type it, for the help.
+        description: What the help says first; by default the docstring of `command`.
+        words: The words after the program's; by default those of this process.
+    """
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
+        os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
+    return tyro.cli(
+        command,
+        prog=Program(program),
+        description=description,
+        args=words,
+        config=(tyro.conf.FlagCreatePairsOff,),
+        registry=OPTIONS,
+    )
