@@ -26,6 +26,14 @@ _SPOKEN: Final = {
     "max_timesteps": "Time limit",
     "gravity.0": "Gravity x",
     "gravity.1": "Gravity y",
+    "restitution": "Bounciness",
+    "collision": "Collides",
+    "angular_velocity": "Spin",
+    "shape.radius": "Radius",
+    "binding": "Key",
+    "motor.binding": "Motor key",
+    "limits.min": "Min angle",
+    "limits.max": "Max angle",
 }
 """Fields that the panels call otherwise than the format does."""
 _NOISE: Final = 2e-6

@@ -18,22 +18,15 @@ _LEVEL_FIELDS: Final = (
     ("Name of the level", "level.name"),
     ("Tags", "level.tags"),
 )
+_BODY: Final = (
+    *("position.x", "position.y", "angle", "density", "friction", "restitution"),
+    *("velocity.x", "velocity.y", "angular_velocity"),
+)
+_JOINT: Final = ("motor.speed", "motor.power", "limits.min", "limits.max", "reference_angle")
 _FIELDS: Final[tuple[tuple[type[Record], str, str], ...]] = (
-    (Body, "Position x", "position.x"),
-    (Body, "Position y", "position.y"),
-    (Body, "Angle", "angle"),
-    (Circle, "Radius", "shape.radius"),
-    (Body, "Density", "density"),
-    (Body, "Friction", "friction"),
-    (Body, "Bounciness", "restitution"),
-    (Body, "Velocity x", "velocity.x"),
-    (Body, "Velocity y", "velocity.y"),
-    (Body, "Spin", "angular_velocity"),
-    (Joint, "Motor speed", "motor.speed"),
-    (Joint, "Motor power", "motor.power"),
-    (Joint, "Min angle", "limits.min"),
-    (Joint, "Max angle", "limits.max"),
-    (Joint, "Reference angle", "reference_angle"),
+    *((Body, field_name(name), name) for name in _BODY),
+    (Circle, field_name("shape.radius"), "shape.radius"),
+    *((Joint, field_name(name), name) for name in _JOINT),
     (Thruster, "Thruster power", "power"),
     (Thruster, "Thruster direction", "angle"),
 )

@@ -217,7 +217,8 @@ def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
         limit = info.low if beyond < info.low else info.high
         title = field_name(field.name.split(".", 1)[1])
         words = "at least" if beyond < info.low else "at most"
-        typed, stop = (shown_value(value, info, field.radians) for value in (beyond, limit))
+        stop = shown_value(limit, info, field.radians)
+        typed = shown_value(beyond, info, field.radians) if change.relative else text.strip()
         session.complain(f"{title} is {words} {stop}: {typed} became {stop}.")
         if not change.relative:
             change = Change(amount=limit)

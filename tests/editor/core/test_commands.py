@@ -116,6 +116,7 @@ def test_labels_say_what_was_done():
     assert SetField(ids=(5,), field="motor.power", value=2.5).label == "Motor power → 2.5"
     assert SetField(ids=(5,), field="motor.on", value=False).label == "Motor on → off"
     assert SetField(ids=(3,), field="position", value=(1, 2)).label == "Position → (1, 2)"
+    assert SetField(ids=(3,), field="restitution", value=0.5).label == "Bounciness → 0.5"
 
 
 def test_level_fields():

@@ -138,13 +138,14 @@ def test_what_is_not_a_number_says_so_and_changes_nothing(make_gui):
     assert "“heavy” is not a number" in gui.session.toasts[-1].text
 
 
-def test_a_value_beyond_the_limits_stops_there_and_says_so(make_gui):
+@pytest.mark.parametrize("typed", ["0", "1e-9"])
+def test_a_value_beyond_the_limits_stops_there_and_says_so(make_gui, typed):
     gui = make_gui(level=a_level())
     gui.click("outliner.1")
-    edit_text(gui, "inspector.density", "0")
+    edit_text(gui, "inspector.density", typed)
     assert gui.level.body(1).density == pytest.approx(1e-3)
     said = gui.session.toasts[-1].text
-    assert said == "Density is at least 0.001 kg/m²: 0.00 kg/m² became 0.001 kg/m²."
+    assert said == f"Density is at least 0.001 kg/m²: {typed} became 0.001 kg/m²."
 
 
 def test_several_things_are_changed_each_from_its_own_value(make_gui):
