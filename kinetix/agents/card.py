@@ -15,6 +15,7 @@ from kinetix.errors import CheckpointError
 from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
 from kinetix.level.model import MAX_ENTITIES
+from kinetix.wording import misfit
 
 FORMAT = "kinetix-agent"
 VERSION = 1
@@ -193,7 +194,7 @@ def read_card(path: Path) -> tuple[AgentCard, Inventory]:
     try:
         file = msgspec.convert(content, _File)
     except msgspec.ValidationError as error:
-        raise CheckpointError(f"{path}: {error}") from None
+        raise CheckpointError(f"{path}: {misfit(error)}") from None
     except ValueError as error:
         raise CheckpointError(f"{path}: $.network: {error}") from None
     _check_network(path, file)

@@ -29,6 +29,7 @@ from kinetix.files.arrays import read_tensors, tensor_shapes
 from kinetix.files.regular import FileError
 from kinetix.level.atomic import replacing
 from kinetix.level.sizes import SIZES
+from kinetix.wording import misfit
 
 TENSORS = "params.safetensors"
 CONFIG = "config.json"
@@ -163,7 +164,7 @@ def _card(path: Path, shapes: Mapping[str, tuple[int, ...]]) -> AgentCard:
         capacity = msgspec.convert(config.get("capacity"), CapacityCard | None)
         check_environment(path, environment)
     except msgspec.ValidationError as error:
-        raise CheckpointError(f"{path}: {error}") from None
+        raise CheckpointError(f"{path}: {misfit(error)}") from None
     rest = {key: value for key, value in config.items() if key not in _OUR_ONLY}
     return AgentCard(
         name=config.get("name", path.parent.name)[:1000],
@@ -192,7 +193,7 @@ def _network(path: Path, model: Mapping[str, Any], observation: str) -> NetworkC
     try:
         return msgspec.convert({"kind": kind, **options}, NetworkConfig)
     except (msgspec.ValidationError, ValueError) as error:
-        raise CheckpointError(f"{path}: $.model: {error}") from None
+        raise CheckpointError(f"{path}: $.model: {misfit(error)}") from None
 
 
 def _capacity_from_tensors(

@@ -12,6 +12,7 @@ from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
 from kinetix.files.regular import FileError, open_regular
+from kinetix.wording import misfit
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -74,7 +75,7 @@ def read_comparison(path: Path) -> StoredComparison:
     try:
         document = msgspec.convert(tree, _Document)
     except msgspec.ValidationError as error:
-        raise KinetixError(f"{path}: {error}") from None
+        raise KinetixError(f"{path}: {misfit(error)}") from None
     names = list(document.levels)
     contenders = []
     for k, policy in enumerate(document.policies):

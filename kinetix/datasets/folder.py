@@ -20,6 +20,7 @@ from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_bytes
 from kinetix.level.atomic import write_atomically
 from kinetix.version import __version__
+from kinetix.wording import misfit
 
 MANIFEST: Final = "dataset.json"
 SHARD_STEPS: Final = 262_144
@@ -83,7 +84,7 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         manifest = msgspec.convert(read_json(path, "kept"), Manifest)
     except msgspec.ValidationError as error:
-        raise KinetixError(f"{path}: {error}") from None
+        raise KinetixError(f"{path}: {misfit(error)}") from None
     if manifest.format != FORMAT:
         raise KinetixError(f"{path}: $.format: expected {FORMAT!r}, got {manifest.format!r}")
     if manifest.version != VERSION:

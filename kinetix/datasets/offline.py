@@ -29,7 +29,7 @@ from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level
 from kinetix.level.sizes import parse_capacity
-from kinetix.wording import plural
+from kinetix.wording import misfit, plural
 
 ORIGINS: Final = "origins.json"
 """File that says of our own trajectories where they are from; kinetix-env's have none."""
@@ -228,7 +228,7 @@ def _origins(folder: Path) -> Iterator[_Origin]:
             told = read_object(path, "set").get("trajectories")
             yield from msgspec.convert(told, list[_Origin])
         except msgspec.ValidationError as error:
-            raise KinetixError(f"{path}: $.trajectories: {error}") from None
+            raise KinetixError(f"{path}: $.trajectories: {misfit(error)}") from None
     yield from itertools.repeat(_FROM_KINETIX_ENV)
 
 

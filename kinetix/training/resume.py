@@ -13,6 +13,7 @@ from kinetix.agents.directories import bring_back
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
 from kinetix.training.state import STATE, load_state, save_state
+from kinetix.wording import misfit
 
 PROGRESS: Final = "progress.json"
 """Beside `state/`: how many updates are done, how long they took, and the state's digest."""
@@ -91,7 +92,7 @@ def _read(folder: Path, like: Any) -> tuple[Any, StoredProgress]:
     try:
         progress = msgspec.convert(tree, StoredProgress)
     except msgspec.ValidationError as error:
-        raise KinetixError(f"{path}: {error}") from None
+        raise KinetixError(f"{path}: {misfit(error)}") from None
     if progress.updates < 1:
         raise KinetixError(f"{path}: $.updates: expected a number from 1")
     state, digest = load_state(folder, like)

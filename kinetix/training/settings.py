@@ -25,6 +25,7 @@ from kinetix.lazy import hint
 from kinetix.level.sets import gather_levels
 from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
+from kinetix.wording import misfit
 
 CONFIG = "config.toml"
 """A run's own configuration."""
@@ -93,7 +94,7 @@ def make_config(
             CONFIGS[algorithm],
         )
     except (msgspec.ValidationError, ValueError) as error:
-        raise KinetixError(f"{told}: {error}") from None
+        raise KinetixError(f"{told}: {misfit(error)}") from None
     config.check()
     return config
 

@@ -15,6 +15,7 @@ from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import freed, reanchored
 from kinetix.errors import CommandError
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
+from kinetix.wording import misfit
 
 _ABSENT: Final[dict[str, Record]] = {"motor": Motor(on=False), "limits": Limits(on=False)}
 """Values of absent parts."""
@@ -106,7 +107,7 @@ def _checked(record: Record, name: str, value: Any, path: str) -> Any:
     try:
         return msgspec.convert(value, field_types(type(record))[name])
     except msgspec.ValidationError as error:
-        raise CommandError(f"{path}: {error} (got {value!r}).") from None
+        raise CommandError(f"{path}: {misfit(error)} (got {value!r}).") from None
 
 
 def _present(record: Record, name: str) -> Any:

@@ -40,6 +40,7 @@ from kinetix.training.imitation.teacher import (
     wins_again,
 )
 from kinetix.training.telling import Say, say_nothing
+from kinetix.wording import misfit
 
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
@@ -176,7 +177,7 @@ def _resumed(config: TeachConfig, out: Path) -> Yield:
     try:
         so_far = msgspec.convert(content.get("yield"), Yield)
     except msgspec.ValidationError as error:
-        raise KinetixError(f"{path}: $.yield: {error}") from None
+        raise KinetixError(f"{path}: $.yield: {misfit(error)}") from None
     if not so_far.levels and not read_manifest(out).shards:
         _note(config, so_far, out)  # nothing was found yet: other settings may begin
         return so_far
