@@ -53,6 +53,8 @@ class _Watched:
         """Bytes that the thread is to write."""
         self.gone = False
         """True if the thread is to remove the copy."""
+        self.on_disk = False
+        """True once the thread has written a copy that it has not removed."""
 
 
 class Autosaves:
@@ -95,6 +97,11 @@ class Autosaves:
     def pending(self) -> bool:
         """True if a change waits to be copied."""
         return any(watched.first for watched in self._watched.values())
+
+    def kept_at(self, document: Document) -> datetime.datetime | None:
+        """Return when the changes of a document were copied; None where no copy is on the disk."""
+        watched = self._watched.get(document.number)
+        return document.autosaved_at if watched is not None and watched.on_disk else None
 
     def follow(self, documents: Iterable[Document]) -> None:
         """Look for changes; call it in every frame.
@@ -253,6 +260,7 @@ class Autosaves:
             for watched, content in work:
                 try:
                     self._write(watched.file, content)
+                    watched.on_disk = content is not None
                 except (OSError, KinetixError) as error:
                     self._failed.append((watched, str(error)))
 

@@ -124,7 +124,7 @@ class StatusBar:
             parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
         parts.append((f"{session.fps:.0f} fps", c.faint))
         document = session.document
-        copied = document.autosaved_at
+        copied = session.autosaves.kept_at(document)
         if document.dirty and copied is not None:
             parts.append((f"copy kept {copied:%H:%M}", c.faint))
         kept = "saved" if document.path else "not saved yet"

@@ -422,11 +422,13 @@ def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
                 session.autosaves.flush()
             except KinetixError as error:
                 session.toast(str(error))
+        assert session.autosaves.kept_at(session.document) is None
     assert any("No space left" in text for text in texts(session))
     monkeypatch.undo()
     monkeypatch.setattr("editor.documents.autosaves.state_dir", lambda: path.parents[1] / "state")
     later(session, clock, 4)
     assert len(copies()) == 1
+    assert session.autosaves.kept_at(session.document) is not None
 
 
 def test_an_ended_run_leaves_no_folder(start, clock, path):
