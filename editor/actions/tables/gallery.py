@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery
+from editor.actions import gallery, level_sets
 from editor.actions.base import Action, Context
 
 GALLERY: Final = (
@@ -95,7 +95,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         enabled=gallery.choosing,
         refusal="Choose levels in the gallery first.",
-        run=gallery.add_to_set,
+        run=level_sets.add_to_set,
     ),
     Action(
         id="gallery.close",

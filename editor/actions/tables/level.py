@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery, level, solution
+from editor.actions import gallery, level, level_sets, solution
 from editor.actions.base import Action, Context, editing
 from editor.session import Session
 
@@ -128,6 +128,6 @@ LEVEL: Final = (
         label="Export Level Set…",
         menu="Level",
         tooltip="Chosen levels with weights and a split, for training and evaluation.",
-        run=gallery.ask_export,
+        run=level_sets.ask_export,
     ),
 )

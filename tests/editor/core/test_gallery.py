@@ -11,6 +11,7 @@ import pytest
 
 from editor import actions
 from editor.actions import gallery as doing
+from editor.actions import level_sets
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import read_card
@@ -498,10 +499,10 @@ def test_a_set_is_put_together_and_exported(session, tmp_path):
     actions.run(session, "gallery.add_to_set")
     actions.run(session, "level.export_set")
     with pytest.raises(CommandError, match="has an error"):
-        doing.export_now(session)
-    doing.leave_out_refused(session)
+        level_sets.export_now(session)
+    level_sets.leave_out_refused(session)
     session.gallery.plan = dataclasses.replace(session.gallery.plan, split=0.5)
-    doing.export_now(session)
+    level_sets.export_now(session)
     (prompt,) = session.prompts
     assert isinstance(prompt, FileQuestion) and prompt.purpose == "save"
     session.answer(prompt, tmp_path / "set.json")
@@ -558,7 +559,7 @@ def test_a_folder_that_cannot_be_reached_stays_in_the_list_and_hides_no_other(se
 
 def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
-    doing.load_into_set(session, tmp_path / "set" / "set.json")
+    level_sets.load_into_set(session, tmp_path / "set" / "set.json")
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
 
 

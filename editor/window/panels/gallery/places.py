@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
+from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.search import SIZE_ORDER, tag_counts
@@ -44,7 +45,7 @@ def draw_places(session: "Session") -> None:
         _heading("Level sets")
         for path in session.library.sets:
             if imgui.selectable(f"{Icons.level}  {path.stem}###set-{path}", False)[0]:
-                session.queue(lambda path=path: doing.load_into_set(session, path))
+                session.queue(lambda path=path: level_sets.load_into_set(session, path))
             widgets.tooltip(path.name, f"{path}. A click puts its levels into the set.")
     tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
     if tags:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import gallery as doing
+from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
@@ -70,7 +70,7 @@ class Side:
 
     def _drop(self, session: "Session") -> None:
         if imgui.accept_drag_drop_payload_py_id(PAYLOAD) is not None:
-            session.queue(lambda: doing.put_in_set(session, list(session.gallery.selection)))
+            session.queue(lambda: level_sets.put_in_set(session, list(session.gallery.selection)))
 
     def _details(self, session: "Session") -> None:
         chosen = session.gallery.chosen(session.library)

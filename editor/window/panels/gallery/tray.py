@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import gallery as doing
+from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
@@ -88,7 +88,7 @@ class SetTray:
             tray[path] = weight
         imgui.table_next_column()
         if widgets.icon_button(session, f"gallery.drop.{path}", Icons.close):
-            session.queue(lambda: doing.drop_from_set(session, path))
+            session.queue(lambda: level_sets.drop_from_set(session, path))
 
     def dialog(self, session: "Session") -> None:
         """The questions of the export, while `session.gallery.plan` is set."""
@@ -126,7 +126,7 @@ class SetTray:
                 self._rows(session, plan, changes)
         if changes:
             gallery.plan = dataclasses.replace(plan, **changes)
-        bad = doing.refused_in_set(session)
+        bad = level_sets.refused_in_set(session)
         if bad:
             names = ", ".join(card.name for card in bad[:4])
             more = f" and {len(bad) - 4} more" if len(bad) > 4 else ""
@@ -136,7 +136,7 @@ class SetTray:
             )
             imgui.pop_text_wrap_pos()
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
-                session.queue(lambda: doing.leave_out_refused(session))
+                session.queue(lambda: level_sets.leave_out_refused(session))
         imgui.dummy((0, px(6)))
         width = px(110)
         gap = imgui.get_style().item_spacing.x
@@ -148,7 +148,7 @@ class SetTray:
         imgui.same_line()
         with widgets.disabled(bool(bad) or not plan.name.strip()):
             if widgets.primary_button(session, "export.accept", "Choose where…", width=width):
-                session.queue(lambda: doing.export_now(session))
+                session.queue(lambda: level_sets.export_now(session))
                 return True
         return False
 
