@@ -150,7 +150,9 @@ def _guard_file(session: Session, path: Path) -> None:
 
 def rename(session: Session) -> None:
     """Ask for another name of the chosen level."""
-    card = chosen_cards(session)[0]
+    card, *others = chosen_cards(session)
+    if others:
+        raise CommandError("Choose one level to be renamed.")
     _guard_file(session, card.file)
 
     def answer(name: str | None) -> None:
@@ -195,7 +197,9 @@ def delete(session: Session) -> None:
             session.gallery.thrown.append(tuple(thrown))
         session.gallery.selection = ()
         for one in thrown:
-            session.gallery.tray.pop(str(one.origin), None)
+            weight = session.gallery.tray.pop(str(one.origin), None)
+            if weight is not None:
+                session.gallery.thrown_weights[one.origin] = weight
         look(session)
     name = chosen[0].name if len(chosen) == 1 else f"{len(chosen)} levels"
     session.toast(f"Moved {name} to the trash", action="gallery.restore")
@@ -221,6 +225,10 @@ def restore(session: Session) -> None:
         except LevelError as error:
             waiting.append(one)
             reason = reason or error
+    for one in back:
+        weight = session.gallery.thrown_weights.pop(one.origin, None)
+        if weight is not None:
+            session.gallery.tray[str(one.origin)] = weight
     if waiting:
         deletions.insert(0, tuple(waiting))
     session.gallery.selection = tuple(str(one.origin) for one in back)

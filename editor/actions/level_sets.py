@@ -4,13 +4,12 @@ import os
 from pathlib import Path
 
 from editor.actions import gallery as browsing
-from editor.base.prompts import FileQuestion
+from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
-from editor.gallery.card import Card
-from editor.gallery.export import SetPlan, export_set, refused
+from editor.gallery.export import SetPlan, export_set, unpack
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.sets import load_set
+from kinetix.level.sets import LoadedSet, load_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
 
@@ -32,17 +31,87 @@ def drop_from_set(session: Session, path: str) -> None:
 
 
 def load_into_set(session: Session, path: Path) -> None:
-    """Take the levels and weights of a set that there is; those inside a file stay there.
+    """Take the levels and weights of a set that there is; asks where it carries its levels itself.
 
     Raises:
         LevelError: The set is bad.
     """
     loaded = load_set(path.resolve())
-    files = {str(each.path): each.weight for each in loaded.levels if each.path is not None}
-    if not files:
-        raise CommandError(f"{path.name} carries its levels itself: there are no files to choose.")
-    session.gallery.tray = files
-    session.toast(f"{plural(len(files), 'level')} of {path.name}")
+    # As the cards have them: a set names the levels beside it by way of `..`.
+    files = {
+        os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
+    }
+    if files:
+        _take_place(session, files)
+        session.toast(
+            f"{plural(len(files), 'level')} of {set_name(path)}", action=_undo_of_set(session)
+        )
+    else:
+        _ask_to_unpack(session, path, loaded)
+
+
+def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
+    folder = (user_levels_dir() if filing.bundled(path) else path.parent) / set_name(path)
+
+    def answer(choice: str) -> None:
+        if choice != "unpack":
+            return
+        files = unpack(loaded, folder)
+        _take_place(session, {str(file): weight for file, weight in files.items()})
+        session.toast(f"{plural(len(files), 'level')} in {folder}", "success")
+        browsing.look(session)
+
+    session.ask(
+        Question(
+            title=f"Unpack {path.name}?",
+            message=f"It carries its {plural(len(loaded.levels), 'level')} itself. As files in "
+            f"{folder} they can be looked at, changed and put into the set.",
+            choices=(
+                Choice(id="unpack", label="Unpack"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="unpack",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
+def set_name(path: Path) -> str:
+    """Return what a set is called in lists: by its file, or by the folder that it fills."""
+    return path.parent.name if path.stem == "set" else path.stem
+
+
+def _take_place(session: Session, tray: dict[str, float]) -> None:
+    """Make other levels the set; what it had can come back."""
+    gallery = session.gallery
+    if gallery.tray and gallery.tray != tray:
+        gallery.tray_before = gallery.tray
+    gallery.tray = tray
+
+
+def _undo_of_set(session: Session) -> str | None:
+    return "gallery.set_back" if can_bring_set_back(session) else None
+
+
+def empty_set(session: Session) -> None:
+    """Take all levels out of the set."""
+    count = len(session.gallery.tray)
+    _take_place(session, {})
+    session.toast(f"Took {plural(count, 'level')} out of the set", action=_undo_of_set(session))
+
+
+def can_bring_set_back(session: Session) -> bool:
+    """Return whether another set was there before."""
+    return session.gallery.tray_before is not None
+
+
+def bring_set_back(session: Session) -> None:
+    """Show the set that was there before; doing it again shows the present one."""
+    gallery = session.gallery
+    before = gallery.tray_before
+    if before is not None:
+        gallery.tray, gallery.tray_before = before, gallery.tray
 
 
 def ask_export(session: Session) -> None:
@@ -58,16 +127,21 @@ def ask_export(session: Session) -> None:
     gallery.plan = gallery.plan or SetPlan()
 
 
-def refused_in_set(session: Session) -> list[Card]:
-    """The levels of the set that cannot go in."""
-    by_path = {card.path: card for card in session.library.cards}
-    return refused(by_path[path] for path in session.gallery.tray if path in by_path)
+def refused_in_set(session: Session) -> dict[str, str]:
+    """Paths and names of the levels that cannot go in: with an error, unreadable, or gone."""
+    cards = {card.path: card for card in session.library.cards}
+    found = {}
+    for path in session.gallery.tray:
+        card = cards.get(path)
+        if (card is not None and (card.errors or card.fault)) or not os.path.isfile(path):
+            found[path] = Path(path).stem if card is None else card.name
+    return found
 
 
 def leave_out_refused(session: Session) -> None:
     """Take the levels that cannot go in out of the set."""
-    for card in refused_in_set(session):
-        session.gallery.tray.pop(card.path, None)
+    for path in refused_in_set(session):
+        session.gallery.tray.pop(path, None)
 
 
 def export_now(session: Session) -> None:
@@ -79,14 +153,14 @@ def export_now(session: Session) -> None:
     folder = plan.form == "folder"
     bad = refused_in_set(session)
     if bad:
-        raise CommandError(f"{bad[0].name} has an error: mend it, or leave it out.")
+        name = next(iter(bad.values()))
+        raise CommandError(f"{name} has an error or is gone: mend it, or leave it out.")
 
     def answer(path: Path | None) -> None:
         if path is None:
             return
-        target = path.with_name(path.name.removesuffix(".json")) if folder else path
         try:
-            made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, target)
+            made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, path)
         except LevelError as error:
             session.toast(str(error), "error")
             return
@@ -95,7 +169,7 @@ def export_now(session: Session) -> None:
         train = sum(each.split == "train" for each in made.levels)
         more = f", {doubles} left out because they equal others" if doubles else ""
         session.toast(
-            f"Saved {target}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
+            f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
             "success",
         )
         browsing.look(session)
@@ -106,7 +180,7 @@ def export_now(session: Session) -> None:
             title="Export level set as a folder" if folder else "Export level set",
             folder=_set_folder(session),
             name=f"{filing.stem_of(plan.name)}{'' if folder else '.json'}",
-            suffixes=("",) if folder else (".json",),
+            as_folder=folder,
             answer=answer,
         )
     )

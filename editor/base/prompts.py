@@ -71,6 +71,8 @@ class FileQuestion:
     """Says what a file is, for the preview. None: `.json` files are levels."""
     fresh: bool = False
     """True if a folder that is not there yet may be named."""
+    as_folder: bool = False
+    """True if what is saved under the name is a folder."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -1,11 +1,13 @@
 """Level sets from chosen levels: the same code as `kinetix levelset`, with weights and copies."""
 
+import contextlib
 import dataclasses
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal
 
-from editor.gallery.card import Card
+from editor.gallery.filing import stem_of
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_with_backup
 from kinetix.level.codec import dumps, level_hash, load_document
@@ -30,11 +32,6 @@ class SetPlan:
     """Common capacity; None: the largest of each."""
 
 
-def refused(cards: Iterable[Card]) -> list[Card]:
-    """The levels that no set takes: unreadable ones and those with an error."""
-    return [card for card in cards if card.errors or card.fault]
-
-
 def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> LoadedSet:
     """Write a set: equal levels once, none with an error, split by the seed.
 
@@ -47,8 +44,8 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
         What was written.
 
     Raises:
-        LevelError: A level is bad, does not fit the size, or something cannot be written; where a
-            level is to blame nothing was written. What was overwritten stays as `NAME.json.bak`.
+        LevelError: A level is bad, does not fit the size, or something cannot be written: then no
+            new file stays. What was overwritten stays as `NAME.json.bak`.
     """
     chosen = [_read(path, weight) for path, weight in levels.items()]
     folder = target.parent if plan.form == "file" else target
@@ -58,33 +55,74 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
     if plan.form == "file":
         write_with_backup(target, dumps_set(made, inline=True).encode())
         return made
+    with _new_files(folder) as new:
+        placed = _copies(made, folder, new)
+        made = build_set(
+            placed, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
+        )
+        write_with_backup(folder / "set.json", dumps_set(made).encode())
+    return made
+
+
+def unpack(loaded: LoadedSet, folder: Path) -> dict[Path, float]:
+    """Write the levels that a set carries as files of their own; nothing is overwritten.
+
+    Returns:
+        The files with their weights.
+
+    Raises:
+        LevelError: One cannot be written: then none stays.
+    """
+    levels = tuple(dataclasses.replace(one, name=stem_of(one.name)) for one in loaded.levels)
+    named = dataclasses.replace(loaded, levels=levels)
+    with _new_files(folder) as new:
+        placed = _copies(named, folder, new, overwrite=False)
+    return {each.path: each.weight for each in placed if each.path is not None}
+
+
+@contextlib.contextmanager
+def _new_files(folder: Path) -> Iterator[list[Path]]:
+    """Make a folder and give a list of the files that are new in it: a failure removes them."""
+    fresh, new = not os.path.isdir(folder), []
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LevelError(f"{folder}: cannot be made: {error.strerror or error}") from error
-    placed = _copies(made, folder)
-    made = build_set(
-        placed, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
-    )
-    write_with_backup(folder / "set.json", dumps_set(made).encode())
-    return made
+    try:
+        yield new
+    except LevelError:
+        with contextlib.suppress(OSError):
+            for path in new:
+                path.unlink(missing_ok=True)
+            if fresh:
+                folder.rmdir()
+        raise
 
 
-def _copies(made: LoadedSet, folder: Path) -> list[SetLevel]:
-    """Write every level into the folder, under names that differ."""
+def _copies(
+    made: LoadedSet, folder: Path, new: list[Path], *, overwrite: bool = True
+) -> list[SetLevel]:
+    """Write every level into the folder, under names that differ, and note the new files."""
     taken = {"set"}
     placed = []
     for each in made.levels:
         stem = Path(each.name).name
         name, number = stem, 2
-        while name in taken:
+        while name in taken or not (overwrite or _may_have(folder / f"{name}.json", each.level)):
             name, number = f"{stem}_{number}", number + 1
         taken.add(name)
         path = folder / f"{name}.json"
+        if not os.path.lexists(path):
+            new.append(path)
         if not _holds(path, each.level):
             write_with_backup(path, dumps(each.level).encode())
         placed.append(dataclasses.replace(each, path=path, name=name))
     return placed
+
+
+def _may_have(path: Path, level: Level) -> bool:
+    """Return whether a level can be written without taking the place of another."""
+    return not os.path.lexists(path) or _holds(path, level)
 
 
 def _holds(path: Path, level: Level) -> bool:

@@ -32,10 +32,14 @@ class GalleryView:
     """Bring the focus into sight; the panel clears it."""
     tray: dict[str, float] = dataclasses.field(default_factory=dict)
     """Paths of the set being put together, with their weights."""
+    tray_before: dict[str, float] | None = None
+    """The set that was there before the last one that took its place as a whole."""
     plan: SetPlan | None = None
     """Form of the export, while that is being asked."""
     thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
     """Deleted files, the last deletion at the end, to bring them back."""
+    thrown_weights: dict[Path, float] = dataclasses.field(default_factory=dict)
+    """Weights in the set of deleted files, by where they were."""
     _shown: tuple[tuple[object, ...], list[Card]] | None = None
 
     def shown(self, library: Library, results: Results) -> list[Card]:

@@ -144,7 +144,8 @@ class FileBrowser:
         kept = [
             path
             for path in found
-            if os.path.isdir(path) or path.suffix.lower() in self._question.suffixes
+            if os.path.isdir(path)
+            or (path.suffix.lower() in self._question.suffixes and not self._question.as_folder)
         ]
         return sorted(kept, key=lambda path: (not os.path.isdir(path), path.name.lower()))
 
@@ -348,13 +349,20 @@ class FileBrowser:
 
     def _accept(self) -> tuple[bool, Path | None]:
         path = self._typed()
-        if os.path.isdir(path):
+        as_folder = self._question.as_folder
+        # A folder that is named is what is saved, unless the name asks to go there: `~/sets/`.
+        if os.path.isdir(path) and not (as_folder and not self._name.endswith(("/", os.sep))):
             self._go(path)
             self._name = ""
             return False, None
         if self._saving:
-            if path.suffix.lower() not in self._question.suffixes and self._question.suffixes[0]:
+            if as_folder:
+                path = path.with_name(path.name.removesuffix(_LEVEL))
+            elif path.suffix.lower() not in self._question.suffixes:
                 path = path.with_name(f"{path.name}{self._question.suffixes[0]}")
+            if os.path.isfile(path) and as_folder:
+                self._error = f"{path.name} is a file: choose another name for the folder."
+                return False, None
             if os.path.exists(path) and self._overwrite != path:
                 self._overwrite = path
                 return False, None
@@ -385,12 +393,11 @@ def _told(about: Callable[[Path], str], path: Path, modified_ns: int) -> str:
 
 def nothing_here(question: FileQuestion) -> str:
     """Return what an empty folder is said to lack."""
-    if question.purpose == "folder":
+    if question.purpose == "folder" or question.as_folder:
         return "No folders here."
     if question.suffixes == (_LEVEL,) and question.about is None:
         return "No folders and no level files here."
-    kinds = " or ".join(suffix for suffix in question.suffixes if suffix)
-    return f"No folders and no {kinds} files here." if kinds else "Nothing here."
+    return f"No folders and no {' or '.join(question.suffixes)} files here."
 
 
 def thumbnail(level: Level, side: float) -> None:

@@ -176,7 +176,8 @@ class Ui:
         if not gallery:
             self.workplace.paint()
         arena = 0.0 if gallery else session.camera.to_screen(ARENA[1])[0]
-        self._toasts.draw(session, _middle(), beside=arena, card=self._guide.place)
+        area = _middle(self._gallery.side)
+        self._toasts.draw(session, area, beside=arena, card=self._guide.place)
         due = dt >= IDLE or imgui.get_frame_count() % _LAYOUT_FRAMES == 0
         if due and session.view.settled:
             self.workplace.save_layout()
@@ -236,7 +237,8 @@ class Ui:
             imgui.pop_style_color()
 
 
-def _middle() -> tuple[tuple[float, float], tuple[float, float]]:
-    """Corner and size of what lies between the bars [px]."""
+def _middle(side: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Corner and size of what lies between the bars, and before a column at the right [px]."""
     viewport = imgui.get_main_viewport()
-    return (viewport.work_pos.x, viewport.work_pos.y), (viewport.work_size.x, viewport.work_size.y)
+    size = viewport.work_size
+    return (viewport.work_pos.x, viewport.work_pos.y), (size.x - side, size.y)

@@ -61,7 +61,8 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
     if previous != data:
         if keep_all:
             _make_room(backup_of(path), previous)
-        write_atomically(backup_of(path), previous)
+        with replacing(backup_of(path), told=path) as temporary:
+            _write_new(temporary, previous)
     write_atomically(path, data)
     return previous != data
 
@@ -83,11 +84,12 @@ def _make_room(backup: Path, data: bytes) -> None:
 
 
 @contextlib.contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
     """Give a temporary file to write that takes the place of `path` when the block ends well.
 
     Args:
         path: The file; its folder must exist.
+        told: The file that a sentence about a failure names; by default `path`.
 
     Yields:
         Path of a file that does not exist yet, in the same folder. After an exception it is
@@ -111,7 +113,7 @@ def replacing(path: Path) -> Iterator[Path]:
                 temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
+        raise LevelError(f"{told or path}: cannot be saved: {error.strerror or error}") from error
     # The new content has the name by now. Some file systems cannot sync a folder, which makes the
     # change of name a little less durable, but is no failure.
     with contextlib.suppress(OSError):

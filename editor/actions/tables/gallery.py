@@ -98,6 +98,16 @@ GALLERY: Final = (
         run=level_sets.add_to_set,
     ),
     Action(
+        id="gallery.set_back",
+        label="Bring Back the Set Before",
+        menu="Gallery",
+        context=Context.GALLERY,
+        tooltip="The set that another one took the place of.",
+        enabled=level_sets.can_bring_set_back,
+        refusal="No set was there before.",
+        run=level_sets.bring_set_back,
+    ),
+    Action(
         id="gallery.close",
         label="Back to the Level",
         menu="Gallery",

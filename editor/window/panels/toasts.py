@@ -34,7 +34,9 @@ _CROSS: Final = 20.0
 _BEFORE_CROSS: Final = 10.0
 _BEFORE_BUTTON: Final = 12.0
 _FADE_SECONDS: Final = 0.4
-_BUTTONS: Final = {"edit.undo": "Undo", "gallery.restore": "Undo"}
+_BUTTONS: Final[dict[str, str]] = dict.fromkeys(
+    ("edit.undo", "gallery.restore", "gallery.set_back"), "Undo"
+)
 
 
 class Toasts:

@@ -15,7 +15,7 @@ from editor.actions import level_sets
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import read_card
-from editor.gallery.export import SetPlan, export_set, refused
+from editor.gallery.export import SetPlan, export_set
 from editor.gallery.library import Library
 from editor.gallery.results import HUMAN, Record, Results, Trial
 from editor.gallery.search import Wish, tag_counts, wanted
@@ -369,8 +369,7 @@ def test_one_file_of_the_app_is_what_the_command_puts_inline(folder, tmp_path):
 
 
 def test_a_set_with_a_bad_level_is_refused_and_nothing_is_written(library, folder, tmp_path):
-    cards = look(library, folder)
-    assert {card.name for card in refused(cards.values())} == {"Nothing", "broken"}
+    look(library, folder)
     levels = {folder / "rocket.json": 1.0, folder / "nothing.json": 1.0}
     with pytest.raises(LevelError, match=r"nothing\.json.*E101"):
         export_set(levels, SetPlan(form="folder"), tmp_path / "out")
@@ -498,6 +497,8 @@ def test_a_set_is_put_together_and_exported(session, tmp_path):
     actions.run(session, "gallery.select_all")
     actions.run(session, "gallery.add_to_set")
     actions.run(session, "level.export_set")
+    session.gallery.tray[str(tmp_path / "gone.json")] = 1.0
+    assert set(level_sets.refused_in_set(session).values()) == {"Nothing", "broken", "gone"}
     with pytest.raises(CommandError, match="has an error"):
         level_sets.export_now(session)
     level_sets.leave_out_refused(session)
@@ -561,6 +562,83 @@ def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
     level_sets.load_into_set(session, tmp_path / "set" / "set.json")
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
+
+
+def test_the_levels_of_a_set_are_those_of_the_gallery(session, folder):
+    """A set in a folder of its own names levels by way of `..`."""
+    (folder / "sets").mkdir()
+    words = ["levelset", "build", str(folder / "sets" / "near.json")]
+    assert main([*words, "--levels", str(folder / "rocket.json")]) == 0
+    level_sets.load_into_set(session, folder / "sets" / "near.json")
+    assert set(session.gallery.tray) <= {card.path for card in session.library.cards}
+    level_sets.put_in_set(session, [str(folder / "rocket.json")])
+    assert len(session.gallery.tray) == 1
+
+
+def test_a_set_that_another_one_takes_the_place_of_comes_back(session, folder, tmp_path):
+    export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "other")
+    mine = {str(folder / "rocket.json"): 5.0, str(folder / "hill_cart.json"): 1.0}
+    session.gallery.tray = dict(mine)
+    level_sets.load_into_set(session, tmp_path / "other" / "set.json")
+    assert texts(session)[-1] == "1 level of other"
+    assert session.toasts[-1].action == "gallery.set_back"
+    actions.run(session, "gallery.set_back")
+    assert session.gallery.tray == mine
+    level_sets.empty_set(session)
+    assert session.gallery.tray == {}
+    actions.run(session, "gallery.set_back")
+    assert session.gallery.tray == mine
+
+
+def test_a_deleted_level_comes_back_into_the_set(session, folder):
+    session.gallery.tray = {str(folder / "rocket.json"): 5.0}
+    choose(session, "Rocket")
+    actions.run(session, "gallery.delete")
+    assert session.gallery.tray == {}
+    actions.run(session, "gallery.restore")
+    assert session.gallery.tray == {str(folder / "rocket.json"): 5.0}
+
+
+def test_a_set_that_carries_its_levels_is_unpacked(session, folder, tmp_path):
+    export_set({folder / "rocket.json": 2.5}, SetPlan(), tmp_path / "whole.json")
+    (tmp_path / "whole").mkdir()
+    other = tmp_path / "whole" / "rocket.json"
+    other.write_text("mine")
+    for _ in range(2):  # what is there already is taken as it is
+        level_sets.load_into_set(session, tmp_path / "whole.json")
+        session.answer(session.prompts[-1], "unpack")
+        assert session.gallery.tray == {str(tmp_path / "whole" / "rocket_2.json"): 2.5}
+    assert other.read_text() == "mine"
+    assert sorted(path.name for path in (tmp_path / "whole").iterdir()) == [
+        "rocket.json",
+        "rocket_2.json",
+    ]
+
+
+def test_an_export_that_fails_leaves_no_new_file(folder, tmp_path, monkeypatch):
+    from editor.gallery import export
+
+    written = []
+
+    def full(path, data):
+        if len(written) == 1:
+            raise LevelError(f"{path}: cannot be saved: No space left on device")
+        written.append(path)
+        path.write_bytes(data)
+
+    monkeypatch.setattr(export, "write_with_backup", full)
+    save_level(playable("Other", 1.5), folder / "other.json")
+    levels = dict.fromkeys((folder / "rocket.json", folder / "other.json"), 1.0)
+    with pytest.raises(LevelError, match="No space"):
+        export_set(levels, SetPlan(form="folder"), tmp_path / "out")
+    assert written and not (tmp_path / "out").exists()
+
+
+def test_only_one_level_is_renamed(session):
+    choose(session, "Rocket", "Hill cart")
+    actions.run(session, "gallery.rename")
+    assert session.prompts == []
+    assert texts(session)[-1] == "Choose one level to be renamed."
 
 
 @pytest.mark.parametrize("pulled", [False, True])

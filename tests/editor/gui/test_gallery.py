@@ -1,5 +1,6 @@
 """The gallery on the screen: keys, search, clicks, the export's questions, many levels."""
 
+import dataclasses
 import statistics
 import time
 from pathlib import Path
@@ -143,6 +144,47 @@ def test_a_set_is_exported_by_keys_and_buttons(gallery, mine):
     loaded = load_set(mine / "levels.json")
     assert len(loaded.levels) == 3
     assert {each.split for each in loaded.levels} == {"train", "eval"}
+
+
+def test_a_set_goes_into_a_folder_again_after_a_question(gallery, mine):
+    gallery.key("ctrl+a")
+    gallery.key("ctrl+shift+a")
+    gallery.click("gallery.tab.set")
+
+    def export(name):
+        gallery.session.queue("level.export_set")
+        gallery.frames(4)
+        plan = gallery.session.gallery.plan
+        gallery.session.gallery.plan = dataclasses.replace(plan, form="folder", name=name)
+        gallery.frames(2)
+        gallery.click("export.accept")
+        gallery.frames(4)
+        gallery.click("browser.accept")
+        gallery.frames(4)
+
+    export("again")
+    assert (mine / "again" / "set.json").is_file()
+    (mine / "again" / "set.json").unlink()
+    export("again")
+    assert not (mine / "again" / "set.json").is_file()
+    gallery.click("browser.accept")
+    gallery.frames(4)
+    assert (mine / "again" / "set.json").is_file()
+    settle(gallery)
+    assert "gallery.set.again" in gallery.session.probe
+
+
+def test_messages_leave_the_buttons_of_the_set_free(gallery):
+    gallery.key("ctrl+a")
+    gallery.key("ctrl+shift+a")
+    gallery.click("gallery.tab.set")
+    gallery.click("gallery.empty")
+    gallery.frames(3)
+    gallery.click("toast.gallery.set_back")
+    gallery.session.toast("A long message. " * 12)
+    gallery.frames(3)
+    gallery.click("gallery.empty")
+    assert gallery.session.gallery.tray == {}
 
 
 @pytest.mark.slow

@@ -37,6 +37,8 @@ class GalleryPage:
         self._looked = -_LOOK_SECONDS
         self._was_open = False
         self._revision = -1
+        self.side = 0.0
+        """Width of the column at the right, where the buttons of the set are [px]."""
 
     def animating(self, session: "Session") -> bool:
         """Return whether the next frame differs: levels or pictures are on their way."""
@@ -71,6 +73,7 @@ class GalleryPage:
     def closed(self) -> None:
         """Note that the gallery is not on the screen."""
         self._was_open = False
+        self.side = 0.0
 
     def _page(self, session: "Session") -> None:
         gallery = session.gallery
@@ -81,6 +84,7 @@ class GalleryPage:
         gap = imgui.get_style().item_spacing.x
         left = px(_LEFT) if space.x > px(760) else 0.0
         right = px(_RIGHT) if space.x > px(980) or gallery.tray else 0.0
+        self.side = right
         if left:
             imgui.begin_child("places", (left, space.y))
             draw_places(session)

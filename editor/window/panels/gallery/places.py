@@ -44,8 +44,10 @@ def draw_places(session: "Session") -> None:
         imgui.dummy((0, px(8)))
         _heading("Level sets")
         for path in session.library.sets:
-            if imgui.selectable(f"{Icons.level}  {path.stem}###set-{path}", False)[0]:
+            name = level_sets.set_name(path)
+            if imgui.selectable(f"{Icons.level}  {name}###set-{path}", False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
+            widgets.probe(session, f"gallery.set.{name}")
             widgets.tooltip(path.name, f"{path}. A click puts its levels into the set.")
     tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
     if tags:

@@ -49,7 +49,7 @@ class Side:
                 self._details(session)
                 imgui.end_tab_item()
             count = f" ({len(gallery.tray)})" if gallery.tray else ""
-            opened = imgui.begin_tab_item(tr(f"{Icons.reorder}  Set{count}###set"))[0]
+            opened = imgui.begin_tab_item(f"{Icons.reorder}  {tr('Set')}{count}###set")[0]
             widgets.probe(session, "gallery.tab.set")
             if imgui.begin_drag_drop_target():
                 self._drop(session)

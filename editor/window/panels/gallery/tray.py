@@ -1,6 +1,8 @@
 """The set being put together in the gallery, and the questions of its export."""
 
 import dataclasses
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -65,16 +67,17 @@ class SetTray:
         if widgets.primary_button(session, "gallery.export", "Export set…"):
             session.queue("level.export_set")
         imgui.same_line()
-        if widgets.button(session, "gallery.empty", "Empty"):
-            session.queue(tray.clear)
+        if widgets.button(session, "gallery.empty", "Empty the set"):
+            session.queue(lambda: level_sets.empty_set(session))
 
     def _row(self, session: "Session", path: str, card: Card | None) -> None:
         tray = session.gallery.tray
         imgui.table_next_row()
         imgui.table_next_column()
         imgui.align_text_to_frame_padding()
-        bad = card is None or bool(card.errors or card.fault)
-        name = card.name if card is not None else path.rpartition("/")[2]
+        gone = card is None and not os.path.isfile(path)
+        bad = gone or (card is not None and bool(card.errors or card.fault))
+        name = card.name if card is not None else Path(path).stem
         widgets.text(name, COLOURS.bad if bad else COLOURS.text)
         widgets.tooltip(name, path)
         imgui.table_next_column()
@@ -128,11 +131,12 @@ class SetTray:
             gallery.plan = dataclasses.replace(plan, **changes)
         bad = level_sets.refused_in_set(session)
         if bad:
-            names = ", ".join(card.name for card in bad[:4])
+            names = ", ".join(list(bad.values())[:4])
             more = f" and {len(bad) - 4} more" if len(bad) > 4 else ""
             imgui.push_text_wrap_pos(px(430))
             widgets.text(
-                f"{Icons.error}  {names}{more}: with an error, no set takes it.", COLOURS.bad
+                f"{Icons.error}  {names}{more}: with an error or gone, no set takes it.",
+                COLOURS.bad,
             )
             imgui.pop_text_wrap_pos()
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
