@@ -19,6 +19,7 @@ from editor.worker.requests import LoadAgent
 from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
 from kinetix.level.model import MAX_NAME, Body, Level
+from kinetix.wording import plural
 
 MIDDLE = (2.5, 2.5)
 """Place of new parts when the pointer is elsewhere [m]."""
@@ -61,8 +62,9 @@ def cut(session: Session) -> None:
     """
     if not clip.copied(session.document.level, session.selection).bodies:
         raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
+    ids = _unlocked(session)
     copy(session)
-    session.execute(Remove(ids=session.selection))
+    session.execute(Remove(ids=ids))
 
 
 def paste(session: Session) -> None:
@@ -140,7 +142,7 @@ def select_all(session: Session) -> None:
 def delete(session: Session) -> None:
     """Delete the selection with what hangs on it, and offer to undo that."""
     before = session.document.level
-    ids = tuple(i for i in session.selection if not isinstance(i, str))
+    ids = tuple(i for i in _unlocked(session) if not isinstance(i, str))
     if not ids:
         raise CommandError("Floor, walls and ceiling cannot be deleted.")
     if not session.execute(Remove(ids=ids)).changed:
@@ -173,8 +175,24 @@ def _expect_nothing(session: Session, job: Job) -> None:
         job.cancel()
 
 
+def _unlocked(session: Session) -> Selection:
+    """Return the selection without what is locked, and say so where that is a part of it.
+
+    Raises:
+        CommandError: All of it is locked.
+    """
+    selection, unlocked = session.selection, session.document.unlocked
+    if selection and not unlocked:
+        raise CommandError("What is selected is locked: unlock it first.")
+    passed = len(selection) - len(unlocked)
+    if passed:
+        stay = "stays as it is" if passed == 1 else "stay as they are"
+        session.complain(f"{plural(passed, 'locked thing')} {stay}.")
+    return unlocked
+
+
 def toggle_lock(session: Session) -> None:
-    """Lock the selection against picking and dragging; all locked: unlock it."""
+    """Lock the selection: it is not picked, moved, turned or deleted; all locked: unlock it."""
     document, chosen = session.document, frozenset(session.selection)
     if chosen <= document.locked:
         document.locked -= chosen
@@ -198,7 +216,7 @@ def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
     """An action that mirrors the selection."""
 
     def run(session: Session) -> None:
-        session.execute(Mirror(ids=session.selection, axis=axis))
+        session.execute(Mirror(ids=_unlocked(session), axis=axis))
 
     return run
 
@@ -222,8 +240,8 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
         elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
         ids = moving_ids(session)
-        if not ids and any(body.id in session.selection for body in session.document.level.bodies):
-            raise CommandError("What is selected is locked: unlock it first.")
+        if not ids:
+            _unlocked(session)
         shift = (x * step, y * step)
         session.execute(Move(ids=ids, shift=shift, merge_key=("nudge", ids)))
 
@@ -244,9 +262,8 @@ def turn(degrees: float) -> Callable[[Session], None]:
 
     def run(session: Session) -> None:
         step = math.copysign(1.0, degrees) if session.hands.modifiers.shift else degrees
-        ids = tuple(
-            body.id for body in session.document.level.bodies if body.id in session.selection
-        )
+        chosen = _unlocked(session)
+        ids = tuple(body.id for body in session.document.level.bodies if body.id in chosen)
         command = Rotate(ids=ids, angle=math.radians(step), merge_key=("turn", ids))
         session.execute(command)
 
@@ -299,7 +316,8 @@ def distribute(label: str, axis: int) -> Callable[[Session], None]:
 
 
 def _several(session: Session, least: int) -> list[Body]:
-    bodies = [b for b in session.document.level.bodies if b.id in session.selection]
+    chosen = _unlocked(session)
+    bodies = [b for b in session.document.level.bodies if b.id in chosen]
     if len(bodies) < least:
         raise CommandError(f"Select at least {least} shapes.")
     return bodies

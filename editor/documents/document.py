@@ -236,6 +236,11 @@ class Document:
         if self._preview is None:
             self._history.select(self._selection)
 
+    @property
+    def unlocked(self) -> Selection:
+        """Selected ids but those that are locked: what can be moved, turned and deleted."""
+        return tuple(each for each in self._selection if each not in self.locked)
+
     def preview(self, command: Command | None) -> None:
         """Show what a command would do to the *committed* level; None shows the committed level.
 

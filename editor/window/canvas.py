@@ -171,10 +171,11 @@ class Canvas:
         marker.marks(session.marks)
         if session.tool.id == "select" and not session.driver.active:
             level, metres = session.document.shown, session.metres
+            loose = session.document.unlocked
             if session.selection or level.bodies:
-                marker.marks(gauges.marks_of(level, session.selection, metres))
-                marker.marks(gauges.handles_of(level, session.selection, metres))
-            marker.marks(picking.handles(level, session.selection, metres))
+                marker.marks(gauges.marks_of(level, loose, metres))
+                marker.marks(gauges.handles_of(level, loose, metres))
+            marker.marks(picking.handles(level, loose, metres))
 
     def _players(
         self, session: "Session", painter: Painter, where: Placement, *, split: bool

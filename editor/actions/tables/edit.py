@@ -137,7 +137,7 @@ ARRANGE: Final = (
         menu="Arrange",
         keys=("ctrl+l",),
         context=EDIT,
-        tooltip="Locked things are neither picked nor dragged.",
+        tooltip="Locked things are not picked, moved, turned or deleted.",
         enabled=selecting,
         run=edit.toggle_lock,
     ),

@@ -12,6 +12,7 @@ from editor.actions.fixes import fix_of
 from editor.base.events import DropEvent, FocusEvent, QuitEvent
 from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.document import Document
+from editor.editing.picking import handles
 from editor.play.mode import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
@@ -87,6 +88,38 @@ def test_a_nudge_of_what_is_locked_says_so(session, hand):
     actions.run(session, "edit.lock")
     hand.key("left")
     assert "What is selected is locked: unlock it first." in texts(session)
+
+
+@pytest.mark.parametrize(
+    "action",
+    [
+        "edit.delete",
+        "edit.cut",
+        "edit.mirror_horizontal",
+        "transform.rotate_ccw",
+        "edit.align_left",
+    ],
+)
+def test_what_is_locked_stays_where_it_is(session, action):
+    before = session.document.level
+    session.selection = (2, 3)
+    actions.run(session, "edit.lock")
+    assert not handles(before, session.document.unlocked, session.metres)
+    actions.run(session, action)
+    assert session.document.level == before
+    assert texts(session)[-1] == "What is selected is locked: unlock it first."
+
+
+def test_what_is_not_locked_is_changed_and_the_rest_is_told(session):
+    session.selection = (3,)
+    actions.run(session, "edit.lock")
+    session.selection = (1, 3)
+    kept = session.document.level.body(3)
+    actions.run(session, "edit.mirror_horizontal")
+    assert texts(session)[-1] == "1 locked thing stays as it is."
+    actions.run(session, "edit.delete")
+    assert [body.id for body in session.document.level.bodies if body.id in (1, 3)] == [3]
+    assert session.document.level.body(3) == kept
 
 
 def test_an_unknown_action_names_the_known_ones(session):

@@ -39,7 +39,7 @@ def test_the_ends_of_the_wedge_are_the_limits_of_the_joint(kind, which, angle):
     Hand(session).drag(place(session, kind), around(at, base + angle, 0.4), ctrl=True)
     limits = session.document.level.joints[0].limits
     assert getattr(limits, which) == pytest.approx(angle, abs=1e-3)
-    assert session.document.history.undo_label.startswith(f"Limits {which} →")
+    assert session.document.history.undo_label.startswith(f"{which.capitalize()} angle →")
 
 
 def test_a_limit_stops_at_the_other_one_and_snaps_to_round_angles():

@@ -38,7 +38,7 @@ def adjust(session: ToolContext, handle: Handle) -> Gesture:
         command, words = change(session, level, event)
         if event.kind is Pointer.RELEASE:
             return command
-        marks = gauges.marks_of(command.apply(level), session.selection, session.metres)
+        marks = gauges.marks_of(command.apply(level), session.document.unlocked, session.metres)
         label = Label(at=event.world, text=words)
         feedback = Feedback(command=command, marks=(*marks, label), cursor=Cursor.MOVE)
 
@@ -48,7 +48,7 @@ def _rounded(value: float, step: float, event: PointerEvent) -> float:
 
 
 def _joint(session: ToolContext, level: Level) -> Joint:
-    return next(joint for joint in level.joints if joint.id == session.selection[0])
+    return next(joint for joint in level.joints if joint.id == session.document.unlocked[0])
 
 
 def _limit(which: str) -> Callable[[ToolContext, Level, PointerEvent], _Change]:
@@ -88,7 +88,7 @@ def _motor(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
 
 
 def _power(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
-    thruster = next(t for t in level.thrusters if t.id == session.selection[0])
+    thruster = next(t for t in level.thrusters if t.id == session.document.unlocked[0])
     at, back = thruster_position(level, thruster), gauges.thruster_direction(level, thruster)
     along = (at[0] - event.world[0]) * math.cos(back) + (at[1] - event.world[1]) * math.sin(back)
     power = _rounded(gauges.power_of(along, session.metres), POWER_STEP, event)
@@ -97,7 +97,7 @@ def _power(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
 
 
 def _velocity(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
-    body = level.body(int(session.selection[0]))
+    body = level.body(int(session.document.unlocked[0]))
     dx, dy = event.world[0] - body.position[0], event.world[1] - body.position[1]
     clear = gauges.clearance(body, session.metres)
     speed = max(math.hypot(dx, dy) - clear, 0.0) / gauges.VELOCITY_SECONDS
@@ -112,7 +112,7 @@ def _velocity(session: ToolContext, level: Level, event: PointerEvent) -> _Chang
 
 
 def _spin(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
-    body = level.body(int(session.selection[0]))
+    body = level.body(int(session.document.unlocked[0]))
     at = body.position
     pointed = math.atan2(event.world[1] - at[1], event.world[0] - at[0]) - gauges.SPIN_START
     before = body.angular_velocity * gauges.SPIN_SWEEP

@@ -179,7 +179,8 @@ def under_pointer(session: ToolContext, event: PointerEvent) -> Selection:
 
 
 def _handle_at(session: ToolContext, event: PointerEvent) -> Handle | None:
-    level, selection, metres = session.document.level, session.selection, session.metres
+    document, metres = session.document, session.metres
+    level, selection = document.level, document.unlocked
     available = handles(level, selection, metres)
     found = pick_handle(available, event.world, HANDLE_PIXELS * metres)
     return found or pick_handle(

@@ -27,7 +27,7 @@ _SCALING: Final = (HandleKind.SCALE, HandleKind.SCALE_X, HandleKind.SCALE_Y)
 
 def resize(session: ToolContext, handle: Handle) -> Gesture:
     """Drag a handle of the selection: Shift keeps proportions, Alt holds the centre."""
-    bodies = list(selected_bodies(session.document.level, session.selection))
+    bodies = list(selected_bodies(session.document.level, session.document.unlocked))
     ids = tuple(body.id for body in bodies)
     available, snapped = session.targets(ids), None
     if len(bodies) == 1 and handle.kind in _SCALING:

@@ -18,7 +18,7 @@ FINE_STEP: Final = math.radians(1.0)
 
 def rotate_bodies(session: ToolContext, press: PointerEvent) -> Gesture:
     """Turn the selected bodies about their centroid; Shift: 1° steps, Ctrl: any angle."""
-    bodies = list(selected_bodies(session.document.level, session.selection))
+    bodies = list(selected_bodies(session.document.level, session.document.unlocked))
     ids = tuple(body.id for body in bodies)
     pivot = centroid(bodies)
     start = math.atan2(press.world[1] - pivot[1], press.world[0] - pivot[0])
@@ -47,7 +47,7 @@ def rotate_bodies(session: ToolContext, press: PointerEvent) -> Gesture:
 def aim(session: ToolContext) -> Gesture:
     """Turn the selected thruster."""
     level = session.document.level
-    thruster = next(t for t in level.thrusters if t.id in session.selection)
+    thruster = next(t for t in level.thrusters if t.id in session.document.unlocked)
     body, point = level.body(thruster.body), thruster_position(level, thruster)
     feedback = Feedback(cursor=Cursor.ROTATE)
     while True:
