@@ -333,7 +333,7 @@ def take_over(session: Session) -> None:
     viewer = session.viewer
     if session.mode in (Mode.ENDED, Mode.REPLAY):
         raise CommandError(
-            "The episode is over: Backspace starts it again, Enter goes on from the moment on show."
+            "The episode is over: Reset starts it again, Start Here goes on from the moment shown."
         )
     viewer.by_hand = not viewer.by_hand
     name = session.playback.player or "the agent"

@@ -56,6 +56,9 @@ class Host(abc.ABC):
         """Takes down what the person does, where that is wanted."""
         self._feeder = InputFeeder()
         self._context = imgui.create_context()
+        # Ctrl+Tab goes to the next level: Dear ImGui would bring other panels to the front.
+        self._context.config_nav_windowing_key_next = 0
+        self._context.config_nav_windowing_key_prev = 0
         self._plots = implot.create_context()
         io = imgui.get_io()
         io.set_ini_filename("")

@@ -10,11 +10,27 @@ import pygame
 
 from editor.base import events
 from editor.hosts.inputs import FAR
+from editor.toolkit.keys import IMGUI
 
 PINCH_SHARE = 12.0
 """Zoom of two fingers that move apart by the width of the pad."""
 _SCREEN_ONLY = (0.0, 0.0)
 """Hosts know no level coordinates; the canvas works them out from the screen position."""
+_PLACES = {
+    pygame.KSCAN_GRAVE: "`",
+    pygame.KSCAN_MINUS: "-",
+    pygame.KSCAN_EQUALS: "=",
+    pygame.KSCAN_LEFTBRACKET: "[",
+    pygame.KSCAN_RIGHTBRACKET: "]",
+    pygame.KSCAN_BACKSLASH: "\\",
+    pygame.KSCAN_NONUSHASH: "\\",
+    pygame.KSCAN_SEMICOLON: ";",
+    pygame.KSCAN_APOSTROPHE: "'",
+    pygame.KSCAN_COMMA: ",",
+    pygame.KSCAN_PERIOD: ".",
+    pygame.KSCAN_SLASH: "/",
+} | {getattr(pygame, f"KSCAN_{digit}"): str(digit) for digit in range(10)}
+"""Names of keys by their place, which is that of an American keyboard."""
 
 
 def modifiers(mask: int) -> events.Modifiers:
@@ -27,8 +43,12 @@ def modifiers(mask: int) -> events.Modifiers:
 
 
 def _key(event: pygame.event.Event) -> events.InputEvent:
+    name = pygame.key.name(event.key)
+    if name not in IMGUI:
+        # What a layout has in place of brackets, such as ö and ü, does what they do.
+        name = _PLACES.get(getattr(event, "scancode", None), name)
     return events.KeyEvent(
-        key=pygame.key.name(event.key),
+        key=name,
         pressed=event.type == pygame.KEYDOWN,
         modifiers=modifiers(event.mod),
     )

@@ -35,3 +35,8 @@ class View:
     """A layout that the window shall take (`edit`, `play`, `evaluate`, or a kept one's name)."""
     layout_name: str = ""
     """The name under which the window shall keep its present layout."""
+
+    @property
+    def covered(self) -> bool:
+        """True if the help, the keys or the preferences lie over the panels."""
+        return self.help or self.keys or self.preferences

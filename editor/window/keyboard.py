@@ -98,7 +98,7 @@ def _closes_overlay(session: "Session") -> bool:
     shown = session.view
     if session.hands.capture is not None:
         return False
-    if not (shown.help or shown.keys or shown.preferences):
+    if not shown.covered:
         return False
     shown.help = shown.keys = shown.preferences = False
     return True

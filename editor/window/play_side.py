@@ -15,6 +15,7 @@ from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, fitted, font, px
+from editor.window.hints import pressed
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural
@@ -122,8 +123,10 @@ def _results(
         verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
         mine.insert(0, f"{rival.player}: {verdict}")
     write_verdict(column, playback.outcome, mine)
-    column.lines(tr("Press Backspace to restart"), COLOURS.muted)
-    column.lines(tr("Press Esc to edit"), COLOURS.muted)
+    for action, does in (("run.reset", "to restart"), ("run.stop", "to edit")):
+        line = pressed(session, action, does)
+        if line:
+            column.lines(line, COLOURS.muted)
     column.gap(8)
 
 

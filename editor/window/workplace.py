@@ -261,7 +261,7 @@ class Workplace:
             # The keyboard goes back to the canvas, unless a field was asked for.
             self._to_canvas = not self.session.view.field
         opened = imgui.begin(self._tab_words.name(panel))[0]
-        if not self._tab_words.has_words(panel):
+        if not self._tab_words.has_words(panel) and not self.session.view.covered:
             widgets.tooltip(panel.title)
         lower = self._row.holds_current()
         self._tab_words.note(panel, folds=lower)

@@ -8,6 +8,7 @@ from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.toolkit.widgets import px
+from editor.window.hints import pressed
 from editor.window.panels.base import Panel
 from kinetix.level.controls import channels_in_use, driven_by
 
@@ -47,4 +48,4 @@ class ControlsPanel(Panel):
                 "Press J over two overlapping shapes for a motor, or H on a shape for a thruster.",
             )
         elif session.editing:
-            widgets.small("Press Space to play, then hold these keys.")
+            widgets.small(pressed(session, "run.play_human", "to play, then hold these keys."))

@@ -17,6 +17,7 @@ from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS
 if TYPE_CHECKING:
     from editor.session import Session
 
+_CHANGE: Final = "Change keys…"
 _CONTEXTS: Final = {Context.EDIT: "in Edit", Context.PLAY: "in Play"}
 _MOUSE: Final = (
     ("Wheel", "Zoom at the pointer"),
@@ -41,38 +42,21 @@ class HelpOverlay:
         """Draw it while `session.view.help` is on."""
         if not session.view.help:
             return
-        viewport = imgui.get_main_viewport()
-        size = viewport.work_size
-        imgui.set_next_window_pos(
-            (viewport.work_pos.x + size.x / 2, viewport.work_pos.y + size.y / 2), 0, (0.5, 0.5)
-        )
-        imgui.set_next_window_size((min(px(1060), size.x * 0.94), min(px(720), size.y * 0.92)))
-        flags = (
-            imgui.WindowFlags_.no_docking.value
-            | imgui.WindowFlags_.no_saved_settings.value
-            | imgui.WindowFlags_.no_collapse.value
-            | imgui.WindowFlags_.no_resize.value
-            | imgui.WindowFlags_.no_title_bar.value
-        )
-        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*COLOURS.raised))
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(22), px(18)))
-        imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
-        imgui.begin("###help", None, flags)
-        if imgui.is_window_appearing():
-            imgui.set_window_focus()
-        self._head(session)
-        imgui.begin_child("keys")
-        self._columns(session)
-        imgui.end_child()
-        imgui.end()
-        imgui.pop_style_var(2)
-        imgui.pop_style_color()
+        with widgets.raised_window("help", 1060, 720):
+            self._head(session)
+            imgui.begin_child("keys")
+            self._columns(session)
+            imgui.end_child()
 
     def _head(self, session: "Session") -> None:
+        width = imgui.calc_text_size(tr(_CHANGE)).x + 2 * imgui.get_style().frame_padding.x
+        left = imgui.get_window_width() - px(68) - width
         with widgets.font(FONTS.bold, 22):
-            widgets.text(f"{Icons.controls}  Keys and gestures")
-        imgui.same_line(imgui.get_window_width() - px(200))
-        if widgets.button(session, "help.keys", "Change keys…"):
+            words = tr(f"{Icons.controls}  Keys and gestures")
+            room = left - imgui.get_cursor_pos_x() - px(10)
+            widgets.raw(widgets.fitted(words, room), COLOURS.text)
+        imgui.same_line(left)
+        if widgets.button(session, "help.keys", _CHANGE):
             session.queue("app.help")
             session.queue("app.keys")
         imgui.same_line(imgui.get_window_width() - px(58))

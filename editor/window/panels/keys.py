@@ -169,14 +169,11 @@ class KeysWindow:
 
     def _reset(self, session: "Session", action: Action) -> None:
         """The keys of an action as at first, unless something else has them now."""
-        taken = [
-            rebinding.conflict(session, action, chord)
-            for chord in action.keys
-            if rebinding.conflict(session, action, chord)
-        ]
-        if taken:
-            session.complain(f"{chord_label(action.keys[0])} is {taken[0]} now.")
-            return
+        for chord in action.keys:
+            other = rebinding.conflict(session, action, chord)
+            if other:
+                session.complain(f"{chord_label(chord)} is {other} now.")
+                return
         session.settings.keys.pop(action.id, None)
 
     def _pressed(self, session: "Session", chord: str) -> None:

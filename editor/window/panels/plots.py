@@ -164,7 +164,7 @@ class PlotsPanel(Panel):
         states = playback.moments if playback.active else ()
         if len(states) < 2:
             widgets.empty_state(
-                Icons.plots, "Nothing simulated yet", "Press Space: the curves grow as you play."
+                Icons.plots, "Nothing simulated yet", "The curves grow as you play."
             )
             return
         agent = any(state.mind is not None and not state.mind.scripted for state in states[-2:])

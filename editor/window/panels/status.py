@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.language import tr
-from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba
 from editor.toolkit.modes import MODE_LOOK
 from editor.toolkit.widgets import px
+from editor.window import hints
 from editor.worker.jobs import PREPARATIONS, lane_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class StatusBar:
                 word, name = "GALLERY", "info"
             widgets.badge(word, COLOURS.of(name))
             imgui.same_line(0, px(10))
-            hint = tr(self._hint(session))
+            hint = hints.hint(session)
             space = imgui.get_window_width() - imgui.get_cursor_pos_x() - px(8)
             right = self._fitting(self.numbers(session), space - imgui.calc_text_size(hint).x)
             gap = px(18)
@@ -70,23 +70,6 @@ class StatusBar:
             widgets.tooltip("Problems", "Click to see them.")
             if imgui.is_mouse_clicked(0):
                 session.view.front = "problems"
-
-    def _hint(self, session: "Session") -> str:
-        if session.gallery.open:
-            return "Arrows move, Enter opens, Ctrl+Shift+A adds to the set, F2 renames. Esc leaves."
-        if session.editing:
-            typed = session.driver.typed
-            return f"{session.hint}   size: {typed}" if typed else session.hint
-        if session.mode is Mode.REPLAY:
-            return "Space plays it   , . step   I O loop   Enter starts here   Esc edits"
-        if session.mode is Mode.ENDED:
-            again = "Space plays again   , steps back"
-            other = "   N next attempt" if session.playback.casting is not None else ""
-            return f"{again}{other}   Esc edits"
-        space = "Space goes on" if session.mode is Mode.PAUSED else "Space pauses"
-        if session.playback.casting is not None:
-            return f"{space}   T takes over   N next attempt   Backspace restarts   Esc edits"
-        return f"{space}   . , step   - = speed   Backspace restarts   Esc edits"
 
     def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
         """Return the words at the right, in the window's language, and their colours."""

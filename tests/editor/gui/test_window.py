@@ -6,10 +6,12 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.actions import ACTIONS
 from editor.base.events import KeyEvent
 from editor.base.settings import Settings
+from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.toolkit.keys import label
@@ -416,6 +418,32 @@ def test_a_key_is_changed_with_the_mouse_and_the_keyboard(gui):
     gui.key("escape")
     gui.key("r")
     assert gui.session.tool.id == "rectangle"
+
+
+def test_the_reset_of_a_key_names_the_key_that_is_taken(gui):
+    gui.session.settings.keys |= {"edit.redo": ["f10"], "tool.circle": ["ctrl+y"]}
+    gui.session.queue("app.keys")
+    gui.frames(4)
+    gui.click("keys.search")
+    gui.text("redo")
+    gui.click("keys.reset.edit.redo")
+    gui.frames(2)
+    assert gui.session.toasts[-1].text == "Ctrl+Y is Circle now."
+    assert gui.session.settings.keys["edit.redo"] == ["f10"]
+
+
+def test_ctrl_tab_changes_the_level_and_no_panel(gui):
+    for name in ("One", "Other"):
+        gui.session.open_tab(Document(BALL.replace(name=name)))
+    gui.frames(20)
+    first = gui.session.tabs.index_in_front
+    gui.hold("left ctrl")
+    gui.hold("tab")
+    gui.frames(3)
+    assert imgui.get_current_context().nav_windowing_target is None
+    gui.hold("tab", pressed=False)
+    gui.hold("left ctrl", pressed=False)
+    assert gui.session.tabs.index_in_front != first
 
 
 def test_the_map_moves_the_view_and_draws_nothing_in_the_level(make_gui):

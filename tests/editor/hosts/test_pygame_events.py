@@ -53,6 +53,21 @@ def test_keys_carry_their_names(code, name):
     assert name in IMGUI
 
 
+@pytest.mark.parametrize(
+    ("letter", "place", "name"),
+    [
+        ("ö", pygame.KSCAN_SEMICOLON, ";"),
+        ("ü", pygame.KSCAN_LEFTBRACKET, "["),
+        ("ß", pygame.KSCAN_MINUS, "-"),
+        ("&", pygame.KSCAN_1, "1"),
+        ("z", pygame.KSCAN_Y, "z"),
+    ],
+)
+def test_what_other_layouts_have_counts_by_its_place(letter, place, name):
+    ours = translate(event(pygame.KEYDOWN, key=ord(letter), scancode=place, mod=0))
+    assert ours == KeyEvent(key=name, pressed=True, modifiers=Modifiers())
+
+
 def test_every_key_of_a_keyboard_is_known_to_imgui():
     codes = [pygame.K_a + k for k in range(26)] + [pygame.K_0 + k for k in range(10)]
     codes += [pygame.K_F1 + k for k in range(12)]
