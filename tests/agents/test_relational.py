@@ -49,8 +49,9 @@ def seen(name: str, size: str, *, shuffled: int | None = None):
     static = static_env_params_from_size(size)
     state = level_state(load_level(f"levels/{name}.json"), static)
     if shuffled is not None:
-        state = permute_state(jax.random.key(shuffled), state)
-    return EntityObservations(layout=Layout.of(EnvParams(), static), attention=False)(state)
+        state = jax.jit(permute_state)(jax.random.key(shuffled), state)
+    layout = Layout.of(EnvParams(), static)
+    return jax.jit(EntityObservations(layout=layout, attention=False))(state)
 
 
 def network(action: str = "multi_discrete", **changes):
@@ -62,8 +63,9 @@ def said():
     """From an observation to logits (the last layers start small: scaled up) and value."""
     made = network()
     inputs = (with_axes(seen("m/turnabout", "m")), jnp.zeros((1, 1), bool))
-    params = made.init(jax.random.key(0), initial_carry(1), inputs)
+    params = jax.jit(made.init)(jax.random.key(0), initial_carry(1), inputs)
 
+    @jax.jit
     def apply(observation):
         inputs = (with_axes(observation), jnp.zeros((1, 1), bool))
         _, policy, value = made.apply(params, initial_carry(1), inputs)
@@ -136,8 +138,8 @@ def test_a_control_without_a_joint_or_thruster_says_nothing(said):
 def test_every_kind_of_action_and_memory(action, recurrent):
     made = network(action, recurrent_model=recurrent)
     inputs = (with_axes(seen("m/turnabout", "m"), steps=2), jnp.zeros((2, 1), bool))
-    params = made.init(jax.random.key(0), initial_carry(1), inputs)
-    carry, policy, value = made.apply(params, initial_carry(1), inputs)
+    params = jax.jit(made.init)(jax.random.key(0), initial_carry(1), inputs)
+    carry, policy, value = jax.jit(made.apply)(params, initial_carry(1), inputs)
     assert policy.logits.shape == (2, 1, action_head(action).dimension)
     assert bool(jnp.any(carry[0] != 0)) is recurrent
     assert bool(value[0, 0] == value[1, 0]) is not recurrent
