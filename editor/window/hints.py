@@ -75,6 +75,6 @@ def key_of(session: "Session", action_id: str) -> str:
 
 
 def pressed(session: "Session", action_id: str, does: str) -> str:
-    """Return a line such as `Press Backspace to restart`; nothing where the action has no key."""
+    """Return `Press Backspace to restart`, in English; nothing where the action has no key."""
     key = key_of(session, action_id)
-    return tr(f"Press {key} {does}") if key else ""
+    return f"Press {key} {does}" if key else ""

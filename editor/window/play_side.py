@@ -126,7 +126,7 @@ def _results(
     for action, does in (("run.reset", "to restart"), ("run.stop", "to edit")):
         line = pressed(session, action, does)
         if line:
-            column.lines(line, COLOURS.muted)
+            column.lines(tr(line), COLOURS.muted)
     column.gap(8)
 
 
