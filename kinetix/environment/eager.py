@@ -16,6 +16,7 @@ from jax.extend.core import get_opaque_trace_state
 from kinetix.compiler import quick_options
 from kinetix.engine.promotion import usual_promotion
 from kinetix.environment.checks import check_values, refuse_what_is_no_array, with_usual_action
+from kinetix.environment.meshes import refuse_mesh
 from kinetix.forks import refuse_forked_process
 
 _QUICK: Final = dict(quick_options())
@@ -42,6 +43,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         outside = get_opaque_trace_state("flax") == _OUTSIDE
+        refuse_mesh(next(iter((*arguments, *named.values())), None))
         if outside:
             refuse_forked_process()
             check_values(self, arguments, named)
@@ -70,6 +72,7 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         refuse_forked_process()
+        refuse_mesh(next(iter((*arguments, *named.values())), None))
         with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)
 

@@ -72,6 +72,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         except ValueError:
             known = ", ".join(mode.value for mode in self.MODES)
             raise KinetixError(f"autoreset_mode={autoreset_mode!r}: expected {known}") from None
+        self.autoreset_mode = self.mode  # where Gymnasium's own have it, and TorchRL looks
         self.metadata = {**self.metadata, "autoreset_mode": self.mode}
         self.num_envs = num_envs
         self.render_mode = render_mode
