@@ -126,5 +126,5 @@ def _of(tree: T, slots: Sequence[int] | Int[np.ndarray, " k"]) -> T:
 
 def _renumbered(body: Int[Array, " k"], used: Used) -> Int[Array, " k"]:
     """Indices of bodies among the used ones; 0 in slots that this level leaves empty."""
-    same: Bool[Array, "k b"] = body[:, None] == np.array(used.bodies, np.int32)[None]
-    return jnp.sum(jnp.where(same, np.arange(len(used.bodies), dtype=np.int32)[None], 0), axis=1)
+    same: Bool[Array, "k b"] = body[:, None] == np.array(used.bodies, np.int32)
+    return jnp.sum(jnp.where(same, np.arange(len(used.bodies), dtype=np.int32), 0), axis=1)

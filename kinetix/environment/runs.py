@@ -16,6 +16,7 @@ from jaxtyping import Array, Float, Int
 
 from kinetix.engine.pipeline import step
 from kinetix.engine.presets import solver_named
+from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Parameters, State, World, default_parameters
@@ -134,14 +135,14 @@ def simulate(
     rows = _action_rows(actions, steps)
     # There is no step for no body at all.
     specialised = specialised and bool(level.bodies)
-    with explaining(level):
+    with explaining(level), usual_promotion():
         spec = SceneSpec(capacity=needed_capacity(level) if specialised else capacity_of(level))
         if specialised:
             features = features_of(level, capacity=spec.capacity)
             spec = dataclasses.replace(spec, features=features)
         scene = compile_level(level, spec=spec, solver=solver)
     binary64 = physics == "reference"
-    with precision(binary64):
+    with precision(binary64), usual_promotion():
         world, labels, state = converted(
             (scene.world, scene.labels, scene.state), binary64=binary64
         )

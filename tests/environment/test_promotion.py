@@ -4,9 +4,10 @@ import jax
 import jax.numpy as jnp
 import pytest
 
+import kinetix
 from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
-from kinetix.environment.reset import make_reset_fn_sample_kinetix_level
+from kinetix.environment.reset import make_reset_fn_sample_kinetix_level, make_reset_fn_sample_sizes
 from kinetix.level.sizes import SIZES
 
 
@@ -27,6 +28,18 @@ def test_random_levels_are_played(action):
         return env.step(key, state, env.action_space().sample(key))
 
     jax.jit(jax.vmap(play)).lower(jax.random.split(jax.random.key(0), 3))
+
+
+def test_a_run_from_python():
+    assert kinetix.simulate("s/goalkeeper", seconds=0.05) is not None
+
+
+def test_random_levels_are_drawn_where_numbers_are_no_keys():
+    static = static_env_params_of(SIZES["s"])
+    of_size = make_reset_fn_sample_kinetix_level(EnvParams(), static)
+    for draw in (of_size, make_reset_fn_sample_sizes(static)):
+        with jax.legacy_prng_key("error"):
+            jax.jit(draw).lower(jax.random.key(0))
 
 
 def test_the_callers_own_code_is_still_refused(small_env):

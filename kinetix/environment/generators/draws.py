@@ -142,7 +142,8 @@ class Tape:
     """
 
     def __init__(self, keys: UInt[Array, "n 2"], length: int) -> None:
-        rows = jax.vmap(lambda key: jax.random.uniform(key, (length,), jnp.float32))(keys)
+        typed = jax.random.wrap_key_data(keys)  # JAX can be told to refuse numbers as keys
+        rows = jax.vmap(lambda key: jax.random.uniform(key, (length,), jnp.float32))(typed)
         self._rows = rows.T
         self._next = 0
 

@@ -59,7 +59,7 @@ def mixed_sampler(
         drafts = [draw_levels(keys, size, ued, slots) for size in sizes]
         choice = jax.vmap(
             lambda key: jax.random.uniform(jax.random.fold_in(key, 1), (), jnp.float32)
-        )(keys)
+        )(jax.random.wrap_key_data(keys))
         choice = among(choice, len(sizes))
         mixed = drafts[0]
         for index, draft in enumerate(drafts[1:], start=1):
