@@ -12,7 +12,7 @@ _KINDS: Final = {
     "object": "an object",
     "null": "nothing",
 }
-"""What a person calls the types that msgspec names."""
+"""Words for the types in messages of msgspec."""
 _TOLD: Final = (
     (r"Expected `array` of length (\d+), got (\d+)", r"expected \1 items, got \2"),
     (r"Expected `(?:int|float)` (>=|<=|>|<) (.+)", r"expected a number \1 \2"),
@@ -22,7 +22,7 @@ _TOLD: Final = (
     (r"Object contains unknown field `(.+)`", r"unknown field '\1'"),
     (r"Invalid enum value (.+)", r"\1 is none of the choices"),
 )
-"""What msgspec says, and how it is said here."""
+"""Patterns of messages of msgspec, and the sentences that replace them."""
 
 
 def plural(count: int, noun: str, many: str = "") -> str:

@@ -1,4 +1,4 @@
-"""What msgspec says of values that do not fit is said in words of ours."""
+"""Messages of msgspec about values that do not fit are replaced by plain sentences."""
 
 from typing import Annotated, Literal
 

@@ -8,6 +8,7 @@ from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
 from editor.gallery.export import SetPlan, export_set, unpack
 from editor.session import Session
+from editor.session.messages import Kind
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.sets import LoadedSet, load_set
 from kinetix.paths import user_levels_dir
@@ -42,10 +43,7 @@ def load_into_set(session: Session, path: Path) -> None:
         os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
     }
     if files:
-        _take_place(session, files)
-        session.toast(
-            f"{plural(len(files), 'level')} of {set_name(path)}", action=_undo_of_set(session)
-        )
+        _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
     else:
         _ask_to_unpack(session, path, loaded)
 
@@ -56,9 +54,8 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
     def answer(choice: str) -> None:
         if choice != "unpack":
             return
-        files = unpack(loaded, folder)
-        _take_place(session, {str(file): weight for file, weight in files.items()})
-        session.toast(f"{plural(len(files), 'level')} in {folder}", "success")
+        files = {str(file): weight for file, weight in unpack(loaded, folder).items()}
+        _replace(session, files, f"{plural(len(files), 'level')} in {folder}", "success")
         browsing.look(session)
 
     session.ask(
@@ -82,23 +79,20 @@ def set_name(path: Path) -> str:
     return path.parent.name if path.stem == "set" else path.stem
 
 
-def _take_place(session: Session, tray: dict[str, float]) -> None:
-    """Make other levels the set; what it had can come back."""
+def _replace(session: Session, tray: dict[str, float], told: str, kind: Kind = "info") -> None:
+    """Make other levels the set and say so; the message brings back what the set had."""
     gallery = session.gallery
+    undo = None
     if gallery.tray and gallery.tray != tray:
-        gallery.tray_before = gallery.tray
+        gallery.tray_before, undo = gallery.tray, "gallery.set_back"
     gallery.tray = tray
-
-
-def _undo_of_set(session: Session) -> str | None:
-    return "gallery.set_back" if can_bring_set_back(session) else None
+    session.toast(told, kind, action=undo)
 
 
 def empty_set(session: Session) -> None:
     """Take all levels out of the set."""
     count = len(session.gallery.tray)
-    _take_place(session, {})
-    session.toast(f"Took {plural(count, 'level')} out of the set", action=_undo_of_set(session))
+    _replace(session, {}, f"Took {plural(count, 'level')} out of the set")
 
 
 def can_bring_set_back(session: Session) -> bool:

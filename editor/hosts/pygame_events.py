@@ -5,6 +5,7 @@ key presses (no dead keys), counts wheel notches twice and fails on the mouse's 
 """
 
 from collections.abc import Callable
+from typing import Final
 
 import pygame
 
@@ -16,7 +17,7 @@ PINCH_SHARE = 12.0
 """Zoom of two fingers that move apart by the width of the pad."""
 _SCREEN_ONLY = (0.0, 0.0)
 """Hosts know no level coordinates; the canvas works them out from the screen position."""
-_PLACES = {
+_PLACES: Final = {
     pygame.KSCAN_GRAVE: "`",
     pygame.KSCAN_MINUS: "-",
     pygame.KSCAN_EQUALS: "=",

@@ -35,7 +35,7 @@ FAMILIES: Final[dict[str, tuple[str, ...]]] = {
 _DEPTH: Final = 6
 """Folders within each other that are looked through."""
 _OF_THE_TOOLKIT: Final = Path(imgui_bundle.__file__).parent / "demos_assets" / "fonts"
-"""Where the toolkit has emoji with outlines, for systems without."""
+"""Folder of the font of emoji that comes with the toolkit, for systems that have none."""
 
 
 def folders() -> tuple[Path, ...]:

@@ -350,8 +350,8 @@ class FileBrowser:
     def _accept(self) -> tuple[bool, Path | None]:
         path = self._typed()
         as_folder = self._question.as_folder
-        # A folder that is named is what is saved, unless the name asks to go there: `~/sets/`.
-        if os.path.isdir(path) and not (as_folder and not self._name.endswith(("/", os.sep))):
+        # Where a folder is saved its name means itself; with a slash, as in `sets/`, its inside.
+        if os.path.isdir(path) and (not as_folder or self._name.endswith(("/", os.sep))):
             self._go(path)
             self._name = ""
             return False, None

@@ -1,4 +1,4 @@
-"""What can be done now and by which keys, as they are now: rebound ones included."""
+"""Hints for the status line: what can be done now, with the keys as they are bound."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final

@@ -1,1 +1,1 @@
-"""How the words of a command line are read, the same for every command and for the editor."""
+"""Reading of command lines, the same for every command and for the editor."""

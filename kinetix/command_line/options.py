@@ -1,8 +1,9 @@
-"""How options are read: numbers as people write them, optional ones without a word `None`."""
+"""Rules for options: numbers as people write them; the help of an optional one names its type."""
 
 import dataclasses
 import re
 import types
+from collections.abc import Callable
 from typing import Any, Final, Union, get_args, get_origin
 
 from tyro.constructors import (
@@ -35,34 +36,6 @@ def _optional(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
     )
 
 
-@OPTIONS.primitive_rule
-def _whole_number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[int] | None:
-    """A whole number, also as people write a large one: `1e6`."""
-    if info.type is not int:
-        return None
-    return PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="INT",
-        instance_from_str=lambda words: _whole(words[0]),
-        is_instance=lambda value: isinstance(value, int) and not isinstance(value, bool),
-        str_from_instance=lambda value: [str(value)],
-    )
-
-
-@OPTIONS.primitive_rule
-def _number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[float] | None:
-    """A number; what is none is told in words of ours."""
-    if info.type is not float:
-        return None
-    return PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="FLOAT",
-        instance_from_str=lambda words: _real(words[0]),
-        is_instance=lambda value: isinstance(value, int | float) and not isinstance(value, bool),
-        str_from_instance=lambda value: [str(value)],
-    )
-
-
 def _whole(word: str) -> int:
     if _EXPONENT.fullmatch(word) and (number := float(word)).is_integer():
         return int(number)
@@ -77,6 +50,29 @@ def _real(word: str) -> float:
         return float(word)
     except ValueError:
         raise ValueError(f"expected a number, got {word!r}") from None
+
+
+_NUMBERS: Final[dict[type, tuple[str, Callable[[str], Any], tuple[type, ...]]]] = {
+    int: ("INT", _whole, (int,)),
+    float: ("FLOAT", _real, (int, float)),
+}
+"""By type: its name in the help, how a word is read, and the types of values."""
+
+
+@OPTIONS.primitive_rule
+def _number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
+    """A number; a large whole one also as people write it: `1e6`."""
+    found = _NUMBERS.get(info.type) if isinstance(info.type, type) else None
+    if found is None:
+        return None
+    name, read, kinds = found
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=name,
+        instance_from_str=lambda words: read(words[0]),
+        is_instance=lambda value: isinstance(value, kinds) and not isinstance(value, bool),
+        str_from_instance=lambda value: [str(value)],
+    )
 
 
 def _without_none(kind: Any) -> Any:

@@ -104,7 +104,7 @@ def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEn
 
 
 def _has_nan(physics: State) -> Bool[Array, ""]:
-    """Whether anything that a step changes is NaN."""
+    """Return whether any number that a step changes is NaN."""
     reals = [x for x in jax.tree.leaves(physics) if jnp.issubdtype(x.dtype, jnp.floating)]
     return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
 

@@ -43,7 +43,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         outside = get_opaque_trace_state("flax") == _OUTSIDE
-        refuse_mesh(next(iter((*arguments, *named.values())), None))
+        refuse_mesh(arguments, named)
         if outside:
             refuse_forked_process()
             check_values(self, arguments, named)
@@ -72,7 +72,7 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         refuse_forked_process()
-        refuse_mesh(next(iter((*arguments, *named.values())), None))
+        refuse_mesh(arguments, named)
         with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)
 

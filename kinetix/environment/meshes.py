@@ -1,5 +1,6 @@
 """Ways of sharing arrays among devices at which JAX would fail in the midst of a program."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -8,20 +9,22 @@ from jax.sharding import AxisType
 from kinetix.errors import KinetixError
 
 
-def refuse_mesh(argument: Any) -> None:
+def refuse_mesh(arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
     """Refuse a mesh with explicit axes, and a `jax.shard_map` that checks what varies.
 
     Loops of a step start from constants, which JAX takes for equal on all devices, and its tables
     are read and written in ways that have no explicit sharding.
 
     Args:
-        argument: A pytree of what is shared; its first array is looked at.
+        arguments: Of a method; the first array of the first one is looked at.
+        named: Its other arguments, which count where there are no such.
 
     Raises:
         KinetixError: One is so, with what to do.
     """
     axes = set(jax.sharding.get_abstract_mesh().axis_types)
-    leaf = next(iter(jax.tree.leaves(argument)), None)
+    first = next(iter((*arguments, *named.values())), None)
+    leaf = next(iter(jax.tree.leaves(first)), None)
     if isinstance(leaf, jax.Array):
         kind: Any = jax.typeof(leaf)
         if _varies(kind):

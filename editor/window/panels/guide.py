@@ -4,14 +4,13 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from imgui_bundle import imgui
 
-from editor import actions
 from editor.actions import guide
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, alpha, u32
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window import layouts
+from editor.window.hints import key_of
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -116,10 +115,10 @@ class GuideCard:
         with widgets.font(FONTS.bold, 0.0):
             widgets.text(step.title)
         if step.action:
-            chosen = actions.chords(session, actions.BY_ID[step.action])
-            if chosen:
+            key = key_of(session, step.action)
+            if key:
                 widgets.beside(px(60))
-                widgets.key_caps(chord_label(chosen[0]))
+                widgets.key_caps(key)
         widgets.wrapped(step.words, COLOURS.muted)
         self._buttons(session, "Leave", ("Skip this step", guide.skip))
 

@@ -12,8 +12,8 @@ from editor.actions import examples, file, view
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
+from editor.window.hints import key_of
 from kinetix.paths import levels_dir
 
 if TYPE_CHECKING:
@@ -197,10 +197,9 @@ def _open(session: "Session", path: str | Path) -> None:
 def item(session: "Session", action_id: str) -> None:
     """One row of a menu."""
     action = actions.BY_ID[action_id]
-    chosen = actions.chords(session, action)
     enabled = actions.available(session, action)
     checked = action.checked(session) if action.checked is not None else False
-    shortcut = chord_label(chosen[0]) if chosen else None
+    shortcut = key_of(session, action_id) or None
     if imgui.menu_item_simple(f"{tr(action.label)}###{action_id}", shortcut, checked, enabled):
         session.queue(action_id)
     widgets.probe(session, f"menu.{action_id}", enabled=enabled)

@@ -11,8 +11,8 @@ from editor.actions import file
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
+from editor.window.hints import key_of
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -103,11 +103,10 @@ class DocumentTabs:
                 action = actions.BY_ID[name]
                 if widgets.button(session, f"moment.{name}", label):
                     session.queue(name)
-                keys = actions.chords(session, action)
                 widgets.tooltip(
                     action.label if number else label,
                     action.tooltip if number else "",
-                    chord_label(keys[0]) if keys else "",
+                    key_of(session, name),
                 )
 
     def _outside(self, session: "Session") -> None:

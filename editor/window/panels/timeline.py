@@ -11,9 +11,9 @@ from editor.base.controls import channel_name
 from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
+from editor.window.hints import key_of
 from editor.window.panels.base import Panel
 from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.controls import channels_in_use
@@ -115,8 +115,7 @@ class Timeline(Panel):
             words = label if imgui.get_window_width() > px(760) else ""
             if widgets.icon_button(session, f"timeline.{name}", icon, label=words, enabled=enabled):
                 session.queue(name)
-            keys = actions.chords(session, action)
-            widgets.tooltip(action.label, action.tooltip, chord_label(keys[0]) if keys else "")
+            widgets.tooltip(action.label, action.tooltip, key_of(session, name))
         imgui.same_line(0, px(14))
         imgui.align_text_to_frame_padding()
         index = session.playback.replay_index

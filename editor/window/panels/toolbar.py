@@ -12,8 +12,8 @@ from editor.base.physics import PHYSICS
 from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
+from editor.window.hints import key_of
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -27,12 +27,6 @@ TOOL_ICONS: Final = {
     "weld": Icons.weld,
     "thruster": Icons.thruster,
 }
-
-
-def chords(session: "Session", action_id: str) -> str:
-    """The first chord of an action, for people; rebound keys count."""
-    keys = actions.chords(session, actions.BY_ID[action_id])
-    return chord_label(keys[0]) if keys else ""
 
 
 def action_button(
@@ -59,7 +53,7 @@ def action_button(
     )
     if pressed:
         session.queue(action_id)
-    widgets.tooltip(action.label, action.tooltip, chords(session, action_id))
+    widgets.tooltip(action.label, action.tooltip, key_of(session, action_id))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

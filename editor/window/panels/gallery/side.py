@@ -12,9 +12,9 @@ from editor.gallery.card import Card
 from editor.gallery.filing import bundled
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.browser import peek, thumbnail
+from editor.window.hints import key_of
 from editor.window.panels.gallery.cards import PAYLOAD
 from editor.window.panels.gallery.tray import SetTray
 from kinetix.wording import plural
@@ -103,7 +103,7 @@ class Side:
             if widgets.icon_button(session, action_id, icon, label=label, enabled=enabled):
                 session.queue(action_id)
             action = actions.BY_ID[action_id]
-            widgets.tooltip(action.label, action.tooltip, _keys(session, action_id))
+            widgets.tooltip(action.label, action.tooltip, key_of(session, action_id))
 
     def _one(self, session: "Session", card: Card) -> None:
         side = min(imgui.get_content_region_avail().x, px(280))
@@ -147,8 +147,3 @@ def _summary(card: Card) -> str:
         if number
     ]
     return f"Size {card.size}: {', '.join(parts) or 'empty'}"
-
-
-def _keys(session: "Session", action_id: str) -> str:
-    chords = actions.chords(session, actions.BY_ID[action_id])
-    return chord_label(chords[0]) if chords else ""
