@@ -3,14 +3,14 @@
 import dataclasses
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Union
 
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.cli.terminal import Terminal
+from kinetix.cli.terminal import Terminal, announced
 from kinetix.command_line.paths import NamedPath
 from kinetix.compiler import forget_programs
 from kinetix.cores import narrow_cores
@@ -105,7 +105,8 @@ def run(command: Common) -> int:
     values = _values(command)
     sweep = None if command.sweep is None else read_sweep(command.sweep)
     runs = _runs(algorithm, command, values, sweep)
-    configs = [_configured(algorithm, command, own, out) for out, own in runs.items()]
+    with announced("reading the levels"):
+        configs = [_configured(algorithm, command, own, out) for out, own in runs.items()]
     narrow_cores(
         lambda cores: all(
             config.fits_devices(cores * (command.num_processes or 1)) for config in configs
@@ -120,18 +121,16 @@ def run(command: Common) -> int:
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
     like = {} if teacher is None else _like(teacher.card)
     terminal = Terminal()
-    if is_leader() and any(_default_preset(command, out) for out in runs):
-        terminal.say(
-            f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers"
-        )
+    if is_leader():
+        _tell_preset(command, runs, terminal)
     failed = 0
-    for number, (out, own) in enumerate(runs.items(), start=1):
+    for number, ((out, own), config) in enumerate(zip(runs.items(), configs, strict=True), start=1):
         if is_leader() and len(runs) > 1:
             terminal.say(f"{number}/{len(runs)}: {out}")
         forget_programs()
         try:
-            config = _configured(algorithm, command, like | own, out)
-            _train(algorithm, config, out, teacher, terminal)
+            own_config = _configured(algorithm, command, like | own, out) if like else config
+            _train(algorithm, own_config, out, teacher, terminal)
         except KinetixError as error:
             if sweep is None:
                 raise
@@ -203,21 +202,26 @@ def _default_preset(command: Common, out: Path) -> str | None:
     return None if chosen else _SMALL
 
 
+def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> None:
+    """Say so where one is taken that nobody has chosen."""
+    if any(_default_preset(command, out) for out in runs):
+        terminal.say(
+            f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers"
+        )
+
+
 def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Terminal) -> None:
     """Train once, telling how it goes."""
     from kinetix.training.devices import is_leader
     from kinetix.training.memory import estimate
     from kinetix.training.run import train
-    from kinetix.training.setup import make_setup
 
-    if is_leader():
-        setup = make_setup(config, gradient_steps=1, teacher=teacher)
-        terminal.say(_announcement(algorithm, config, estimate(setup)))
     last = train(
         algorithm,
         config,
         out,
         teacher=teacher,
+        announce=lambda setup: terminal.say(_announcement(algorithm, config, estimate(setup))),
         report=lambda report: terminal.say(_line(report)),
         say=terminal.say,
         status=terminal.status,

@@ -324,15 +324,12 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
     if isinstance(levels, (str, Path)) and _names_set(levels):
         levels = load_set(levels)
     if isinstance(levels, LoadedSet):
-        return [each.level for each in levels.levels], np.array(
-            [each.weight for each in levels.levels]
-        )
+        levels = levels.levels
     if isinstance(levels, (str, Path, Level, EnvState)):
         levels = [levels]
     entries = list(levels)
     if entries and all(isinstance(one, SetLevel) for one in entries):
-        sources = [one.level if one.path is None else one.path for one in entries]
-        return sources, np.array([one.weight for one in entries])
+        return [one.played for one in entries], np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
 
 

@@ -119,12 +119,13 @@ def make_trainer(config: PpoConfig, teacher: Agent | None = None) -> Trainer:
     return Ppo(config, teacher)
 
 
-def train(
+def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     algorithm: str,
     config: PpoConfig,
     out: Path,
     *,
     teacher: Agent | None = None,
+    announce: Callable[[Setup], None] | None = None,
     report: Callable[[Report], None] | None = None,
     say: Say | None = None,
     status: Say | None = None,
@@ -139,6 +140,7 @@ def train(
         config: The configuration, already checked.
         out: The run's directory.
         teacher: The agent to start from, in a run that has no checkpoint yet.
+        announce: Called before anything compiles, with the parts of the training.
         report: Called after every update.
         say: Takes what there is to say besides: where the run resumes, what is damaged.
         status: Takes words for what is under way (compiling, scoring, evaluating), which the next
@@ -159,8 +161,12 @@ def train(
         made_folder(out)
     wait_for_all("the directory is there")
     check_same_run(out, algorithm, config, say)
+    if config.levels:
+        status("reading the levels")
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
+    if announce is not None and is_leader():
+        announce(trainer.setup)
     _say_first(trainer, config, say)
     with contextlib.ExitStack() as stack:
         if is_leader():

@@ -6,6 +6,7 @@ import jax
 import pytest
 
 from kinetix.engine.spec import Features
+from kinetix.level.codec import load_document
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.setup import make_setup
 
@@ -53,3 +54,16 @@ def test_controls_are_masked_but_with_parity(parity: Any) -> None:
     live = game.live_controls(state)
     assert bool(live.all()) is (parity is not None)
     assert bool(live.any())
+
+
+def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[str] = []
+
+    def counted(path: Any) -> Any:
+        read.append(str(path))
+        return load_document(path)
+
+    monkeypatch.setattr("kinetix.level.sets.gather.load_document", counted)
+    monkeypatch.setattr("kinetix.environment.reset.load_document", counted)
+    make_setup(PpoConfig(**listed()), gradient_steps=1)
+    assert len(read) == 2

@@ -105,13 +105,14 @@ def json_files(folder: Path) -> list[Path]:
 
 
 def _from_file(path: Path, name: Path) -> SetLevel:
-    level = load_document(path).level
+    loaded = load_document(path)
     return SetLevel(
         name=plain_name(name.as_posix()),
-        level=level,
-        sha256=level_hash(level),
-        tags=level.tags,
+        level=loaded.level,
+        sha256=level_hash(loaded.level),
+        tags=loaded.level.tags,
         path=path,
+        native=loaded.source is None,
     )
 
 

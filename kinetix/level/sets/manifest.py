@@ -64,6 +64,13 @@ class SetLevel:
     """Part of its set; None where it is of none: folders and files are not split."""
     path: Path | None = None
     """Its file; None when it was inline."""
+    native: bool = True
+    """False where the file is kinetix-env's, whose slots and leftovers a document does not keep."""
+
+    @property
+    def played(self) -> Level | Path:
+        """What an environment is to play: the document, or the file where that says more."""
+        return self.level if self.native or self.path is None else self.path
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -83,7 +83,7 @@ def _listed_levels(
     levels = []
     for k, entry in enumerate(manifest.levels):
         if entry.path is None:
-            level, where = inline[k], None
+            level, where, native = inline[k], None, True
         elif not within_reach(entry.path):
             message = f"expected a path inside the folder above the set, got {found(entry.path)}"
             faults.add("E007", f"$.levels[{k}].path", message)
@@ -91,7 +91,8 @@ def _listed_levels(
         else:
             where = folder / entry.path
             try:
-                level = load_document(where if where.is_absolute() else Path.cwd() / where).level
+                loaded = load_document(where if where.is_absolute() else Path.cwd() / where)
+                level, native = loaded.level, loaded.source is None
             except LevelError as error:
                 faults.add("E007", f"$.levels[{k}].path", str(error))
                 continue
@@ -108,6 +109,7 @@ def _listed_levels(
                 weight=entry.weight,
                 split=entry.split,
                 path=where,
+                native=native,
             )
         )
     return levels
