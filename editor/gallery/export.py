@@ -10,7 +10,7 @@ from typing import Literal
 from editor.gallery.filing import stem_of
 from kinetix.errors import LevelError
 from kinetix.level.atomic import write_with_backup
-from kinetix.level.codec import dumps, level_hash, load_document
+from kinetix.level.codec import dumps, load_document
 from kinetix.level.model import Level, SizeName
 from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, dumps_set
 
@@ -138,7 +138,6 @@ def _read(path: Path, weight: float) -> SetLevel:
     return SetLevel(
         name=path.stem,
         level=level,
-        sha256=level_hash(level),
         tags=level.tags,
         weight=weight,
         path=path,

@@ -18,7 +18,6 @@ from kinetix.environment.reset import (
     static_env_params_for_levels,
 )
 from kinetix.errors import KinetixError
-from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
 from kinetix.level.sets import (
     LoadedSet,
@@ -122,7 +121,7 @@ def _all_of(levels: Levels) -> list[SetLevel]:
         if isinstance(each, SetLevel):
             found.append(each)
         elif isinstance(each, Level):
-            found.append(SetLevel(name=each.name, level=each, sha256=level_hash(each)))
+            found.append(SetLevel(name=each.name, level=each))
         elif isinstance(each, str | Path):
             found += gather_levels([each])
         else:

@@ -162,7 +162,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     wait_for_all("the directory is there")
     check_same_run(out, algorithm, config, say)
     if config.levels:
-        status("reading the levels")
+        status("preparing the levels")
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
     if announce is not None and is_leader():

@@ -229,7 +229,7 @@ def test_words_tell_what_is_under_way(tmp_path):
     assert stays[0].startswith(
         "evaluation every 3 updates and at the end: 2 attempts each at 1 level that levels names; "
     )
-    assert said[:3] == ["reading the levels", "compiling: start", "compiling: update"]
+    assert said[:3] == ["preparing the levels", "compiling: start", "compiling: update"]
     assert "evaluating 0/2 episodes" in said
     assert said[-1] == "evaluating 2/2 episodes"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from kinetix.bundled import named_levels, refuse_empty
 from kinetix.errors import LevelError
-from kinetix.level.codec import level_hash, load_document, resolve_path
+from kinetix.level.codec import load_document, resolve_path
 from kinetix.level.faults import refuse_all
 from kinetix.level.sets.manifest import SetLevel
 from kinetix.level.sets.paths import plain_name
@@ -109,7 +109,6 @@ def _from_file(path: Path, name: Path) -> SetLevel:
     return SetLevel(
         name=plain_name(name.as_posix()),
         level=loaded.level,
-        sha256=level_hash(loaded.level),
         tags=loaded.level.tags,
         path=path,
         native=loaded.source is None,

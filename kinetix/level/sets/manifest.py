@@ -1,6 +1,7 @@
 """The manifest of a level set: its levels, their weights, and the split into train and eval."""
 
 import dataclasses
+import functools
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Final, Literal
@@ -9,6 +10,7 @@ from msgspec import Meta
 
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
+from kinetix.level.codec import level_hash
 from kinetix.level.model import Level, Record, SizeHint, SizeName, Tag
 from kinetix.level.sizes import SIZES, capacity_of
 
@@ -57,7 +59,6 @@ class SetLevel:
     name: str
     """Name in reports: the path below the folder or set, without suffix."""
     level: Level
-    sha256: str
     tags: tuple[str, ...] = ()
     weight: float = 1.0
     split: Split | None = None
@@ -66,6 +67,11 @@ class SetLevel:
     """Its file; None when it was inline."""
     native: bool = True
     """False where the file is kinetix-env's, whose slots and leftovers a document does not keep."""
+
+    @functools.cached_property
+    def sha256(self) -> str:
+        """`level_hash` of the level."""
+        return level_hash(self.level)
 
     @property
     def played(self) -> Level | Path:

@@ -104,7 +104,6 @@ def _listed_levels(
             SetLevel(
                 name=level.name if entry.path is None else plain_name(entry.path),
                 level=level,
-                sha256=own,
                 tags=entry.tags,
                 weight=entry.weight,
                 split=entry.split,
