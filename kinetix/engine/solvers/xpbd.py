@@ -23,19 +23,10 @@ from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, dot, length, nonzero, rotate, vec
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.room import usual_room
-from kinetix.engine.solvers.soft import finish
-from kinetix.engine.solvers.soft_rows import (
-    ContactImpulse,
-    Lever,
-    MovingBodies,
-    Setting,
-    SoftContacts,
-    SoftJoints,
-    SplitMasses,
-    contact_rows,
-    joint_rows,
-    kicked,
-)
+from kinetix.engine.solvers.soft.contacts import ContactImpulse, SoftContacts, contact_rows
+from kinetix.engine.solvers.soft.joints import SoftJoints, joint_rows
+from kinetix.engine.solvers.soft.levers import Lever, SplitMasses
+from kinetix.engine.solvers.soft.motion import MovingBodies, Setting, finish, kicked
 from kinetix.engine.solvers.visit import Targets, Twist, add_changes, at_bodies, in_turn
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.store import Store

@@ -1,0 +1,10 @@
+"""Soft constraints: one solver, and the three settings `SOFT` of it.
+
+`solver` and `substep` say what happens in which order, `contacts` and `joints` what one row does to
+its two bodies (`levers`), and how softly (`springs`).
+"""
+
+from kinetix.engine.solvers.soft.settings import SOFT
+from kinetix.engine.solvers.soft.solver import Soft
+
+__all__ = ["SOFT", "Soft"]
