@@ -1,7 +1,6 @@
 """Starts of episodes: levels from files, lists of levels, random levels, the empty level."""
 
 import dataclasses
-import functools
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -27,7 +26,7 @@ from kinetix.environment.params import (
 )
 from kinetix.environment.params import physics_engine as physics_engine_of
 from kinetix.environment.rearrange import check_bindings, expand_state, permute_state
-from kinetix.environment.sharing import digest, shared
+from kinetix.environment.sharing import digest, shared, shared_partial
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
@@ -65,6 +64,10 @@ class _OneOf:
     edges: Float[np.ndarray, " n"]
     """Sums of the probabilities of all levels up to each but the last."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Name what makes it, so that a copy is the shared one."""
+        return _one_of, (self.levels, self.edges)
+
     def __repr__(self) -> str:
         """Tell of how many."""
         return f"<reset function: one of {len(self.edges) + 1} levels>"
@@ -76,6 +79,10 @@ class _OneOf:
             drawn = jax.random.uniform(key)
             index = jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
         return jax.tree.map(lambda x: x[index], self.levels)
+
+
+def _one_of(levels: EnvState, edges: Float[np.ndarray, " n"]) -> _OneOf:
+    return shared(_OneOf(levels=levels, edges=edges), digest((levels, edges)))
 
 
 def load_from_json_file(
@@ -192,8 +199,7 @@ def make_reset_fn_list_of_levels(
     if not entries:
         raise KinetixError("levels is empty: expected at least one level")
     stacked = stack_states([level_state(level, static_env_params) for level in entries])
-    edges = (np.cumsum(weights) / np.sum(weights))[:-1]
-    return shared(_OneOf(levels=stacked, edges=edges), digest((stacked, edges)))
+    return _one_of(stacked, (np.cumsum(weights) / np.sum(weights))[:-1])
 
 
 def static_env_params_for_levels(
@@ -268,8 +274,7 @@ def make_reset_fn_sample_kinetix_level(
         "static_env_params": static_env_params,
         "ued_params": UEDParams() if ued_params is None else ued_params,
     }
-    draw = functools.partial(sample_kinetix_level, **options)
-    return shared(draw, sample_kinetix_level, *options.values())
+    return shared_partial(sample_kinetix_level, **options)
 
 
 def make_reset_fn_sample_sizes(
@@ -285,7 +290,7 @@ def make_reset_fn_sample_sizes(
     from kinetix.environment.generators.starts import mixed_sampler
 
     options = UEDParams() if ued_params is None else ued_params
-    return _drawing(mixed_sampler, physics_engine_of(static_env_params), options)
+    return shared_partial(_draw, mixed_sampler, physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_locomotion(
@@ -300,16 +305,12 @@ def make_reset_fn_locomotion(
     from kinetix.environment.generators.locomotion import LocomotionParams, locomotion_sampler
 
     options = LocomotionParams() if locomotion_params is None else locomotion_params
-    return _drawing(locomotion_sampler, physics_engine_of(static_env_params), options)
+    return shared_partial(_draw, locomotion_sampler, physics_engine_of(static_env_params), options)
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
     """A reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
-
-
-def _drawing(*made_of: Any) -> ResetFunction:
-    return shared(functools.partial(_draw, *made_of), *made_of)
 
 
 def _draw(

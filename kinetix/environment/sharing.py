@@ -1,5 +1,10 @@
-"""Equal reset functions are one object: so equal environments are equal, and compiled once."""
+"""Equal reset functions are one object: so equal environments are equal, and compiled once.
 
+That holds for copies and for what was sent to another process and back, too: workers that are sent
+the same environment with every task compile it for the first one.
+"""
+
+import functools
 import hashlib
 from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
@@ -25,6 +30,25 @@ def shared(function: Function, *made_of: Any) -> Function:
         return _IN_USE.setdefault((made_of, repr(made_of)), function)
     except TypeError:
         return function
+
+
+class _Partial(functools.partial):
+    """A partial function whose copies are the shared one."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Name what makes it."""
+        return _remade, (self.func, self.args, self.keywords)
+
+
+def shared_partial(function: Callable[..., Any], *args: Any, **options: Any) -> Callable[..., Any]:
+    """`functools.partial`, the same object for the same function and arguments."""
+    return shared(_Partial(function, *args, **options), function, *args, *options.values())
+
+
+def _remade(
+    function: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]
+) -> Callable[..., Any]:
+    return shared_partial(function, *args, **options)
 
 
 def digest(tree: Any) -> str:

@@ -1,5 +1,6 @@
 """Starts of episodes: options of files, weights of level sets, random sizes, walkers."""
 
+import copy
 import json
 import pickle
 from pathlib import Path
@@ -173,6 +174,9 @@ def test_an_environment_can_be_pickled() -> None:
         env = make_kinetix_env("discrete", "blind", reset_fn, EnvParams(), static)
         same = pickle.loads(pickle.dumps(env))
         assert repr(same) == repr(env)
+        assert same == env, "a worker that is sent it again would compile it again"
+        assert hash(same) == hash(env)
+        assert copy.deepcopy(env) == env
     drawn = make_reset_fn_list_of_levels([balls("a", 1.0), balls("b", 2.0)], static)
     key = jax.random.key(3)
     jax.tree.map(np.testing.assert_array_equal, pickle.loads(pickle.dumps(drawn))(key), drawn(key))
