@@ -7,7 +7,7 @@ from typing import Any
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.training.config import PpoConfig, algorithm_of
-from kinetix.training.run import Report
+from kinetix.training.loop import Report
 from kinetix.training.run import train as run_training
 from kinetix.training.settings import CONFIG, make_config
 

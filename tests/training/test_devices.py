@@ -10,7 +10,7 @@ import pytest
 _PROGRAM = """
 import json, sys
 import jax
-from kinetix.training.run import make_trainer
+from kinetix.training.trainer import make_trainer
 from kinetix.training.settings import make_config
 
 values = json.loads(sys.argv[1])
@@ -31,7 +31,7 @@ print(json.dumps(report | {"devices": jax.device_count()}))
 
 _SCORING = """
 import json, sys
-from kinetix.training.run import make_trainer
+from kinetix.training.trainer import make_trainer
 from kinetix.training.settings import make_config
 
 trainer = make_trainer(make_config("sfl", values=json.loads(sys.argv[1])))
@@ -46,7 +46,7 @@ import json, pathlib, sys
 import numpy as np
 import jax
 from kinetix.training.ppo.rollout import as_updates_leave_it
-from kinetix.training.run import make_trainer
+from kinetix.training.trainer import make_trainer
 from kinetix.training.settings import make_config
 
 trainer = make_trainer(make_config("ppo", values=json.loads(sys.argv[1])))
@@ -65,7 +65,7 @@ import json, sys
 import jax
 import numpy as np
 from kinetix.training.ppo.rollout import as_updates_leave_it
-from kinetix.training.run import make_trainer
+from kinetix.training.trainer import make_trainer
 from kinetix.training.settings import make_config
 
 trainer = make_trainer(make_config("accel", values=json.loads(sys.argv[1])))

@@ -7,8 +7,9 @@ import pytest
 from kinetix.errors import KinetixError
 from kinetix.level.codec import save_level
 from kinetix.training.logging import read_metrics
-from kinetix.training.run import make_trainer, train
+from kinetix.training.run import train
 from kinetix.training.settings import make_config
+from kinetix.training.trainer import make_trainer
 from tests.training.tiny import rocket, sfl_on, tiny_config
 
 

@@ -16,9 +16,10 @@ from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Level
 from kinetix.training.curricula.pages import page_updates, read_page
 from kinetix.training.logging import read_metrics
-from kinetix.training.run import make_trainer, train
+from kinetix.training.run import train
 from kinetix.training.schedule import learning_rate
 from kinetix.training.settings import make_config
+from kinetix.training.trainer import make_trainer
 from tests.training.tiny import TINY as _TINY
 from tests.training.tiny import Stop as _Stop
 from tests.training.tiny import same_parameters as _same_parameters

@@ -8,8 +8,8 @@ from kinetix.agents.agent import load_agent
 from kinetix.agents.arrays import flatten
 from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
-from kinetix.training.run import make_trainer
 from kinetix.training.settings import make_config
+from kinetix.training.trainer import make_trainer
 
 TINY = {
     "size": "s",
