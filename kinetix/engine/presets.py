@@ -1,7 +1,7 @@
 """The physics presets: names for a solver with settings, chosen by measurement."""
 
 from kinetix.engine.solvers import SOLVERS, AbstractSolver, Direct, PgsBaumgarte
-from kinetix.engine.solvers.blocks import Pgs
+from kinetix.engine.solvers.direct.blocks import Pgs
 from kinetix.errors import KinetixError
 
 PRESETS: dict[str, AbstractSolver] = {

@@ -1,8 +1,8 @@
 """All solvers by name: a new one is one file and one entry here."""
 
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.solvers.blocks import BLOCKS
 from kinetix.engine.solvers.direct import Direct
+from kinetix.engine.solvers.direct.blocks import BLOCKS
 from kinetix.engine.solvers.pgs_baumgarte import PgsBaumgarte
 from kinetix.engine.solvers.soft import SOFT, Soft
 from kinetix.engine.solvers.xpbd import Xpbd

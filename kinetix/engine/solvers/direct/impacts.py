@@ -13,8 +13,8 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import constants
 from kinetix.engine.lookup import row
 from kinetix.engine.maths import Vec, dot, nonzero
-from kinetix.engine.solvers.blocks import AbstractBlock, Cone
-from kinetix.engine.solvers.contact_system import ContactSystem
+from kinetix.engine.solvers.direct.blocks import AbstractBlock, Cone
+from kinetix.engine.solvers.direct.contact_system import ContactSystem
 from kinetix.engine.solvers.rows import Velocity, speeds
 from kinetix.pytree import pytree
 

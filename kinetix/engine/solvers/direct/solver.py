@@ -16,18 +16,16 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from kinetix.engine import actuators, constants
-from kinetix.engine.collision import FEATURES, Found, Slots, find_contacts, share_of_way
-from kinetix.engine.lookup import marked, onto
-from kinetix.engine.maths import Vec, cross, dot, nonzero, rotate, unvec, vec
-from kinetix.engine.solvers import impacts
+from kinetix.engine.collision import Slots, find_contacts
+from kinetix.engine.maths import Vec, vec
 from kinetix.engine.solvers.base import AbstractSolver
-from kinetix.engine.solvers.blocks import AbstractBlock, Cone, Pgs
-from kinetix.engine.solvers.contact_system import ContactSystem, contact_system, pushed
-from kinetix.engine.solvers.joint_system import (
-    JointSystem,
+from kinetix.engine.solvers.direct import impacts
+from kinetix.engine.solvers.direct.blocks import AbstractBlock, Cone, Pgs
+from kinetix.engine.solvers.direct.contact_system import ContactSystem, contact_system, pushed
+from kinetix.engine.solvers.direct.joint_system import (
     Step,
     curvature,
     held,
@@ -36,51 +34,16 @@ from kinetix.engine.solvers.joint_system import (
     project,
     settle,
 )
+from kinetix.engine.solvers.direct.masses import effective_masses, pivoted
+from kinetix.engine.solvers.direct.memory import DirectCache, finish, warm_start
+from kinetix.engine.solvers.direct.phase import Phase, before_walls
 from kinetix.engine.solvers.room import usual_room
-from kinetix.engine.solvers.rows import Links, Masses, Velocity, match, speeds
+from kinetix.engine.solvers.rows import Velocity, speeds
 from kinetix.engine.spec import ARENA_BODIES, SceneSpec
 from kinetix.engine.store import Store
 from kinetix.engine.types import Control, Parameters, State, World
-from kinetix.pytree import pytree
 
 DEFAULT_BLOCK = Pgs()
-
-
-@pytree
-class DirectCache:
-    """Kept for the next step: impulses by contact key, the joints' last forces, what was hard."""
-
-    key: Int[Array, "c n"]
-    bias_normal: Float[Array, "c n"]
-    bias_tangent: Float[Array, "c n"]
-    relax_normal: Float[Array, "c n"]
-    relax_tangent: Float[Array, "c n"]
-    bias_limit: Float[Array, "j n"]
-    relax_limit: Float[Array, "j n"]
-    joint_force_x: Float[Array, "j n"]
-    joint_force_y: Float[Array, "j n"]
-    joint_turn: Float[Array, "j n"]
-    """Rate at which a joint's force turned in the last step [rad/s]."""
-    contrast: Float[Array, " n"]
-    """As the contacts of the last step had it (`ContactSystem.contrast`)."""
-
-
-@pytree
-class Phase:
-    """State that a substep passes to the next."""
-
-    position: Vec
-    rotation: Float[Array, "b n"]
-    velocity: Velocity
-    gap: Float[Array, "g n"]
-    """Of the contacts, then of the limits."""
-    bias_impulse: Float[Array, "m n"]
-    relax_impulse: Float[Array, "m n"]
-    joints: JointSystem
-    joint_impulse: Float[Array, "k n"]
-    """Of the last substep, both solves together."""
-    hit: Bool[Array, "c n"]
-    """True for contacts that have pushed in any substep."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -143,7 +106,7 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         links = joint_links(world, spec.features)
-        masses, loose = store(_effective_masses(world, state, links, h))
+        masses, loose = store(effective_masses(world, state, links, h))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
@@ -152,14 +115,14 @@ class Direct(AbstractSolver):
             masses=masses,
             held=held(world, control, links, masses, loose, state.cache.joint_turn, store),
             loose=loose,
-            pivoted=store(_pivoted(world, links)),
+            pivoted=store(pivoted(world, links)),
             store=store,
             features=spec.features,
         )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
         joints = joint_system(this, position, state.rotation, velocity, h / 2)
-        bias_impulse, relax_impulse = store(_warm_start(state.cache, found))
+        bias_impulse, relax_impulse = store(warm_start(state.cache, found))
         force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
         system, gap = contact_system(this, state, found, joints, self.block, force)
         start = Phase(
@@ -178,8 +141,8 @@ class Direct(AbstractSolver):
             return self._substep(this, phase, system, spec), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
-        end = _before_walls(world, state, found, store(end))
-        return _finish(state, end, found, system.contrast, h, parameters)
+        end = before_walls(world, state, found, store(end))
+        return finish(state, end, found, system.contrast, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
         h = step.parameters.dt / self.substeps
@@ -272,58 +235,6 @@ class Direct(AbstractSolver):
         return jnp.concatenate([bias[:count], tangents, bias[count:]], axis=0)
 
 
-def _effective_masses(
-    world: World, state: State, links: Links, h: Float[Array, " n"]
-) -> tuple[Masses, Float[Array, "b n"]]:
-    """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
-
-    A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
-    not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
-    h²·r·f over the body's own inertia is (h·swing rate)², which tells taut joints from loose ones.
-    """
-    joints, bodies, cache = world.joints, world.bodies, state.cache
-    inverse_inertia = bodies.inverse_inertia
-    count = inverse_inertia.shape[0]
-    force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
-    stiffness = jnp.zeros_like(inverse_inertia)
-    ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
-    (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
-    for body, angle, anchor, sign, mass, inertia, other in (
-        (joints.body_a, angle_a, joints.anchor_a, -1, mass_a, inertia_a, mass_b),
-        (joints.body_b, angle_b, joints.anchor_b, 1, mass_b, inertia_b, mass_a),
-    ):
-        arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
-        # On a pivot that stands still a body turns about it, not about its own centre.
-        about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
-        stiffness += sign * onto(dot(arm, force) * about, body, count)
-    swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
-    return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
-
-
-def _pivoted(world: World, links: Links) -> Float[Array, "b n"]:
-    """1 for bodies that hang on what stands still alone, negative where one hangs on what moves.
-
-    What is welded to a fixed body stands still too.
-    """
-    joints, inverse_mass = world.joints, world.bodies.inverse_mass
-    count = inverse_mass.shape[0]
-
-    def of_joints(found: Float[Array, "b n"]) -> tuple[tuple[Array, Array], ...]:
-        of_a, of_b = links.look_up(found)
-        return (joints.body_a, of_b), (joints.body_b, of_a)
-
-    moves = inverse_mass
-    for body, other in of_joints(moves):
-        welded = joints.active & joints.fixed & (other == 0)
-        moves = jnp.where(onto(welded.astype(moves.dtype), body, count) > 0, 0, moves)
-    hangs = jnp.zeros_like(inverse_mass)
-    for body, other in of_joints(moves):
-        weight = jnp.where(other > 0, -float(count), jnp.ones_like(other))
-        hangs += onto(jnp.where(joints.active, weight, 0), body, count)
-    return jnp.where(inverse_mass > 0, jnp.minimum(hangs, 1), 0)
-
-
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:
     """Gravity and thrust at a pose."""
     world = step.world
@@ -341,81 +252,3 @@ def _kick(
     return Velocity(
         linear=velocity.linear + linear * duration, angular=velocity.angular + angular * duration
     )
-
-
-def _warm_start(
-    cache: DirectCache, found: Found
-) -> tuple[Float[Array, "m n"], Float[Array, "m n"]]:
-    """Last step's impulses of the contacts that are still there, for both solves."""
-    normal, tangent, relax_normal, relax_tangent = match(
-        found.points.key,
-        cache.key,
-        cache.bias_normal,
-        cache.bias_tangent,
-        cache.relax_normal,
-        cache.relax_tangent,
-    )
-    return (
-        jnp.concatenate([normal, tangent, cache.bias_limit], axis=0),
-        jnp.concatenate([relax_normal, relax_tangent, cache.relax_limit], axis=0),
-    )
-
-
-def _before_walls(world: World, state: State, found: Found, end: Phase) -> Phase:
-    """The end of a step in which no body's centre has entered a fixed polygon."""
-    share = share_of_way(world, state, found.polygons, end.position)
-    start = vec(state.position)
-    return dataclasses.replace(
-        end,
-        position=start + (end.position - start) * share,
-        rotation=state.rotation + (end.rotation - state.rotation) * share,
-    )
-
-
-def _finish(
-    state: State,
-    end: Phase,
-    found: Found,
-    contrast: Float[Array, " n"],
-    h: Float[Array, " n"],
-    parameters: Parameters,
-) -> State:
-    """The new state: clipped, with the impulses kept by their keys."""
-    bound = parameters.clip_position
-    speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
-    count = found.points.key.shape[0]
-    joints = state.cache.joint_force_x.shape[0]
-    force = Vec(x=end.joint_impulse[:joints], y=end.joint_impulse[joints : 2 * joints]) * (1 / h)
-    last = Vec(x=state.cache.joint_force_x, y=state.cache.joint_force_y)
-    pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
-    return dataclasses.replace(
-        state,
-        position=jnp.clip(unvec(end.position), -bound, bound),
-        rotation=end.rotation,
-        velocity=jnp.clip(unvec(end.velocity.linear), -speed, speed),
-        angular_velocity=jnp.clip(end.velocity.angular, -spin, spin),
-        touching=found.touching | marked(pair, found.touching.shape[0]),
-        overflow=found.overflow,
-        cache=DirectCache(
-            key=found.points.key,
-            bias_normal=end.bias_impulse[:count],
-            bias_tangent=end.bias_impulse[count : 2 * count],
-            relax_normal=end.relax_impulse[:count],
-            relax_tangent=end.relax_impulse[count : 2 * count],
-            bias_limit=end.bias_impulse[2 * count :],
-            relax_limit=end.relax_impulse[2 * count :],
-            joint_force_x=force.x,
-            joint_force_y=force.y,
-            joint_turn=_turn(last, force) / parameters.dt,
-            contrast=contrast,
-        ),
-    )
-
-
-def _turn(last: Vec, now: Vec) -> Float[Array, "j n"]:
-    """Return the angle from one force to the next [rad]; down to 0 where their sizes differ."""
-    least = jnp.minimum(dot(last, last), dot(now, now))
-    most = jnp.maximum(dot(last, last), dot(now, now))
-    # A force that changes by a third does not go on turning as it did.
-    steady = jnp.clip(2 * least / nonzero(most) - 1, 0, 1)
-    return jnp.arctan2(cross(last, now), dot(last, now)) * steady

@@ -17,9 +17,9 @@ from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import nearer_limit
 from kinetix.engine.lookup import onto, put, row
 from kinetix.engine.maths import Vec, nonzero
-from kinetix.engine.solvers.blocks import AbstractBlock
-from kinetix.engine.solvers.joint_system import JointSystem, Step
-from kinetix.engine.solvers.response import Responses, speed_of_row
+from kinetix.engine.solvers.direct.blocks import AbstractBlock
+from kinetix.engine.solvers.direct.joint_system import JointSystem, Step
+from kinetix.engine.solvers.direct.response import Responses, speed_of_row
 from kinetix.engine.solvers.rows import (
     Directions,
     Links,

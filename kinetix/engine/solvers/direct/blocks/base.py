@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.solvers.response import Responses
+from kinetix.engine.solvers.direct.response import Responses
 from kinetix.pytree import pytree
 
 

@@ -10,8 +10,8 @@ from jaxtyping import Array, Float, Int
 from kinetix.engine.in_use import InUse
 from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import nonzero
-from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
-from kinetix.engine.solvers.response import Responses
+from kinetix.engine.solvers.direct.blocks.base import AbstractBlock, Cone, project
+from kinetix.engine.solvers.direct.response import Responses
 from kinetix.engine.store import Store
 
 EASY_CONTRAST = 25.0

@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from kinetix.engine.solvers.blocks.base import AbstractBlock, Cone, project
-from kinetix.engine.solvers.response import Responses
+from kinetix.engine.solvers.direct.blocks.base import AbstractBlock, Cone, project
+from kinetix.engine.solvers.direct.response import Responses
 from kinetix.engine.solvers.rows import inverse, matvec, put_coupling
 from kinetix.engine.store import Store
 

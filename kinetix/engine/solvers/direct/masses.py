@@ -1,0 +1,67 @@
+"""The inertia that bodies show: with the stiffness of the joints that they hang on.
+
+Worlds are on the last axis.
+Source: Andrews, Teichmann & Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody
+Dynamics".
+"""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from kinetix.engine import constants
+from kinetix.engine.lookup import onto
+from kinetix.engine.maths import Vec, dot, nonzero, rotate, vec
+from kinetix.engine.solvers.rows import Links, Masses
+from kinetix.engine.types import State, World
+
+
+def effective_masses(
+    world: World, state: State, links: Links, h: Float[Array, " n"]
+) -> tuple[Masses, Float[Array, "b n"]]:
+    """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
+
+    A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
+    not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
+    h²·r·f over the body's own inertia is (h·swing rate)², which tells taut joints from loose ones.
+    """
+    joints, bodies, cache = world.joints, world.bodies, state.cache
+    inverse_inertia = bodies.inverse_inertia
+    count = inverse_inertia.shape[0]
+    force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
+    stiffness = jnp.zeros_like(inverse_inertia)
+    ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
+    (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
+    for body, angle, anchor, sign, mass, inertia, other in (
+        (joints.body_a, angle_a, joints.anchor_a, -1, mass_a, inertia_a, mass_b),
+        (joints.body_b, angle_b, joints.anchor_b, 1, mass_b, inertia_b, mass_a),
+    ):
+        arm = rotate(jnp.cos(angle), jnp.sin(angle), vec(anchor))
+        # On a pivot that stands still a body turns about it, not about its own centre.
+        about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
+        stiffness += sign * onto(dot(arm, force) * about, body, count)
+    swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
+    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
+    return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
+
+
+def pivoted(world: World, links: Links) -> Float[Array, "b n"]:
+    """1 for bodies that hang on what stands still alone, negative where one hangs on what moves.
+
+    What is welded to a fixed body stands still too.
+    """
+    joints, inverse_mass = world.joints, world.bodies.inverse_mass
+    count = inverse_mass.shape[0]
+
+    def of_joints(found: Float[Array, "b n"]) -> tuple[tuple[Array, Array], ...]:
+        of_a, of_b = links.look_up(found)
+        return (joints.body_a, of_b), (joints.body_b, of_a)
+
+    moves = inverse_mass
+    for body, other in of_joints(moves):
+        welded = joints.active & joints.fixed & (other == 0)
+        moves = jnp.where(onto(welded.astype(moves.dtype), body, count) > 0, 0, moves)
+    hangs = jnp.zeros_like(inverse_mass)
+    for body, other in of_joints(moves):
+        weight = jnp.where(other > 0, -float(count), jnp.ones_like(other))
+        hangs += onto(jnp.where(joints.active, weight, 0), body, count)
+    return jnp.where(inverse_mass > 0, jnp.minimum(hangs, 1), 0)
