@@ -32,7 +32,7 @@ def drop_from_set(session: Session, path: str) -> None:
 
 
 def load_into_set(session: Session, path: Path) -> None:
-    """Take the levels and weights of a set that there is; asks where it carries its levels itself.
+    """Take the levels and weights of a set that there is; asks where it carries levels itself.
 
     Raises:
         LevelError: The set is bad.
@@ -42,13 +42,14 @@ def load_into_set(session: Session, path: Path) -> None:
     files = {
         os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
     }
-    if files:
-        _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+    carried = sum(each.path is None for each in loaded.levels)
+    if carried:
+        _ask_to_unpack(session, path, loaded, carried)
     else:
-        _ask_to_unpack(session, path, loaded)
+        _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
 
 
-def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
+def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet, carried: int) -> None:
     folder = (user_levels_dir() if filing.bundled(path) else path.parent) / set_name(path)
 
     def answer(choice: str) -> None:
@@ -61,7 +62,7 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
     session.ask(
         Question(
             title=f"Unpack {path.name}?",
-            message=f"It carries its {plural(len(loaded.levels), 'level')} itself. As files in "
+            message=f"It carries its {plural(carried, 'level')} itself. As files in "
             f"{folder} they can be looked at, changed and put into the set.",
             choices=(
                 Choice(id="unpack", label="Unpack"),

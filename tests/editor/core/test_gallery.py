@@ -615,6 +615,23 @@ def test_a_set_that_carries_its_levels_is_unpacked(session, folder, tmp_path):
     ]
 
 
+def test_no_level_of_a_set_is_left_out_where_it_carries_some_itself(session, folder, tmp_path):
+    save_level(playable("Other", 2.5), folder / "other.json")
+    file = tmp_path / "both.json"
+    for form in ("folder", "file"):
+        levels = dict.fromkeys((folder / "rocket.json", folder / "other.json"), 1.0)
+        export_set(levels, SetPlan(form=form), tmp_path / "as folder" if form == "folder" else file)
+    by_path = json.loads((tmp_path / "as folder" / "set.json").read_text())
+    inline = json.loads(file.read_text())
+    (kept, *_), (_, carried) = by_path["levels"], inline["levels"]
+    inline["levels"] = [kept, carried]
+    file = tmp_path / "as folder" / "both.json"
+    file.write_text(json.dumps(inline))
+    level_sets.load_into_set(session, file)
+    session.answer(session.prompts[-1], "unpack")
+    assert len(session.gallery.tray) == 2
+
+
 def test_an_export_that_fails_leaves_no_new_file(folder, tmp_path, monkeypatch):
     from editor.gallery import export
 
