@@ -26,6 +26,7 @@ from kinetix.engine.garbage import uncollected
 from kinetix.engine.lookup import put, row
 from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
+from kinetix.engine.packing import pack, unpack
 from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.store import Store
 from kinetix.errors import KinetixError
@@ -38,9 +39,6 @@ TILE: Final = 128
 MARKED_AT_ONCE: Final = 32
 """Marked worlds that are made anew together. With fewer, many marks in one step take many rounds;
 with more, a single mark pays for worlds that nobody needs."""
-
-LARGE: Final = 200
-"""Numbers a world from which on an array is moved by itself."""
 
 
 def worlds_last(
@@ -226,18 +224,18 @@ def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
         turned = jax.tree.map(jnp.transpose, packed)
         floats = next(x for x in turned.values() if jnp.issubdtype(x.dtype, jnp.floating))
         turned = Store.beside(floats)(turned)
-        unpacked = iter(_unpack(turned, own, 0))
+        unpacked = iter(unpack(turned, own, 0))
         parts = [
             x if is_shared else next(unpacked) for x, is_shared in zip(leaves, shared, strict=True)
         ]
         done = program.kernel(*program.arguments(parts))
-        return _pack(done)
+        return pack(done)
 
-    packed = jax.tree.map(lambda x: _chosen(x, order).reshape(tiles, tile, -1), _pack(own))
+    packed = jax.tree.map(lambda x: _chosen(x, order).reshape(tiles, tile, -1), pack(own))
     done = jax.lax.map(advance, packed)
     done = jax.tree.map(lambda x: _chosen(x.reshape(tiles * tile, -1), back), done)
     like = jax.eval_shape(_worlds_first, program.shapes(leaves))
-    return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), _unpack(done, like, 1))
+    return jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), unpack(done, like, 1))
 
 
 def _count(leaves: Sequence[Any]) -> int:
@@ -265,48 +263,6 @@ def _chosen(values: Shaped[Array, "k ..."], rows: Int[Array, " n"]) -> Shaped[Ar
 
 def _worlds_first(tree: Tree) -> Tree:
     return jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), tree)
-
-
-def _pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
-    """All small arrays of a kind in one, worlds first: one to move instead of dozens."""
-    groups: dict[str, list[Array]] = {}
-    for number, leaf in enumerate(jax.tree.leaves(tree)):
-        # Moving truth values takes several times as long as moving numbers.
-        moved = leaf.astype(jnp.int8) if leaf.dtype == bool else leaf
-        rows = jnp.moveaxis(moved, -1, 0).reshape(leaf.shape[-1], -1)
-        groups.setdefault(_group(number, moved.dtype, rows.shape[1]), []).append(rows)
-    return {name: jnp.concatenate(leaves, axis=1) for name, leaves in groups.items()}
-
-
-def _group(number: int, dtype: Any, rows: int) -> str:
-    """Return the group of a leaf: a large one stays alone, as cutting it out is a copy."""
-    name = str(jnp.dtype(dtype))
-    return f"{name} {number}" if rows >= LARGE else name
-
-
-def _unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> Tree:
-    """The inverse of `_pack`; `like` tells the shapes, but not how many worlds there are.
-
-    Args:
-        packed: With the worlds on the last axis (axis 0) or on the first one (axis 1).
-        like: A tree with the worlds on the same axis.
-        axis: Along which the leaves stand one after the other.
-    """
-    first = dict.fromkeys(packed, 0)
-
-    def cut(number: int, leaf: Any) -> Array:
-        shape = leaf.shape[:-1] if axis == 0 else leaf.shape[1:]
-        rows = math.prod(shape)
-        group = _group(number, jnp.int8 if leaf.dtype == bool else leaf.dtype, rows)
-        start = first[group]
-        first[group] += rows
-        part = jax.lax.slice_in_dim(packed[group], start, start + rows, axis=axis)
-        part = part != 0 if leaf.dtype == bool else part
-        worlds = packed[group].shape[1 - axis]
-        return part.reshape((*shape, worlds) if axis == 0 else (worlds, *shape))
-
-    leaves, structure = jax.tree.flatten(like)
-    return jax.tree.unflatten(structure, [cut(*each) for each in enumerate(leaves)])
 
 
 def worlds_first(batched: Callable[..., Tree]) -> Callable[..., Tree]:
