@@ -43,7 +43,7 @@ class Report:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Run:
+class Training:
     """Constants of a training."""
 
     algorithm: str
@@ -63,7 +63,7 @@ def checkpoint_of(out: Path, config: PpoConfig, progress: StoredProgress) -> Pat
 
 
 def loop(
-    run: Run,
+    run: Training,
     state: Any,
     progress: StoredProgress,
     report: Callable[[Report], None] | None,
@@ -113,7 +113,7 @@ class _View:
     pace: Pace
 
 
-def _view(run: Run, progress: StoredProgress) -> _View:
+def _view(run: Training, progress: StoredProgress) -> _View:
     """Prepare evaluation, films and pace; averages go on where the run stopped."""
     config = run.trainer.setup.config
     evaluation = TrainingEvaluation(run.trainer.setup)
@@ -133,7 +133,7 @@ def _view(run: Run, progress: StoredProgress) -> _View:
     return _View(evaluation=evaluation, camera=camera, averages=averages, pace=pace)
 
 
-def _film(run: Run, camera: Filming, agent: Agent, steps: int) -> None:
+def _film(run: Training, camera: Filming, agent: Agent, steps: int) -> None:
     """Film the agent and hand the films to whatever takes metrics."""
     if is_leader():
         for film in camera.film(agent, steps, run.status):
@@ -195,7 +195,7 @@ def _agent(
     return Agent(card, to_host(state.learner.params["params"]))
 
 
-def save(run: Run, state: Any, progress: StoredProgress, results: Mapping[str, float]) -> None:
+def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[str, float]) -> None:
     """Write a checkpoint: the agent, and beside it the state that a training goes on from."""
     agent = _agent(run.algorithm, run.trainer, state, progress, results)
     host = to_host(state)

@@ -26,7 +26,7 @@ from kinetix.training.directory import (
 )
 from kinetix.training.imitation.clone import Clone
 from kinetix.training.logging import Sink, keep_damaged_rows, open_sinks
-from kinetix.training.loop import Report, Run, checkpoint_of, loop, save
+from kinetix.training.loop import Report, Training, checkpoint_of, loop, save
 from kinetix.training.ppo.rollout import as_updates_leave_it
 from kinetix.training.resume import StoredProgress, put_aside, read_newest, recover
 from kinetix.training.settings import CONFIG, dumps_config
@@ -118,7 +118,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
                 ),
                 say,
             )
-        run = Run(
+        run = Training(
             algorithm=algorithm,
             trainer=trainer,
             out=out,
