@@ -42,14 +42,14 @@ def load_into_set(session: Session, path: Path) -> None:
     files = {
         os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
     }
-    carried = sum(each.path is None for each in loaded.levels)
-    if carried:
-        _ask_to_unpack(session, path, loaded, carried)
+    if any(each.path is None for each in loaded.levels):
+        _ask_to_unpack(session, path, loaded)
     else:
         _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
 
 
-def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet, carried: int) -> None:
+def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
+    carried = sum(each.path is None for each in loaded.levels)
     folder = (user_levels_dir() if filing.bundled(path) else path.parent) / set_name(path)
 
     def answer(choice: str) -> None:

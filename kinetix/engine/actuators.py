@@ -104,3 +104,14 @@ def thrust(
     arm = rotate(cos, sin, vec(thrusters.position))
     linear, angular = onto((push, cross(arm, push)), thrusters.body, bodies.inverse_mass.shape[0])
     return linear * bodies.inverse_mass, angular * bodies.inverse_inertia
+
+
+def acceleration(
+    world: World, rotation: Float[Array, "b n"], control: Control, parameters: Parameters
+) -> tuple[Vec, Float[Array, "b n"]]:
+    """Acceleration [m/s²] and angular acceleration [rad/s²] of all bodies by gravity and thrust."""
+    linear, angular = thrust(world, rotation, control, parameters)
+    moves = (world.bodies.inverse_mass > 0).astype(rotation.dtype)
+    return Vec(
+        x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves
+    ), angular

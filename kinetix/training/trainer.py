@@ -1,4 +1,4 @@
-"""What every algorithm is to a training, and the one that a configuration is for."""
+"""The interface of training algorithms, and the algorithm of a configuration."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol

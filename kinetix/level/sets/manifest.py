@@ -75,7 +75,7 @@ class SetLevel:
 
     @property
     def played(self) -> Level | Path:
-        """What an environment is to play: the document, or the file where that says more."""
+        """The level to play: the document, or kinetix-env's file, which says more."""
         return self.level if self.native or self.path is None else self.path
 
 

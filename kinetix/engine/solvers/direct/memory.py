@@ -1,4 +1,4 @@
-"""What a step keeps for the next: impulses by contact, and the joints' last forces.
+"""The cache between steps: impulses by contact, and the joints' last forces.
 
 Worlds are on the last axis.
 """

@@ -1,4 +1,4 @@
-"""What a substep passes to the next, and the end of a step before walls.
+"""The state between substeps, and the end of a step in front of walls.
 
 Worlds are on the last axis.
 """

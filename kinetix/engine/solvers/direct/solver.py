@@ -236,13 +236,7 @@ class Direct(AbstractSolver):
 
 
 def _acceleration(step: Step, rotation: Float[Array, "b n"]) -> tuple[Vec, Float[Array, "b n"]]:
-    """Gravity and thrust at a pose."""
-    world = step.world
-    linear, angular = actuators.thrust(world, rotation, step.control, step.parameters)
-    moves = (world.bodies.inverse_mass > 0).astype(rotation.dtype)
-    return Vec(
-        x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves
-    ), angular
+    return actuators.acceleration(step.world, rotation, step.control, step.parameters)
 
 
 def _kick(

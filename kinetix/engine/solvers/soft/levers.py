@@ -1,4 +1,4 @@
-"""What a row does to its two bodies: the arms at which it acts, and the masses that it moves.
+"""Lever arms and masses of the two bodies of a constraint.
 
 Worlds are on the last axis.
 """

@@ -42,13 +42,11 @@ class Setting:
 
 def kicked(setting: Setting, moving: MovingBodies) -> MovingBodies:
     """Velocities after gravity and thrust have acted for a substep."""
-    world, h = setting.world, setting.h
-    linear, angular = actuators.thrust(world, moving.rotation, setting.control, setting.parameters)
-    moves = (world.bodies.inverse_mass > 0).astype(moving.rotation.dtype)
-    push = Twist(
-        x=linear.x + world.gravity[0] * moves, y=linear.y + world.gravity[1] * moves, turn=angular
+    linear, angular = actuators.acceleration(
+        setting.world, moving.rotation, setting.control, setting.parameters
     )
-    return dataclasses.replace(moving, velocity=moving.velocity + push * h)
+    push = Twist(x=linear.x, y=linear.y, turn=angular)
+    return dataclasses.replace(moving, velocity=moving.velocity + push * setting.h)
 
 
 def drifted(moving: MovingBodies, h: Float[Array, " n"]) -> MovingBodies:

@@ -1,4 +1,4 @@
-"""What a mutation is, and how it picks what it acts on."""
+"""The type of mutations, and random choices of what they act on."""
 
 import dataclasses
 from collections.abc import Callable
