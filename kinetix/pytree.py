@@ -4,6 +4,7 @@ import dataclasses
 from typing import Any, TypeVar, dataclass_transform
 
 import jax
+import numpy as np
 from flax import struct
 
 T = TypeVar("T")
@@ -41,6 +42,19 @@ def pytree(cls: type[T]) -> type[T]:
     # JAX unflattens through __init__ with placeholders, which a type-checking hook would refuse.
     made.__no_type_check__ = True
     return made
+
+
+def on_device(tree: Any) -> Any:
+    """Return a tree whose arrays are JAX's, without compiling anything.
+
+    `jnp.asarray` compiles a program for every shape. Numpy's arrays are copied first, as JAX may
+    use their memory, in which others could write later.
+
+    Args:
+        tree: Arrays of numpy or JAX.
+    """
+    copied = jax.tree.map(lambda x: x.copy() if isinstance(x, np.ndarray) else x, tree)
+    return jax.device_put(copied)
 
 
 def typed_like(new: T, old: T) -> T:

@@ -5,6 +5,7 @@ import contextlib
 import ctypes
 import gc
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,6 +32,8 @@ _QUICK_TO_COMPILE = [
 ]
 _flags = os.environ.get("XLA_FLAGS", "").split()  # a worker of xdist's has ours already
 os.environ["XLA_FLAGS"] = " ".join(dict.fromkeys([*_flags, *_QUICK_TO_COMPILE]))
+# `nohup make test` would leave it ignored, here and in children that are to end by it.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 # Tracing makes many objects and next to no garbage: collected seldom, it takes a quarter less.
 gc.set_threshold(100_000, 50, 100)
 

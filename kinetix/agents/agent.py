@@ -36,6 +36,7 @@ from kinetix.bundled import agent_hint, named_agent
 from kinetix.environment.checks import check_key
 from kinetix.errors import CheckpointError
 from kinetix.forks import refuse_forked_process
+from kinetix.pytree import on_device
 
 _TOLD: Final = ("logits", "log_prob", "value", "entropy")
 """Facts about an action that `Agent.act` returns."""
@@ -98,7 +99,7 @@ class Agent:
         """
         self.card = card
         self.params: dict[str, Any] = {
-            "params": jax.tree.map(jnp.asarray, dict(params)),
+            "params": on_device(dict(params)),
             "normalisation": from_card(card.normalisation),
         }
         self.policy = NetworkPolicy(network_of_card(card))

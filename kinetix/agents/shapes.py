@@ -105,8 +105,13 @@ def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
     static_env_params = static_env_params_of_card(card)
     observations = observations_of_card(card, EnvParams(), static_env_params)
     inputs = (zero_observation(observations, 1, 1), jnp.zeros((1, 1), bool))
-    variables: Any = network_of_card(card).init(key, initial_carry(1), inputs)
-    return variables["params"]
+    network = network_of_card(card)
+
+    @jax.jit  # each array by a program of its own takes thrice as long
+    def drawn(key: jax.Array) -> Any:
+        return network.init(key, initial_carry(1), inputs)["params"]
+
+    return drawn(key)
 
 
 def normalised_widths(card: AgentCard) -> dict[str, int]:

@@ -132,7 +132,7 @@ class SeededNetwork:
     def init(self, rng: Any, hidden: Any, inputs: Any) -> dict[str, Any]:
         """Return fresh parameters for inputs of these shapes."""
         pair, _ = _pair(hidden)
-        return dict(self.module.init(rng, pair, inputs))
+        return dict(jax.jit(self.module.init)(rng, pair, inputs))
 
     def apply(
         self, params: Mapping[str, Any], hidden: Any, inputs: Any, **options: Any

@@ -35,6 +35,7 @@ from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import Level
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
+from kinetix.pytree import on_device
 
 BASE_DIR: Final = str(levels_dir())
 """Folder in which names of levels are looked up."""
@@ -198,7 +199,7 @@ def load_params(filename: str | Path) -> dict[str, Any]:
         raise CheckpointError(
             f"{filename}: expected a safetensors file (pickles are not read): {error}"
         ) from None
-    return unflatten((name, jnp.asarray(array)) for name, array in arrays.items())
+    return on_device(unflatten(arrays.items()))
 
 
 def save_pretrained_checkpoint(

@@ -8,7 +8,6 @@ import functools
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -21,6 +20,7 @@ from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.level.sizes import capacity_of
+from kinetix.pytree import on_device
 
 _ROWS = 256
 """Steps are padded to a multiple of this, so that episodes of any length share compilations."""
@@ -57,7 +57,7 @@ def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay
     rows = np.zeros((-(-max(count, 1) // _ROWS) * _ROWS, episode.control.shape[1]), np.float32)
     rows[:count] = episode.control
     state = level_state(episode.level, env.static_env_params)
-    told = jax.device_get(_played(env, jax.tree.map(jnp.asarray, state), jnp.asarray(rows)))
+    told = jax.device_get(_played(env, *on_device((state, rows))))
     states, reward, done, ending = told
     ends = np.flatnonzero(done[:count])
     length = int(ends[0]) + 1 if len(ends) else count

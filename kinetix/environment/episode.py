@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.outcome import OUTCOMES, Outcome, outcome_index, outcome_of
 from kinetix.environment.state import EnvState
-from kinetix.pytree import pytree, typed_like
+from kinetix.pytree import on_device, pytree, typed_like
 
 __all__ = ["Decide", "Episode", "EpisodeState", "Outcome", "outcome_of", "play_episode", "rollout"]
 
@@ -87,7 +87,7 @@ def rollout(
         The start, then every step until the episode ends.
     """
     key = jax.random.key(seed)
-    now = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
+    now = _start(env, decide, params, carry, on_device(state), key)
     yield now
     while now.outcome is None:
         now = _play(env, decide, params, now, key, now.step + 1)
@@ -146,7 +146,7 @@ def play_until(
         limit: Stop after so many steps.
     """
     key = jax.random.key(seed)
-    start = _start(env, decide, params, carry, jax.tree.map(jnp.asarray, state), key)
+    start = _start(env, decide, params, carry, on_device(state), key)
     most = jnp.iinfo(jnp.int32).max if limit is None else limit
     return _play(env, decide, params, start, key, jnp.asarray(most, jnp.int32))
 

@@ -38,6 +38,7 @@ from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import Level
 from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
+from kinetix.pytree import on_device
 
 if TYPE_CHECKING:
     from kinetix.environment.generators.locomotion import LocomotionParams
@@ -117,7 +118,7 @@ def load_from_json_file(
     refuse_forked_process()
     state, static, params = _loaded(path, static_env_params, gravity, time_limit, physics, parity)
     with jax.ensure_compile_time_eval():
-        return jax.tree.map(jnp.asarray, state), static, params
+        return on_device(state), static, params
 
 
 def _loaded(

@@ -30,6 +30,7 @@ from kinetix.environment.stretches import BATCH, Round, Task, steps_of, stretche
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
+from kinetix.pytree import on_device
 
 ELITE: Final = 24
 """Plans that a round keeps."""
@@ -224,7 +225,7 @@ def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Pla
     """
     # Levels of different time limits share a compilation; their own limits end the episodes.
     missing = -plans.shape[1] % ROWS
-    padded = jnp.asarray(np.pad(plans, ((0, 0), (0, missing), (0, 0))))
+    padded = on_device(np.pad(plans, ((0, 0), (0, missing), (0, 0))))
     played = _rollout(task.env, all_to_the_end, task.start, padded)
     won, lost, steps, distance = (np.asarray(x) for x in played)
     going = distance[~lost] if not lost.all() else distance

@@ -15,7 +15,7 @@ from kinetix.environment.rewrite import own_changes
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, Scene
 from kinetix.level.model import Level, Polygon
-from kinetix.pytree import pytree
+from kinetix.pytree import on_device, pytree
 
 NO_DISTANCE = -1.0
 """`EnvState.last_distance` before the first step of an episode."""
@@ -95,12 +95,13 @@ StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, A
 
 def state_of(scene: Scene) -> EnvState:
     """The state in which an episode of a compiled level starts."""
+    timestep, last_distance = on_device((np.int32(0), np.float32(NO_DISTANCE)))
     return EnvState(
         world=scene.world,
         physics=scene.state,
         labels=scene.labels,
-        timestep=jnp.zeros((), jnp.int32),
-        last_distance=jnp.full((), NO_DISTANCE, jnp.float32),
+        timestep=timestep,
+        last_distance=last_distance,
     )
 
 
@@ -129,8 +130,8 @@ def stack_states(states: list[EnvState]) -> Any:
             f"expected states of one size to stack, got {wrong} "
             "(kinetix.environment.rearrange.expand_state makes a state larger)"
         )
-    return jax.tree.map(
-        lambda *leaves: jnp.asarray(np.stack([np.asarray(x) for x in leaves])), *states
+    return on_device(
+        jax.tree.map(lambda *leaves: np.stack([np.asarray(x) for x in leaves]), *states)
     )
 
 

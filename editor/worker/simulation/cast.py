@@ -36,7 +36,7 @@ from kinetix.environment.state import EnvState
 from kinetix.errors import CheckpointError, KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
-from kinetix.pytree import pytree
+from kinetix.pytree import on_device, pytree
 from kinetix.wording import plural
 
 _MEMORY: dict[AgentRef, Player] = {}
@@ -267,7 +267,7 @@ class AgentDriver:
         if memory is None:
             self._carry = self._player.policy.init_carry(1)
         else:
-            self._carry = jax.tree.map(jnp.asarray, memory)
+            self._carry = on_device(memory)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
         """One environment step.

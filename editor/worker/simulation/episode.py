@@ -27,12 +27,12 @@ from editor.worker.simulation.stepping import (
     best_stepper,
     first_state,
     generic_stepper,
-    on_device,
     own_stepper,
 )
 from kinetix.environment.outcome import outcome_of
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+from kinetix.pytree import on_device
 
 _AT_ONCE: Final = 30
 """Steps of a recorded solution between two reports."""

@@ -2,7 +2,6 @@
 
 from typing import Any, Final
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -20,6 +19,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
+from kinetix.pytree import on_device
 
 CELLS: Final = 24
 """Places along each side of the arena."""
@@ -39,12 +39,12 @@ def explain(request: Explain) -> Explained:
     state = request.state
     if state is None:
         state = level_state(level, env.static_env_params)
-    state = jax.tree.map(jnp.asarray, without_memory(state))
+    state = on_device(without_memory(state))
     begins = request.memory is None
     carry = player.policy.init_carry(1) if begins else request.memory
     moment = Situation(
         state=state,
-        carry=jax.tree.map(jnp.asarray, carry),
+        carry=on_device(carry),
         begins=jnp.asarray(begins),
     )
     told = saliency(env, player.policy, player.params, moment, request.about)

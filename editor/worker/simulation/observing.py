@@ -4,7 +4,6 @@ import functools
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from editor.base.wording import describe
@@ -21,6 +20,7 @@ from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
 from kinetix.level.model import ARENA_NAMES, Circle, Level, Polygon
 from kinetix.level.sizes import capacity_of
+from kinetix.pytree import on_device
 from kinetix.render.pixels import make_render_pixels_rl
 
 _MASKS = {
@@ -54,7 +54,7 @@ def observe(request: Observe) -> AgentView:
     state = request.state
     if state is None:
         state = level_state(level, env.static_env_params)
-    state = jax.tree.map(jnp.asarray, without_memory(state))
+    state = on_device(without_memory(state))
     picture = np.asarray(_picture(capacity)(state))
     pixels = np.clip(picture.transpose(1, 0, 2)[::-1] * 255.0, 0, 255).astype(np.uint8)
     observation = env.observations

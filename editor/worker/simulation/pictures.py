@@ -22,6 +22,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.atomic import replacing
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
+from kinetix.pytree import on_device
 from kinetix.render.camera import Camera, fit_arena
 from kinetix.render.captions import caption, write_caption
 from kinetix.render.film import write_film
@@ -72,7 +73,7 @@ def palette_named(name: str) -> Palette:
 
 def _state(level: Level, state: Any, physics: str = "balanced") -> EnvState:
     seen = without_memory(start_state(level, physics) if state is None else state)
-    return jax.tree.map(jnp.asarray, seen)
+    return on_device(seen)
 
 
 def render_state(request: RenderState) -> Image:

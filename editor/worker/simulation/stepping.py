@@ -31,6 +31,7 @@ from kinetix.files.caches import tidy_caches
 from kinetix.level.features import features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
+from kinetix.pytree import on_device
 
 MOVING: Final = ("physics", "timestep", "last_distance")
 """Fields of a state that a step changes. The others, which the level fixes, are neither returned by
@@ -143,11 +144,6 @@ def first_state(level: Level, static: StaticEnvParams) -> EnvState:
         KinetixError: The level does not fit, or the preset does not exist.
     """
     return on_device(level_state(level, static))
-
-
-def on_device(state: EnvState) -> EnvState:
-    """A state whose arrays are JAX's; `jnp.asarray` would compile something for every shape."""
-    return jax.device_put(state)
 
 
 def start_state(level: Level, physics: str) -> EnvState:
@@ -282,4 +278,4 @@ def keep_programs() -> None:
 
 
 def _no_action() -> Array:
-    return jax.device_put(np.zeros(6, np.int32))
+    return on_device(np.zeros(6, np.int32))
