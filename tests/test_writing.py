@@ -1,6 +1,7 @@
 """Plain English: docstrings say what a thing is or does and cite real files."""
 
 import ast
+import functools
 import re
 import tokenize
 from collections.abc import Iterator
@@ -38,6 +39,7 @@ def docstrings(tree: ast.Module) -> Iterator[str]:
                     yield value.strip()
 
 
+@functools.cache
 def prose(path: Path) -> str:
     """All docstrings and comments of a module, or a whole document, with single spaces."""
     if path.suffix == ".md":
@@ -70,7 +72,7 @@ def test_words_that_readers_stumble_over_are_gone():
 
 def test_documents_that_are_cited_exist():
     """A docstring cites a file of the repository, or says the fact in place."""
-    known = {path.name for path in ROOT.rglob("*.md") if ".venv" not in path.parts}
+    known = {path.name for top in ROOT.glob("[!.]*") for path in [top, *top.rglob("*.md")]}
     missing = [
         f"{path.relative_to(ROOT)}: {name}"
         for path in SOURCES
