@@ -9,6 +9,7 @@ from typing import Any, Final, Literal
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from flax import linen as nn
 from jaxtyping import Array, Bool
 
@@ -34,7 +35,7 @@ from kinetix.agents.scripted import SCRIPTED
 from kinetix.agents.shapes import network_of_card
 from kinetix.bundled import agent_hint, named_agent
 from kinetix.environment.checks import check_key
-from kinetix.errors import CheckpointError
+from kinetix.errors import CheckpointError, KinetixError
 from kinetix.forks import refuse_forked_process
 from kinetix.pytree import on_device
 
@@ -125,8 +126,17 @@ class Agent:
         return self.card.environment.frame_skip
 
     def init_carry(self, batch: int) -> Carry:
-        """Memory at the start of `batch` episodes."""
-        return self.policy.init_carry(batch)
+        """Memory at the start of episodes.
+
+        Args:
+            batch: How many.
+
+        Raises:
+            KinetixError: It is no number of episodes.
+        """
+        if not isinstance(batch, int | np.integer) or batch < 0:
+            raise KinetixError(f"batch={batch!r}: expected a number of episodes")
+        return self.policy.init_carry(int(batch))
 
     def act(
         self,
@@ -153,6 +163,8 @@ class Agent:
             KinetixError: The observations are of another kind or size, no batch, or not as many as
                 the carry; or there is no key.
         """
+        if not (isinstance(carry, tuple) and carry and np.ndim(carry[0]) == 2):
+            raise KinetixError("carry: expected what init_carry(batch) or the last call returned")
         batch = carry[0].shape[0]
         check_key(key, "the order is act(carry, obs, key)")
         check_observations(self.card, self._parts, obs, batch)
@@ -185,7 +197,7 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
     refuse_forked_process()
-    named = str(directory)
+    named = named_folder(directory)
     directory = surviving(Path(named))
     if not os.path.isdir(directory):
         directory = named_agent(named) or directory
@@ -196,6 +208,17 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     checkpoint = newest_checkpoint(directory)
     card, params = read_checkpoint(checkpoint, accept)
     return Agent(card.replace(name=name_in_run(checkpoint) or card.name), params)
+
+
+def named_folder(directory: Any) -> str:
+    """The words for an agent's directory.
+
+    Raises:
+        CheckpointError: They are empty, or no words at all.
+    """
+    if not isinstance(directory, str | Path) or not str(directory):
+        raise CheckpointError(f"directory={directory!r}: expected the directory of an agent")
+    return str(directory)
 
 
 def _no_agent(named: str) -> str:
@@ -228,6 +251,7 @@ def save_agent(
             f"agent: expected a kinetix agent, got {type(agent).__name__}; the order is "
             "save_agent(agent, directory)"
         )
+    named_folder(directory)
     match format:
         case "kinetix-agent":
             write_checkpoint(Path(directory), agent.card, agent.params["params"])

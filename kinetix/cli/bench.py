@@ -1,14 +1,17 @@
 """Measure the engine, the environment and the renderer on this machine."""
 
+import contextlib
 import dataclasses
+import itertools
 import json as json_module
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
+from kinetix.cli.terminal import Terminal
 from kinetix.errors import KinetixError
 
 
@@ -171,7 +174,7 @@ def run(command: Command) -> int:
     if isinstance(command, DrawChart):
         return _chart(command)
     rows = []
-    for row in _rows(command):
+    for row in _watched(_rows(command)):
         rows.append(row)
         print(json_module.dumps(row) if command.json else _text(row), flush=True)
     if isinstance(command, MeasureScaling) and command.chart is not None and rows:
@@ -179,6 +182,19 @@ def run(command: Command) -> int:
 
         write_scaling(rows, command.chart)
     return 0
+
+
+def _watched(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Say on stderr which line is being measured: the first may compile for a minute."""
+    found = iter(rows)
+    with contextlib.closing(Terminal()) as terminal:
+        for number in itertools.count(1):
+            terminal.status(f"compiling and measuring line {number}")
+            row = next(found, None)
+            terminal.close()
+            if row is None:
+                return
+            yield row
 
 
 def _rows(
@@ -274,7 +290,7 @@ def _accuracy(command: MeasureAccuracy) -> int:
         settings = AccuracySettings(scenes=command.scenes, physics=command.physics)
         found = measure_accuracy(settings)
     rows = []
-    for row in found:
+    for row in _watched(found):
         rows.append(row)
         print(json_module.dumps(row) if command.json else scene_text(row), flush=True)
     if not command.json:
@@ -296,7 +312,7 @@ def _everyday(command: MeasureEveryday) -> int:
         save=command.save,
     )
     rows = []
-    for row in measure_everyday(settings):
+    for row in _watched(measure_everyday(settings)):
         rows.append(row)
         print(json_module.dumps(row) if command.json else text_of(row), flush=True)
     if not command.json:

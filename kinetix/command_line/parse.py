@@ -1,6 +1,7 @@
 """From the words of a command line to what a command shall do."""
 
 import os
+import sys
 from collections.abc import Sequence
 from typing import Final, TypeVar
 
@@ -33,11 +34,18 @@ def parse(
     columns = os.environ.get("COLUMNS", "")
     if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
         os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
-    return tyro.cli(
-        command,
-        prog=Program(program),
-        description=description,
-        args=words,
-        config=(tyro.conf.FlagCreatePairsOff,),
-        registry=OPTIONS,
-    )
+    try:
+        return tyro.cli(
+            command,
+            prog=Program(program),
+            description=description,
+            args=words,
+            config=(tyro.conf.FlagCreatePairsOff,),
+            registry=OPTIONS,
+        )
+    except SystemExit as stop:
+        first = (sys.argv[1:] if words is None else words)[:1]
+        if stop.code and first and not isinstance(command, type) and first[0].isalpha():
+            # Of some mistakes tyro names the help of the whole command, which has no options.
+            sys.stderr.write(f"The options: {program} {first[0]} --help\n")
+        raise

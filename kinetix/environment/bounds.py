@@ -5,6 +5,10 @@ import numbers
 from collections.abc import Callable
 from typing import Any, Final
 
+import jax
+import numpy as np
+from jax.core import Tracer
+
 from kinetix.bounds import Bound, check_bounds
 from kinetix.engine.spec import ARENA_BODIES
 
@@ -72,6 +76,16 @@ _SIZES: Final = (
     Bound(("num_static_fixated_polys",), f"{ARENA_BODIES}, the arena", lambda x: x == 4),
     Bound(("max_polygon_vertices",), "4", lambda x: x == 4),
 )
+
+
+def as_number(value: Any) -> Any:
+    """Return Python's number for an array of one, of numpy or JAX; anything else as it is.
+
+    Args:
+        value: What a caller passed for a number.
+    """
+    known = isinstance(value, np.ndarray | jax.Array) and not isinstance(value, Tracer)
+    return value.item() if known and value.ndim == 0 else value
 
 
 def check_numbers(env_params: Any) -> None:

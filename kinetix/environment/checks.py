@@ -59,6 +59,12 @@ def check_params(env_params: Any, order: str = _ORDER) -> None:
     if not hasattr(env_params, "dense_reward_scale"):
         raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {order}")
     if isinstance(env_params, EnvParams):
+        for name, value in vars(env_params).items():
+            if np.ndim(value):
+                raise KinetixError(
+                    f"env_params.{name}: expected a number, got shape {np.shape(value)}; "
+                    "jax.vmap(env.step, in_axes=(…, 0)) takes parameters for each world"
+                )
         check_numbers(env_params)
 
 
@@ -137,6 +143,20 @@ def check_parts(reset_fn: Any, env_params: Any, static_env_params: Any) -> None:
     order = f"the order is {order}static_env_params)"
     check_params(env_params, order)
     check_static_params(static_env_params, order)
+
+
+def check_truth(name: str, value: Any) -> None:
+    """Refuse what is neither true nor false, such as the word "no".
+
+    Args:
+        name: Of the argument.
+        value: The argument.
+
+    Raises:
+        KinetixError: It is something else.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise KinetixError(f"{name}={value!r}: expected True or False")
 
 
 def check_key(key: Any, order: str = _ORDER) -> None:
@@ -323,7 +343,7 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
         if not _is_array(leaf):
             foreign = hasattr(leaf, "__dlpack__") and not isinstance(leaf, np.ndarray)
             how = "; jax.numpy.from_dlpack takes it" if foreign else ""
-            if isinstance(leaf, Level):
+            if isinstance(leaf, Level | str):
                 how = "; kinetix.load_from_json_file(level) makes a state and parameters of it"
             raise KinetixError(
                 f"{name}: expected arrays and numbers, got {leaf!r:.60}{how}; {_ORDER}"

@@ -19,6 +19,7 @@ from kinetix.environment.checks import (
     check_params,
     check_parts,
     check_state,
+    check_truth,
     fitted,
 )
 from kinetix.environment.dummy import DummyEnv
@@ -30,6 +31,7 @@ from kinetix.environment.params import (
     Parity,
     PhysicsEngine,
     StaticEnvParams,
+    as_numbers,
     physics_engine,
     with_parity,
 )
@@ -305,6 +307,10 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     env_params = EnvParams() if env_params is None else env_params
     static_env_params = StaticEnvParams() if static_env_params is None else static_env_params
     check_parts(reset_fn, env_params, static_env_params)
+    check_truth("auto_reset", auto_reset)
+    check_truth("create_dummy_env", create_dummy_env)
+    check_truth("keep_terminal_observation", keep_terminal_observation)
+    env_params = as_numbers(env_params)
     static_env_params = with_parity(static_env_params, parity)
     physics_engine(static_env_params)
     actions = _kind(action_type, AbstractAction, "action_type", ActionType, ACTIONS)

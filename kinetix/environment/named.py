@@ -86,7 +86,9 @@ def make_named_env(
             _, static, params = load_from_json_file(level, physics=physics)
             static = static.replace(**changes)  # pyright: ignore[reportAttributeAccessIssue]
         else:
-            several, params = _all_of(level), EnvParams()
+            several = _all_of(level)
+            longest = max(each.level.max_timesteps for each in several)
+            params = EnvParams(max_timesteps=longest)
             capacity = common_capacity(each.level for each in several)
             static = static_env_params_of(capacity, physics=physics, **changes)
         static = static_env_params_for_levels(several, static)

@@ -3,11 +3,15 @@
 import dataclasses
 from typing import Any, Final, Literal
 
+import jax
+import numpy as np
+from jax.core import Tracer
+
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers import AbstractSolver, PgsBaumgarte
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Parameters
-from kinetix.environment.bounds import check_sizes
+from kinetix.environment.bounds import as_number, check_sizes
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import describe_capacity, parse_capacity
 from kinetix.pytree import pytree, short_repr, static
@@ -58,8 +62,8 @@ class EnvParams:
     base_friction: float = 0.4
     """A pair of bodies has the coefficient base_friction·sqrt(f_a² + f_b²)."""
     max_timesteps: int = 256
-    """Environment steps per episode, for levels that do not say (theirs is 0); `jnp.inf`: no
-    episode is cut, whatever its level says."""
+    """Environment steps per episode of random levels; those from files and builders have their own,
+    as long as this is finite. `jnp.inf`: no episode is cut."""
     pixels_per_unit: int = 100
     """Pixels per metre of the full-size picture."""
     dense_reward_scale: float = 0.1
@@ -73,6 +77,29 @@ class EnvParams:
     def max_steps_in_episode(self) -> int:
         """What gymnax calls `max_timesteps`."""
         return self.max_timesteps
+
+
+def as_numbers(env_params: EnvParams) -> EnvParams:
+    """The same parameters with Python's numbers where there are arrays of one: they can be hashed.
+
+    Args:
+        env_params: Of an environment that is about to be made.
+
+    Raises:
+        KinetixError: One is traced, or an array of several numbers.
+    """
+    changes: dict[str, Any] = {}
+    for field in dataclasses.fields(env_params):
+        value = getattr(env_params, field.name)
+        number = as_number(value)
+        if isinstance(number, np.ndarray | jax.Array):
+            what = "a traced value" if isinstance(value, Tracer) else "several numbers"
+            raise KinetixError(
+                f"env_params.{field.name}: expected a number, got {what}: make the environment "
+                "with usual parameters and give these to reset and step"
+            )
+        changes[field.name] = number
+    return dataclasses.replace(env_params, **changes)
 
 
 @pytree

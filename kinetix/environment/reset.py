@@ -3,7 +3,7 @@
 import dataclasses
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -196,6 +196,9 @@ def make_reset_fn_list_of_levels(
     Raises:
         KinetixError: There is no level, or one does not fit; the message says which and why.
     """
+    check_static_params(
+        static_env_params, "the order is make_reset_fn_list_of_levels(levels, static_env_params)"
+    )
     entries, weights = _entries(levels)
     if not entries:
         raise KinetixError("levels is empty: expected at least one level")
@@ -329,6 +332,9 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
         levels = levels.levels
     if isinstance(levels, (str, Path, Level, EnvState)):
         levels = [levels]
+    if not isinstance(levels, Iterable):
+        kind = type(levels).__name__
+        raise KinetixError(f"levels: expected levels, their files or a level set, got {kind}")
     entries = list(levels)
     if entries and all(isinstance(one, SetLevel) for one in entries):
         return [one.played for one in entries], np.array([one.weight for one in entries])

@@ -21,6 +21,7 @@ from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
 from kinetix.engine.types import Parameters, State, World, default_parameters
 from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
+from kinetix.environment.bounds import as_number
 from kinetix.errors import KinetixError
 from kinetix.forks import SPAWN, refuse_forked_process
 from kinetix.level.codec import explaining, load_level
@@ -130,6 +131,7 @@ def simulate(
                 f"{name}: simulate takes numbers, no tracers: it cannot stand inside jax.jit, "
                 "jax.vmap or jax.grad (the engine has no derivative); env.step can, but for grad"
             )
+    seconds, dt = as_number(seconds), as_number(dt)
     steps = _steps(seconds, dt)
     solver = solver_named(physics)
     rows = _action_rows(actions, steps)

@@ -1,11 +1,13 @@
 """What callers of Gymnasium's methods pass, checked, and the process that they call from."""
 
+import inspect
 from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from kinetix.bounds import LAST_SEED
+from kinetix.environment.named import make_named_env
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
 
@@ -20,9 +22,9 @@ def refuse_fork() -> None:
         KinetixError: This is one.
     """
     refuse_forked_process(
-        'start it anew, as gymnasium.make_vec(…, vector_kwargs={"context": "spawn"}) or '
-        'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
-        "gymnasium.make_vec as it is"
+        'start it anew, as gymnasium.make_vec(…, vectorization_mode="async", '
+        'vector_kwargs={"context": "spawn"}) or SubprocVecEnv(…, start_method="spawn") do; or step '
+        "a batch in one process, with gymnasium.make_vec as it is"
     )
 
 
@@ -49,6 +51,19 @@ def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
     return options
 
 
+def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The keywords of an environment that Gymnasium hands on.
+
+    Raises:
+        KinetixError: One means nothing; the sentence lists those that do.
+    """
+    known = [name for name in inspect.signature(make_named_env).parameters if name != "auto_reset"]
+    for word in words:
+        if word not in known:
+            raise KinetixError(f"{word}: no keyword of this environment; it has {', '.join(known)}")
+    return words
+
+
 def checked_seed(seed: Any) -> int:
     """A seed as a Python number.
 
@@ -67,7 +82,10 @@ def numbers_of(action: Any) -> np.ndarray:
     Raises:
         KinetixError: It holds something else than numbers.
     """
-    array = np.asarray(action)
+    try:
+        array = np.asarray(action)
+    except ValueError:  # rows of different lengths
+        array = np.asarray(None)
     if array.dtype.kind not in "biuf":
         kind = type(action).__name__
         raise KinetixError(

@@ -10,7 +10,13 @@ import jax
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
-from kinetix.gymnasium.checks import SEEDS, checked_options, numbers_of, refuse_fork
+from kinetix.gymnasium.checks import (
+    SEEDS,
+    checked_options,
+    checked_words,
+    numbers_of,
+    refuse_fork,
+)
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 
 RENDER_FPS = 30
@@ -49,7 +55,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         refuse_fork()
         _check_render_mode(render_mode)
         self.render_mode = render_mode
-        self.kinetix_env = make_named_env(level, auto_reset=False, **options)
+        self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
         self.action_space = gymnasium_space(self.kinetix_env.action_space())
         self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self._state: Any = None

@@ -18,6 +18,7 @@ from kinetix.gymnasium.checks import (
     SEEDS,
     checked_options,
     checked_seed,
+    checked_words,
     numbers_of,
     refuse_fork,
 )
@@ -48,6 +49,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         level: Levels = FIRST_LEVEL,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
@@ -57,6 +59,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             num_envs: How many.
             level: As for `KinetixGymEnv`.
             autoreset_mode: `NextStep`, `SameStep` or `Disabled`.
+            max_episode_steps: Truncates episodes that last longer, besides the levels' own limits.
             render_mode: `rgb_array`, or None.
             **options: As for `KinetixGymEnv`.
 
@@ -67,6 +70,11 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         refuse_fork()
         if not isinstance(num_envs, int | np.integer) or num_envs < 1:
             raise KinetixError(f"num_envs={num_envs!r}: expected a whole number from 1")
+        whole = isinstance(max_episode_steps, int | np.integer)
+        if max_episode_steps is not None and not (whole and max_episode_steps >= 1):
+            raise KinetixError(
+                f"max_episode_steps={max_episode_steps!r}: expected a whole number from 1, or None"
+            )
         try:
             self.mode = AutoresetMode(autoreset_mode)
         except ValueError:
@@ -76,7 +84,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.metadata = {**self.metadata, "autoreset_mode": self.mode}
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.kinetix_env = make_named_env(level, auto_reset=False, **options)
+        self._most_steps = max_episode_steps
+        self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
         self.single_action_space = gymnasium_space(self.kinetix_env.action_space())
         self.single_observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -215,6 +224,10 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Step all; start anew where the mode says so."""
         step = jax.vmap(self.kinetix_env.step)
         final, played, reward, done, info = step(keys, state, actions)
+        truncated = info["truncated"]
+        if self._most_steps is not None:
+            truncated = truncated | (~done & (played.timestep >= self._most_steps))
+            done = done | truncated
         same = self.mode is AutoresetMode.SAME_STEP
         renew = done if same else ended
         if self.mode is AutoresetMode.DISABLED:
@@ -228,8 +241,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         silent = jnp.zeros_like(renew) if same else ended
         told = (
             jnp.where(silent, 0.0, reward),
-            done & ~info["truncated"] & ~silent,
-            info["truncated"] & ~silent,
+            done & ~truncated & ~silent,
+            truncated & ~silent,
             info["GoalR"] & ~silent,
             info["distance"],
             info["nan"] & ~silent,

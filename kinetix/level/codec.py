@@ -30,7 +30,7 @@ from kinetix.level.kinetix_env import KinetixEnvDocument, document_from_tree, lo
 from kinetix.level.kinetix_env_export import from_level
 from kinetix.level.kinetix_env_import import to_level
 from kinetix.level.migrations import migrate
-from kinetix.level.model import Level
+from kinetix.level.model import Level, Record
 from kinetix.level.schema import check_tree
 
 LevelFormat = Literal["kinetix-level", "kinetix-env"]
@@ -270,6 +270,8 @@ def save_level(
         LevelError: It is no level, or one that could not be read again; the file cannot be written,
             or the format cannot hold it. The file is as it was then.
     """
+    if isinstance(path, Level):
+        raise LevelError("the order is save_level(level, path)")
     path = Path(path)
     if not isinstance(level, Level):
         raise LevelError(
@@ -291,6 +293,10 @@ def check_level(level: Level, name: str) -> None:
     Raises:
         LevelError: It has a fault; one sentence with the JSON path of what is wrong.
     """
+    for kind in ("bodies", "joints", "thrusters"):
+        parts = getattr(level, kind)
+        if not (isinstance(parts, tuple) and all(isinstance(part, Record) for part in parts)):
+            raise LevelError(f"{name}: $.{kind}: expected a sequence of Kinetix's")
     tree = level_tree(level)
     for path in unsayable_paths(tree):
         raise LevelError(f"{name}: {path} is no JSON value (not finite, or no Unicode)")

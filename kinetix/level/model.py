@@ -152,8 +152,14 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         """Round reals and make sequences tuples."""
         for name, normalise in _normalisers(type(self)):
             value = getattr(self, name)
-            if value is not None:
-                msgspec.structs.force_setattr(self, name, normalise(value))
+            if value is None:
+                continue
+            try:
+                normal = normalise(value)
+            except TypeError:
+                owner = type(self).__name__
+                raise LevelError(f"{owner}.{name}: expected a sequence, got {value!r}") from None
+            msgspec.structs.force_setattr(self, name, normal)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed."""

@@ -85,6 +85,8 @@ def film_of_run(run: "Run", *, title: str = "") -> Film:
 def _film(one: Any) -> Film:
     if isinstance(one, Film):
         return one
+    if one == "":
+        raise KinetixError("show: the path is empty")
     if isinstance(one, str | Path):
         return film_of_file(Path(one))
     if isinstance(one, Level):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from kinetix.agents.agent import Agent, load_agent
+from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig, algorithm_of
 from kinetix.training.loop import Report
 from kinetix.training.run import train as run_training
@@ -42,6 +43,8 @@ def train(
     Raises:
         KinetixError: A word or number is not allowed; the sentence names it.
     """
+    if not isinstance(out, str | os.PathLike) or not os.fspath(out):
+        raise KinetixError(f"out={out!r}: expected the run's directory")
     out = Path(out)
     if isinstance(config, str):
         fresh = not os.path.isfile(out / CONFIG)

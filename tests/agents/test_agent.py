@@ -76,5 +76,29 @@ def test_what_an_agent_cannot_be_asked_with():
         agent.act(carry, jnp.zeros((2, 140)), 0)
     with pytest.raises(CheckpointError, match="got str; the order is save_agent"):
         save_agent("here", agent)
-    with pytest.raises(CheckpointError, match="None: there is no such directory"):
+    with pytest.raises(CheckpointError, match="directory=None: expected the directory of an agent"):
         load_agent(None)
+
+
+@pytest.fixture(scope="module")
+def agent():
+    return load_agent("goalkeeper")
+
+
+@pytest.mark.parametrize("batch", [None, -1, "2", 2.5])
+def test_memory_is_made_for_a_number_of_episodes(agent, batch):
+    with pytest.raises(KinetixError, match="expected a number of episodes"):
+        agent.init_carry(batch)
+
+
+def test_memory_that_is_none_is_refused(agent):
+    with pytest.raises(KinetixError, match="carry: expected what init_carry"):
+        agent.act(None, None, jax.random.key(0))
+
+
+@pytest.mark.parametrize("directory", ["", None, 3])
+def test_an_agent_needs_a_directory(agent, directory):
+    with pytest.raises(CheckpointError, match="expected the directory of an agent"):
+        load_agent(directory)
+    with pytest.raises(CheckpointError, match="expected the directory of an agent"):
+        save_agent(agent, directory)

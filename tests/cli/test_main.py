@@ -320,3 +320,8 @@ def test_a_recorded_solution_is_played(capsys, tmp_path):
     save_level(load_level("s/first_flight").replace(solution=None), bare)
     assert cli.main(["play", str(bare), "--agent", "solution"]) == 1
     assert "has no recorded solution" in capsys.readouterr().err
+
+
+def test_a_flag_that_no_algorithm_has_points_to_the_flags_of_this_one(capsys):
+    assert cli.main(["train", "ppo", "--checkpoint-frequency", "4", "--out", "r0"]) == 2
+    assert "kinetix train ppo --help" in capsys.readouterr().err

@@ -14,6 +14,7 @@ from kinetix import (
     StaticEnvParams,
     make_kinetix_env,
     make_render_pixels,
+    make_reset_fn_list_of_levels,
     make_reset_fn_sample_kinetix_level,
     permute_state,
     static_env_params_from_size,
@@ -302,3 +303,49 @@ def test_states_of_several_sizes_are_not_stacked():
         stack_states([small, large])
     with pytest.raises(KinetixError, match="got none"):
         stack_states([])
+
+
+@pytest.mark.parametrize(
+    "number", [jnp.float32(0.5), np.array(0.5, np.float32), np.float32(0.5), jnp.asarray(0.5)]
+)
+def test_parameters_of_an_environment_may_be_arrays_of_one_number(number):
+    params = EnvParams(dense_reward_scale=number)
+    env = make_kinetix_env(env_params=params, create_dummy_env=True)
+    assert hash(env.env.env_params) == hash(EnvParams(dense_reward_scale=0.5))
+
+
+def test_parameters_that_are_no_number_are_refused(small_env, small_state):
+    several = EnvParams(dt=jnp.ones(3))
+    with pytest.raises(KinetixError, match=r"env_params\.dt: expected a number, got shape \(3,\)"):
+        make_kinetix_env(env_params=several)
+    assert "jax.vmap(env.step" in sentence(small_env, KEY, small_state, ACTION, several)
+
+    def traced(dt):
+        make_kinetix_env(env_params=EnvParams(dt=dt))
+
+    with pytest.raises(KinetixError, match="got a traced value: make the environment with usual"):
+        jax.jit(traced)(0.01)
+
+
+@pytest.mark.parametrize("name", ["auto_reset", "create_dummy_env", "keep_terminal_observation"])
+def test_a_word_is_no_truth(name):
+    with pytest.raises(KinetixError, match=f"{name}='no': expected True or False"):
+        make_kinetix_env(**{name: "no"})
+
+
+def test_a_level_is_named_where_a_state_belongs(small_env):
+    with pytest.raises(KinetixError, match=r"got 's/goalkeeper'; kinetix\.load_from_json_file"):
+        small_env.reset(KEY, EnvParams(), "s/goalkeeper")
+
+
+@pytest.mark.parametrize("levels", [None, 3])
+def test_levels_that_are_none_are_refused(levels):
+    with pytest.raises(KinetixError, match="levels: expected levels, their files or a level set"):
+        make_reset_fn_list_of_levels(levels, StaticEnvParams())
+
+
+def test_levels_need_sizes():
+    with pytest.raises(
+        KinetixError, match=r"make_reset_fn_list_of_levels\(levels, static_env_params\)"
+    ):
+        make_reset_fn_list_of_levels(StaticEnvParams(), ["s/goalkeeper"])

@@ -9,8 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.environment.env import KinetixEnv
+from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.inverse import state_from_entities, state_from_flat
+from kinetix.environment.named import make_named_env
 from kinetix.environment.observations import (
     OBSERVATIONS,
     AbstractObservation,
@@ -21,10 +22,12 @@ from kinetix.environment.observations import (
 )
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
 from kinetix.environment.rearrange import expand_state, permute_state
+from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import Dict, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from tests.environment.conftest import assert_trees_close
+from kinetix.level.codec import load_level
+from tests.environment.conftest import assert_trees_close, small_level
 
 
 @functools.partial(jax.jit, static_argnums=0)
@@ -211,3 +214,21 @@ def test_expansion_changes_nothing_that_is_seen(layout: Layout, moving: EnvState
 def test_a_level_that_is_too_large_says_by_how_much(moving: EnvState) -> None:
     with pytest.raises(KinetixError, match=r"2 circles into 1 \(1 too many\)"):
         expand_state(moving, static_env_params_from_size("5,1,1,1", physics="drift"))
+
+
+def test_blind_observations_of_levels_that_last_longer_stay_at_their_last_entry(small_static):
+    env = make_kinetix_env("discrete", "blind", None, EnvParams(max_timesteps=5), small_static)
+    state = level_state(small_level(), small_static)
+    late = dataclasses.replace(state, timestep=jnp.int32(9))
+    np.testing.assert_array_equal(env.get_obs(late), [0, 0, 0, 0, 0, 1])
+    endless = make_kinetix_env(
+        "discrete", "blind", None, EnvParams(max_timesteps=jnp.inf), small_static
+    )
+    with pytest.raises(KinetixError, match=r"expected a finite EnvParams\.max_timesteps"):
+        endless.observation_space()
+
+
+def test_a_blind_environment_of_a_level_is_as_long_as_the_level():
+    level = load_level("s/goalkeeper").replace(max_timesteps=300)
+    env = make_named_env(level, observation_type="blind")
+    assert env.observation_space().shape == (301,)

@@ -124,6 +124,12 @@ def test_a_run_is_frozen_short_and_can_be_kept():
     assert (pickle.loads(pickle.dumps(run)).position == run.position).all()
 
 
+@pytest.mark.parametrize("number", [np.float32, np.array, jnp.float32, jnp.array])
+def test_times_may_be_arrays_of_one_number(number):
+    run = kinetix.simulate(falling(), number(0.1), dt=number(1 / 30))
+    assert len(run.time) == 4
+
+
 WRONG = {
     "level": ((None, 1.0), {}, "level None: expected a name, a file, or a kinetix.Level"),
     "seconds": ((falling(), -1.0), {}, "seconds -1.0: expected a finite number above 0"),

@@ -271,3 +271,24 @@ def test_a_forked_process_is_refused_rather_than_waiting_for_ever(script):
     ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert ended.returncode
     assert "would hang" in ended.stderr and "spawn" in ended.stderr
+
+
+def test_a_word_that_means_nothing_is_named():
+    for make in (KinetixGymEnv, KinetixVectorEnv):
+        with pytest.raises(KinetixError, match="colour: no keyword of this environment; it has"):
+            make(**LEVEL, colour="red")
+
+
+@pytest.mark.parametrize("most", [0, 2.5, "many"])
+def test_episodes_are_cut_after_whole_steps(most):
+    with pytest.raises(KinetixError, match=r"max_episode_steps=.*: expected a whole number"):
+        KinetixVectorEnv(2, **LEVEL, max_episode_steps=most)
+
+
+@pytest.mark.slow
+def test_a_batch_is_cut_where_gymnasium_is_told_so():
+    env = gymnasium.make_vec("Kinetix/level-v0", num_envs=2, **LEVEL, max_episode_steps=3)
+    env.reset(seed=0)
+    for step in range(1, 4):
+        *_, terminated, truncated, _ = env.step(np.zeros(env.action_space.shape, int))
+        assert truncated.tolist() == [step == 3] * 2 and not terminated.any()

@@ -422,3 +422,20 @@ def test_what_is_no_name_of_a_file_is_told_as_what_it_is():
         load_level(load_level("s/first_flight"))
     with pytest.raises(LevelError, match="expected a path or a name, got int"):
         load_level(3)
+
+
+def test_a_level_and_its_path_in_the_wrong_order_are_told_so(tmp_path):
+    with pytest.raises(LevelError, match=r"the order is save_level\(level, path\)"):
+        save_level(tmp_path / "x.json", Level(name="x"))
+
+
+@pytest.mark.parametrize("changes", [{"bodies": None}, {"joints": ({},)}])
+def test_parts_of_a_level_that_are_none_are_named(changes, tmp_path):
+    (kind,) = changes
+    with pytest.raises(LevelError, match=rf"\$\.{kind}: expected a sequence of Kinetix's"):
+        save_level(Level(name="x").replace(**changes), tmp_path / "x.json")
+
+
+def test_a_number_where_a_vector_belongs_is_named():
+    with pytest.raises(LevelError, match=r"Level\.gravity: expected a sequence, got 9\.8"):
+        Level(name="x", gravity=9.8)
