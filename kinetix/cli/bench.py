@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from kinetix.cli.terminal import Terminal
+from kinetix.cli.terminal import Terminal, announced
 from kinetix.errors import KinetixError
 
 
@@ -189,8 +189,8 @@ def _watched(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     found = iter(rows)
     with contextlib.closing(Terminal()) as terminal:
         for number in itertools.count(1):
-            terminal.status(f"compiling and measuring line {number}")
-            row = next(found, None)
+            with announced(f"compiling and measuring line {number}", say=terminal.status):
+                row = next(found, None)
             terminal.close()
             if row is None:
                 return

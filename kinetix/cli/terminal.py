@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from kinetix.failures import mute
-from kinetix.training.telling import now_and_then
+from kinetix.training.telling import Say, now_and_then
 
 _BACK_AND_CLEAR = "\r\x1b[K"
 PATIENCE: Final = 3.0
@@ -15,14 +15,15 @@ PATIENCE: Final = 3.0
 
 
 @contextlib.contextmanager
-def announced(text: str, *, after: float = PATIENCE) -> Iterator[None]:
-    """Say on stderr what is under way, should it take long.
+def announced(text: str, *, after: float = PATIENCE, say: Say | None = None) -> Iterator[None]:
+    """Say what is under way, should it take long.
 
     Args:
         text: What is.
         after: How long it may take without a word [s].
+        say: Takes the words; by default they are a line on stderr.
     """
-    timer = threading.Timer(after, lambda: _write(f"{text}\n"))
+    timer = threading.Timer(after, say or (lambda text: _write(f"{text}\n")), [text])
     timer.daemon = True
     timer.start()
     try:
