@@ -25,11 +25,16 @@ class StopRequest:
         self.signal: int | None = None
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
-        """Note a signal; the second one ends the process at once."""
-        if self.signal is not None:
+        """Note a signal; one more Ctrl+C ends the process at once.
+
+        Other signals come twice without anybody's will: the editor sends one as it closes, and
+        so does the system as the editor is gone.
+        """
+        if self.signal is None:
+            self.signal = number
+            self._say("stopping after this update; Ctrl+C once more stops at once, without saving")
+        elif number == signal.SIGINT:
             raise self.error()
-        self.signal = number
-        self._say("stopping after this update; once more stops at once, without saving")
 
     def error(self) -> BaseException:
         """Return what ends the command with the status that the signal asks for."""

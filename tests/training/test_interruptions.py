@@ -104,16 +104,26 @@ def test_a_hang_up_that_nohup_ignores_stays_ignored():
         signal.signal(signal.SIGHUP, before)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, number):
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        [signal.SIGINT],
+        [signal.SIGTERM],
+        [signal.SIGHUP],
+        # As the editor closes: its own, then the system's, as it is gone.
+        [signal.SIGTERM, signal.SIGTERM, signal.SIGHUP],
+    ],
+)
+def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, numbers):
     said = []
 
     def report(progress):
         if progress.update == 3:
-            os.kill(os.getpid(), number)
+            for number in numbers:
+                os.kill(os.getpid(), number)
 
     config = tiny_config("ppo", dummy_env=True)
-    with pytest.raises(KeyboardInterrupt if number == signal.SIGINT else Terminated):
+    with pytest.raises(KeyboardInterrupt if numbers[0] == signal.SIGINT else Terminated):
         train("ppo", config, tmp_path / "run", report=report, say=said.append)
     told = " ".join(said)
     assert "stopping after this update" in told
