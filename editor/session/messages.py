@@ -14,6 +14,9 @@ from kinetix.errors import CommandError, KinetixError
 LOG: Final = logging.getLogger(__name__)
 TOAST_SECONDS: Final = 5.0
 UNDO_TOAST_SECONDS: Final = 8.0
+MOST: Final = 400
+"""Most characters of a message on the screen."""
+_END: Final = 80
 
 Kind: TypeAlias = Literal["info", "success", "warning", "error"]
 
@@ -30,6 +33,11 @@ class Toast:
     """An action offered as a button (`edit.undo`)."""
     offered: Callable[[], bool] = lambda: True
     """Returns False once the button would do something else than the message says."""
+
+
+def _shortened(text: str) -> str:
+    """Return a message that leaves the window visible; the log has all of it."""
+    return text if len(text) <= MOST else f"{text[: MOST - _END]} … {text[-_END:]}"
 
 
 class Messages:
@@ -58,12 +66,13 @@ class Messages:
         offered: Callable[[], bool] = lambda: True,
     ) -> None:
         """Show a message for a few seconds; the same message is not stacked."""
+        self.log.add(text)
+        text = _shortened(text)
         seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
         self.toasts = [toast for toast in self.toasts if toast.text != text]
         until = self._clock() + seconds
         shown = Toast(text=text, kind=kind, until=until, action=action, offered=offered)
         self.toasts.append(shown)
-        self.log.add(text)
 
     def withdraw(self, action: str) -> None:
         """Take the messages that offer an action away: it was done, or can be done no more."""

@@ -43,6 +43,8 @@ THRUSTER_BINDINGS: Final = 2
 """Number of action channels for thrusters."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
+MAX_TAG: Final = 40
+"""Most characters of a tag."""
 MAX_TITLE: Final = 120
 """Most characters of the name of a level."""
 MAX_DESCRIPTION: Final = 4000
@@ -140,7 +142,7 @@ _Name = Annotated[
     Annotated[str, Meta(min_length=1, max_length=MAX_NAME)] | None,
     _note("What people call it", optional=True),
 ]
-Tag = Annotated[str, Meta(min_length=1, max_length=40, pattern="^[a-z0-9_-]*$")]
+Tag = Annotated[str, Meta(min_length=1, max_length=MAX_TAG, pattern="^[a-z0-9_-]*$")]
 BodyReference = int | ArenaName
 """A body's id, or the name of an arena body."""
 

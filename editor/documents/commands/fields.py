@@ -107,7 +107,7 @@ def _checked(record: Record, name: str, value: Any, path: str) -> Any:
     try:
         return msgspec.convert(value, field_types(type(record))[name])
     except msgspec.ValidationError as error:
-        raise CommandError(f"{path}: {misfit(error)} (got {value!r}).") from None
+        raise CommandError(f"{path}: {misfit(error)} (got {value!r:.60}).") from None
 
 
 def _present(record: Record, name: str) -> Any:

@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor.base.language import tr
 from editor.documents.commands.fields import SetLevelField
+from editor.documents.tags import tags_of
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, u32
 from editor.toolkit.widgets import px
@@ -66,7 +67,10 @@ class LevelPanel(Panel):
         """A text that commits on Enter or when the field is left."""
 
         def commit(typed: str) -> None:
-            stored = list(dict.fromkeys(typed.split())) if field == "tags" else typed
+            stored = _tags(session, typed) if field == "tags" else typed.strip()
+            if field == "name" and not stored:
+                session.toast("A level needs a name.", "warning")
+                return
             session.queue(SetLevelField(field=field, value=stored))
 
         longest = MAX_TITLE if field == "name" else 0
@@ -152,3 +156,12 @@ def _counter(label: str, used: int, limit: int) -> None:
         colour = COLOURS.bad if full else COLOURS.accent
         draw.add_rect_filled((at.x, at.y), (at.x + space * share, high[1]), u32(colour), px(2))
     imgui.dummy((0, px(5)))
+
+
+def _tags(session: "Session", typed: str) -> list[str]:
+    """The tags that were typed; says which words are none."""
+    tags, refused = tags_of(typed)
+    if refused:
+        words = ", ".join(refused)
+        session.toast(f"Not a tag: {words:.60}. A tag is a word of a–z, 0–9, - and _.", "warning")
+    return tags

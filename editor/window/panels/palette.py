@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _ROWS: Final = 12
+_BELOW: Final = 40.0
+"""What is left free below the list, for the status line [px at 100 %]."""
 _REFUSED: Final = 3.0
 """Penalty of disabled entries: they stand below entries that match nearly as well."""
 
@@ -65,6 +67,18 @@ _ALSO: Final = {
 """Synonyms from other programs, by label."""
 _OTHER_WORDS: Final = 0.5
 """Penalty of an entry that fits by what others call it."""
+
+
+def _row_height() -> float:
+    return imgui.get_text_line_height() + px(9)
+
+
+def _rows_with_room() -> int:
+    """Return how many rows fit below the cursor: fewer in a low window."""
+    viewport = imgui.get_main_viewport()
+    bottom = viewport.work_pos.y + viewport.work_size.y - px(_BELOW)
+    step = _row_height() + imgui.get_style().item_spacing.y
+    return min(_ROWS, max(1, int((bottom - imgui.get_cursor_screen_pos().y) / step)))
 
 
 class CommandPalette:
@@ -130,8 +144,9 @@ class CommandPalette:
         )
         if not found:
             widgets.muted("No results")
-        first = max(0, self._index - _ROWS + 1)
-        for index, entry in enumerate(found[first : first + _ROWS], start=first):
+        rows = _rows_with_room()
+        first = max(0, self._index - rows + 1)
+        for index, entry in enumerate(found[first : first + rows], start=first):
             if self._row(session, entry, index) or (entered and index == self._index):
                 session.view.palette = False
                 _choose(session, entry)
@@ -139,7 +154,7 @@ class CommandPalette:
     def _row(self, session: "Session", entry: Entry, index: int) -> bool:
         start = imgui.get_cursor_screen_pos()
         width = imgui.get_content_region_avail().x
-        height = imgui.get_text_line_height() + px(9)
+        height = _row_height()
         pressed = imgui.selectable(f"###palette-{index}", index == self._index, 0, (0, height))[0]
         widgets.probe(session, f"palette.{index}")
         draw = imgui.get_window_draw_list()

@@ -463,3 +463,35 @@ def test_a_text_keeps_the_keys_that_edit_it(saved):
     gui.text("s")
     assert load_level(path).description == "" and not gui.session.document.dirty
     gui.key("return")
+
+
+def test_tags_are_taken_as_people_type_them_and_what_is_none_is_said(saved):
+    gui, path = saved
+    gui.click("level.tags")
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("Wheels, jump a/b")
+    gui.key("ctrl+s")
+    gui.frames(2)
+    assert load_level(path).tags == ("wheels", "jump")
+    assert any("Not a tag: a/b" in line for line in gui.session.log.lines)
+
+
+def test_a_level_keeps_its_name_where_none_is_typed(saved):
+    gui, path = saved
+    before = gui.session.document.level.name
+    gui.click("level.name")
+    gui.frames(2)
+    gui.key("ctrl+a")
+    gui.text("   ")
+    gui.key("ctrl+s")
+    gui.frames(2)
+    assert load_level(path).name == before
+    assert any("A level needs a name." in line for line in gui.session.log.lines)
+
+
+def test_a_long_message_leaves_the_window_in_sight(saved):
+    gui, _ = saved
+    gui.session.toast("x" * 5000)
+    assert len(gui.session.toasts[-1].text) < 420
+    assert any("x" * 5000 in line for line in gui.session.log.lines)

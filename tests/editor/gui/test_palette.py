@@ -118,3 +118,15 @@ def test_other_words_belong_to_something_that_can_be_found():
     labels = {entry.label for entry in entries(a_session())}
     labels |= {label for _, label, _ in _FIELDS}
     assert set(_ALSO) <= labels
+
+
+def test_in_a_low_window_the_chosen_row_stays_in_sight(make_gui):
+    gui = make_gui(size=(640, 400))
+    gui.session.view.palette = True
+    gui.frames(3)
+    for _ in range(15):
+        gui.key("down")
+    shown = [name for name in gui.session.probe if name.startswith("palette.")]
+    assert "palette.15" in shown
+    for name in shown:
+        assert gui.probe(name).high[1] <= 400 - 24, name
