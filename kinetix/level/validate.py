@@ -7,10 +7,11 @@ entities takes well below 5 ms, so that the list can follow every edit.
 import contextlib
 import dataclasses
 import functools
-import itertools
 import math
 from collections.abc import Iterator
 from typing import Final, Literal
+
+import numpy as np
 
 from kinetix.engine.pairs import touching_points
 from kinetix.engine.spec import ARENA_BODIES
@@ -51,6 +52,8 @@ TOUCH_SLOP: Final = 5e-3
 """Two bodies that can push each other count as touching up to this distance [m]."""
 OVERLAP_TOLERANCE: Final = 0.01
 """Overlap that no solver notices: the published levels' slop [m]."""
+MOST_OVERLAPS: Final = 200
+"""Most pairs of overlapping bodies that are listed: a pile of hundreds has tens of thousands."""
 ANCHOR_TOLERANCE: Final = 1e-3
 """Distance of a joint's anchors that counts as none [m]."""
 MAX_SHAPE_SIZE: Final = 2.0
@@ -322,37 +325,52 @@ def _control_issues(level: Level) -> Iterator[Issue]:
 
 def _pair_issues(level: Level, placed: list[_Placed]) -> Iterator[Issue]:
     component = components(level)
-    contacts = 0
-    for a, b in itertools.combinations(placed, 2):
-        gap = TOUCH_SLOP
-        if (
-            a.box[0] > b.box[2] + gap
-            or b.box[0] > a.box[2] + gap
-            or a.box[1] > b.box[3] + gap
-            or b.box[1] > a.box[3] + gap
-            or not modes_meet(a.body, b.body)
-            or (isinstance(a.reference, str) and isinstance(b.reference, str))
-        ):
-            continue
-        pushing = may_push((a.reference, a.body), (b.reference, b.body), component)
-        roles = {a.body.role, b.body.role}
-        if pushing or "green" in roles:
-            depth = overlap_depth(a.body, b.body)
-            if pushing and depth >= -TOUCH_SLOP:
-                both = isinstance(a.body.shape, Polygon) and isinstance(b.body.shape, Polygon)
-                contacts += 2 if both else 1
-            yield from _touch_issues(a, b, depth, pushing=pushing)
-
-    yield from _crowd_issues(level, contacts)
-
-
-def _crowd_issues(level: Level, contacts: int) -> Iterator[Issue]:
     capacity = capacity_of(level)
     room = touching_points(capacity.polygons - ARENA_BODIES, capacity.circles)
+    contacts = overlaps = 0
+    for a, b in _pairs_of_boxes(placed):
+        enough = overlaps > MOST_OVERLAPS and contacts > room
+        touching = "green" in (a.body.role, b.body.role)
+        if (enough and not touching) or not modes_meet(a.body, b.body):
+            continue
+        pushing = may_push((a.reference, a.body), (b.reference, b.body), component)
+        if not (pushing or touching):
+            continue
+        depth = overlap_depth(a.body, b.body)
+        if pushing and depth >= -TOUCH_SLOP:
+            both = isinstance(a.body.shape, Polygon) and isinstance(b.body.shape, Polygon)
+            contacts += 2 if both else 1
+        yield from _touch_issues(a, b, depth, pushing=pushing)
+        if pushing and depth > OVERLAP_TOLERANCE:
+            overlaps += 1
+            if overlaps <= MOST_OVERLAPS:
+                yield _overlap_issue(a, b, depth)
+    if overlaps > MOST_OVERLAPS:
+        message = f"More shapes overlap than the {MOST_OVERLAPS} pairs that are listed."
+        yield _issue("W202", message)
+    yield from _crowd_issues(level, contacts, room)
+
+
+def _pairs_of_boxes(placed: list[_Placed]) -> Iterator[tuple[_Placed, _Placed]]:
+    """Return the pairs whose boxes meet, but for those of the arena, in order."""
+    low, high = (
+        np.array([each.box[part] for each in placed], float).reshape(-1, 2)
+        for part in (slice(0, 2), slice(2, 4))
+    )
+    arena = np.array([isinstance(each.reference, str) for each in placed], bool)
+    for index, each in enumerate(placed):
+        rest = slice(index + 1, None)
+        meets = (low[rest] <= high[index] + TOUCH_SLOP) & (low[index] <= high[rest] + TOUCH_SLOP)
+        for later in np.flatnonzero(meets.all(axis=1) & ~(arena[rest] & arena[index])):
+            yield each, placed[index + 1 + later]
+
+
+def _crowd_issues(level: Level, contacts: int, room: int) -> Iterator[Issue]:
     if contacts > room:
+        capacity = capacity_of(level)
         message = (
-            f"Bodies overlap so much that {contacts} contact points meet at the start, and size "
-            f"{describe_capacity(capacity)} has room for {room}: some will be left out. Move "
+            f"Bodies overlap so much that {contacts} contact points or more meet at the start; "
+            f"size {describe_capacity(capacity)} has room for {room}: some will be left out. Move "
             f"bodies apart."
         )
         yield _issue("W211", message)
@@ -369,12 +387,12 @@ def _touch_issues(a: _Placed, b: _Placed, depth: float, *, pushing: bool) -> Ite
         if roles == {"green", "red"}:
             message = "Green already touches red at the start: lost at t=0."
             yield _issue("E105", message, path=path, ids=ids)
-    if pushing and depth > OVERLAP_TOLERANCE:
-        first, second = describe(a.reference, a.body), describe(b.reference, b.body)
-        message = (
-            f"{_capital(first)} and {second} overlap by {depth:.3g} m and will be pushed apart."
-        )
-        yield _issue("W202", message, path=path, ids=ids)
+
+
+def _overlap_issue(a: _Placed, b: _Placed, depth: float) -> Issue:
+    first, second = describe(a.reference, a.body), describe(b.reference, b.body)
+    message = f"{_capital(first)} and {second} overlap by {depth:.3g} m and will be pushed apart."
+    return _issue("W202", message, path=b.path, ids=(a.reference, b.reference))
 
 
 def _place_issues(placed: list[_Placed]) -> Iterator[Issue]:

@@ -20,7 +20,7 @@ from kinetix.level.model import (
     SizeHint,
     Thruster,
 )
-from kinetix.level.validate import validate
+from kinetix.level.validate import MOST_OVERLAPS, validate
 
 
 def box(width, height):
@@ -250,3 +250,16 @@ def test_published_levels_have_no_error_and_one_has_a_stretched_joint(peer):
         assert {issue.code for issue in issues} <= {"W202", "W209"}
         stretched += [level.name for issue in issues if issue.code == "W209"]
     assert stretched == ["gears"]
+
+
+def test_of_a_pile_some_overlaps_are_listed_and_the_rest_is_said():
+    pile = tuple(
+        Body(id=k + 1, shape=Circle(radius=0.2), position=(2.5 + 2e-4 * k, 2.5)) for k in range(300)
+    )
+    listed = [issue for issue in validate(Level(name="pile", bodies=pile)) if issue.code == "W202"]
+    assert len(listed) == MOST_OVERLAPS + 1
+    assert listed[-1].message == "More shapes overlap than the 200 pairs that are listed."
+    # Who touches whom at the start is looked for all the same.
+    last = pile[-1].replace(role="blue")
+    level = Level(name="pile", bodies=(pile[0].replace(role="green"), *pile[1:-1], last))
+    assert "E104" in {issue.code for issue in validate(level)}
