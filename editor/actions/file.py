@@ -148,13 +148,14 @@ def ask_open(session: Session) -> None:
 
 
 def save(session: Session, then: Callable[[], None] | None = None) -> None:
-    """Save in the tab's format; asks about losses, and for a name where the user gave none yet."""
+    """Save in the tab's format; asks about losses, and for a name where there is none to use."""
     _no_moment(session)
     document = session.document
     if document.path is None or filing.bundled(document.path):
         save_as(session, then)
     else:
-        save_with_care(session, document, document.path, document.format, then)
+        elsewhere = functools.partial(save_as, session, then, document.path)
+        save_with_care(session, document, document.path, document.format, then, failed=elsewhere)
 
 
 def _no_moment(session: Session) -> None:
@@ -188,6 +189,8 @@ def save_as(
         name = filing.free_path(folder / name).name
     if wish is not None and os.path.isdir(wish.parent):
         folder, name = wish.parent, wish.name
+        if os.path.isfile(wish) and not os.access(wish, os.W_OK):
+            name = filing.free_path(wish).name
 
     def answer(path: Path | None) -> None:
         if path is not None:

@@ -79,21 +79,40 @@ def rename(session: Session) -> None:
 
     def chosen(folder: Path) -> None:
         def answer(name: str | None) -> None:
-            if name is not None:
-                _rename(session, folder, name)
+            if name is None:
+                return
+            try:
+                target = _renamed(folder, name)
+            except CommandError as error:  # what was typed is still there to be mended
+                session.toast(str(error), "error")
+                ask(name)
+            else:
+                _rename(session, folder, target)
 
-        title = f"New name of {folder.name}"
-        session.ask(TextQuestion(title=title, text=folder.name, accept="Rename", answer=answer))
+        def ask(text: str) -> None:
+            title = f"New name of {folder.name}"
+            session.ask(TextQuestion(title=title, text=text, accept="Rename", answer=answer))
+
+        ask(folder.name)
 
     _ask(session, "Rename an agent", own_agents(), chosen)
 
 
-def _rename(session: Session, folder: Path, name: str) -> None:
+def _renamed(folder: Path, name: str) -> Path:
+    """Return where a folder of this name is.
+
+    Raises:
+        CommandError: No folder can have it, or another has it.
+    """
     target = folder.with_name(_checked(name))
+    if target != folder and os.path.lexists(target) and not os.path.samefile(target, folder):
+        raise CommandError(f"{target}: something of this name is there already.")
+    return target
+
+
+def _rename(session: Session, folder: Path, target: Path) -> None:
     if target == folder:
         return
-    if os.path.lexists(target) and not os.path.samefile(target, folder):
-        raise CommandError(f"{target}: something of this name is there already.")
     with _held(session, folder):
         try:
             os.rename(folder, target)

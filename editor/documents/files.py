@@ -62,6 +62,8 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     """
     if os.path.isfile(path) and not os.access(path, os.W_OK):
         raise LevelError(f"{path}: cannot be saved: the file is read-only")
+    if not os.path.isdir(path.parent):
+        raise LevelError(f"{path}: cannot be saved: its folder is gone")
     level = document.level
     fitting = without_outgrown_size(level)
     if fitting is not level:

@@ -156,7 +156,21 @@ def test_a_failed_save_is_told(path):
     path.parent.rmdir()
     actions.run(session, "file.save")
     assert session.document.dirty
-    assert any(str(path) in text for text in texts(session))
+    assert any(f"{path}: cannot be saved: its folder is gone" in text for text in texts(session))
+
+
+def test_what_cannot_be_saved_there_may_be_saved_elsewhere(path, tmp_path, monkeypatch):
+    session = a_session()
+    actions.handle(session, actions_drop(path))
+    session.execute(MOVE)
+    with monkeypatch.context() as context:
+        context.setattr(os, "access", lambda *args: False)
+        actions.run(session, "file.save")
+        question = session.prompts[-1]
+    assert question.purpose == "save" and question.name != path.name
+    session.prompts.pop().answer(tmp_path / "elsewhere.json")
+    assert not session.document.dirty
+    assert session.document.path == tmp_path / "elsewhere.json"
 
 
 def actions_drop(path):

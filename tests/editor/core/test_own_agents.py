@@ -104,6 +104,8 @@ def test_a_name_that_cannot_be_is_refused(session, folder, name):
     type_name(session, name)
     assert (folder / "hopper" / "config.toml").exists()
     assert any("cannot be used" in text or "already" in text for text in texts(session))
+    # What was typed can be mended.
+    assert session.prompts[-1].text == name
 
 
 def test_a_deleted_agent_leaves_its_slot_and_comes_back(session, stage: Stage, folder):
