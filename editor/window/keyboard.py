@@ -48,7 +48,9 @@ class Keyboard:
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
         closed, self._popup = self._popup and not popup, popup
-        taken = (io.want_text_input or popup) and session.hands.capture is None
+        # The palette has the keyboard from the key on that opens it, its field two frames later.
+        typing = io.want_text_input or session.view.palette
+        taken = (typing or popup) and session.hands.capture is None
         navigating = _navigation(session, popup=popup, in_panel=in_panel)
         there = imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         if submenu and there and imgui.is_key_pressed(imgui.Key.escape, False):

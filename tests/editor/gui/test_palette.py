@@ -5,6 +5,7 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS
 from editor.actions.base import always, editing, playing, selecting
+from editor.base.events import KeyEvent
 from editor.window.panels.found import _FIELDS
 from editor.window.panels.palette import _ALSO, _behind, _score, entries, scene_entries
 from tests.editor.core.helpers import a_level, a_session
@@ -130,3 +131,14 @@ def test_in_a_low_window_the_chosen_row_stays_in_sight(make_gui):
     assert "palette.15" in shown
     for name in shown:
         assert gui.probe(name).high[1] <= 400 - 24, name
+
+
+def test_what_is_typed_as_the_palette_opens_is_no_shortcut(make_gui):
+    gui = make_gui()
+    tool = gui.session.tool
+    keys = [("left ctrl", True), ("left shift", True), ("p", True), ("p", False)]
+    keys += [("left shift", False), ("left ctrl", False), ("c", True), ("c", False)]
+    gui.host.frames(1, *(KeyEvent(key=key, pressed=pressed) for key, pressed in keys))
+    gui.frames(12)
+    assert gui.session.view.palette
+    assert gui.session.tool == tool
