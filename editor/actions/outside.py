@@ -29,7 +29,19 @@ def check(session: Session) -> None:
         why = "was removed" if _is_gone(path) else "cannot be reached any more"
         session.toast(f"{path.name} {why}; the level is only here now.", "warning")
         return
+    if document.stamp is None and _holds_the_same(session):
+        document.stamp, document.outside = files.read_stamp(path), ""
+        document.mark_saved()
+        return
     document.outside = f"{path.name} was changed outside the editor. {_summary(session)}"
+
+
+def _holds_the_same(session: Session) -> bool:
+    """Return whether a file that is back holds the level in front."""
+    try:
+        return _theirs(session) == session.document.level
+    except LevelError:
+        return False
 
 
 def _is_gone(path: Path) -> bool:
@@ -126,4 +138,13 @@ def _summary(session: Session) -> str:
         if words:
             counts = (f"{words.count(word)} {word}" for word in ("new", "gone", "changed"))
             parts.append(f"{noun}: {', '.join(counts)}")
-    return f"Differences: {'; '.join(parts)}." if parts else "Only settings of the level differ."
+    if not parts:
+        return "Only settings of the level differ."
+    if _settings(theirs) != _settings(session.document.level):
+        parts.append("settings of the level")
+    return f"Differences: {'; '.join(parts)}."
+
+
+def _settings(level: Level) -> Level:
+    """Return a level without its entities."""
+    return level.replace(bodies=(), joints=(), thrusters=(), next_id=1)

@@ -97,8 +97,10 @@ def read_stamp(path: Path) -> Stamp | None:
 
 def changed_outside(document: Document) -> bool:
     """Return whether the document's file was changed or removed since it was last read."""
-    if document.path is None or document.stamp is None:
+    if document.path is None:
         return False
+    if document.stamp is None:  # it was gone, and may be back
+        return os.path.isfile(document.path)
     try:
         modified = document.path.stat().st_mtime_ns
     except OSError:

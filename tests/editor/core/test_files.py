@@ -191,6 +191,21 @@ def outside_session(path):
     return session
 
 
+def test_a_file_that_comes_back_is_looked_at_again(path):
+    session = outside_session(path)
+    before, mine = path.read_bytes(), session.document.level
+    path.unlink()
+    actions.update(session, 2.1)
+    assert session.document.dirty and session.document.outside == ""
+    save_level(mine.replace(name="theirs", thrusters=()), path)
+    actions.update(session, 4.2)
+    assert "1 gone" in session.document.outside
+    assert "settings of the level" in session.document.outside
+    path.write_bytes(before)
+    actions.update(session, 6.3)
+    assert session.document.outside == "" and not session.document.dirty
+
+
 def test_a_change_from_outside_is_told_and_can_be_taken(path):
     session = outside_session(path)
     theirs = MOVE.apply(a_level())
