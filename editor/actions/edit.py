@@ -12,11 +12,14 @@ from editor.documents.commands.fields import PasteProperties, SetField
 from editor.documents.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
 from editor.documents.commands.parts import PARTS
 from editor.documents.commands.rigid import component
+from editor.documents.document import Document
 from editor.editing.tools import TOOLS
 from editor.session import Session
 from editor.worker.jobs import Job
 from editor.worker.requests import LoadAgent
-from kinetix.errors import CommandError
+from kinetix.errors import CommandError, LevelError
+from kinetix.files.limits import LIMITS
+from kinetix.level.codec import loads
 from kinetix.level.geometry import bounds
 from kinetix.level.model import MAX_NAME, Body, Level
 from kinetix.wording import plural
@@ -29,6 +32,9 @@ NUDGE_FINE = 0.005
 """Step of Alt+arrow [m]."""
 NUDGE_COARSE = 10
 """Shift+arrow moves this many steps."""
+
+_LEVEL_MARKS = ('"kinetix-level"', '"env_state"')
+"""One of them is in every level file."""
 
 
 def undo(session: Session) -> None:
@@ -68,11 +74,31 @@ def cut(session: Session) -> None:
 
 
 def paste(session: Session) -> None:
-    """Put the clipboard's content at the pointer, or beside the original."""
-    found = clip.loads(session.clipboard.get())
+    """Put the clipboard's content at the pointer, or beside the original; a level gets a tab."""
+    text = session.clipboard.get()
+    if clip.FORMAT not in text[:200] and any(mark in text for mark in _LEVEL_MARKS):
+        level = _level_of(text)
+        session.open_tab(Document(level))
+        session.toast(f"Opened {level.name} from the clipboard.", "success")
+        return
+    found = clip.loads(text)
     at = session.hands.cursor
     shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
     session.execute(clip.Paste(clip=found, shift=shift))
+
+
+def _level_of(text: str) -> Level:
+    """Read the text of a level's file.
+
+    Raises:
+        CommandError: It cannot be read.
+    """
+    try:
+        if len(text) > LIMITS["level"].largest:
+            raise LevelError("it is too large")
+        return loads(text, "pasted")
+    except LevelError as error:
+        raise CommandError(f"The level in the clipboard cannot be read. {error}") from None
 
 
 def drop(part: str) -> Callable[[Session], None]:

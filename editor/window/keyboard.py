@@ -69,7 +69,7 @@ class Keyboard:
                 moves = name in navigating and not modifiers.ctrl and session.hands.capture is None
                 if not taken and not moves:
                     actions.handle(session, event)
-                elif not popup and not session.view.palette and _leaves_text(session, event):
+                elif _leaves_text(session, event) and not (session.prompts or session.view.palette):
                     self.leave_text(event)
         if not taken and session.driver.active:
             typed = "".join(chr(code) for code in io.input_queue_characters)
@@ -77,7 +77,11 @@ class Keyboard:
                 actions.handle(session, events.TextEvent(text=typed))
 
     def leave_text(self, event: events.InputEvent) -> None:
-        """End the typing: its panel takes what was typed, then `hand_on` has the event handled."""
+        """End the typing: its panel takes what was typed, then `hand_on` has the event handled.
+
+        An open menu ends too.
+        """
+        imgui.internal.close_popups_except_modals()
         imgui.internal.clear_active_id()
         self._after_typing.append(event)
 

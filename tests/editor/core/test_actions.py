@@ -302,6 +302,18 @@ def test_cut_and_paste_at_the_pointer(session, hand):
     assert session.selection == (body.id,)
 
 
+def test_the_text_of_a_level_file_is_pasted_as_a_level(session, hand):
+    theirs = a_level().replace(name="From a chat")
+    session.clipboard.set(f"\n{dumps(theirs)}")
+    before = session.document
+    hand.key("v", ctrl=True)
+    assert session.document is not before
+    assert session.document.level == theirs and session.document.path is None
+    session.clipboard.set(dumps(theirs)[:-40])
+    hand.key("v", ctrl=True)
+    assert "The level in the clipboard cannot be read." in texts(session)[-1]
+
+
 def test_a_thruster_or_a_joint_alone_is_not_cut_as_it_could_not_be_pasted(session, hand):
     before = session.document.level
     for alone in ((5,), (6,), (5, 6)):

@@ -495,3 +495,14 @@ def test_a_long_message_leaves_the_window_in_sight(saved):
     gui.session.toast("x" * 5000)
     assert len(gui.session.toasts[-1].text) < 420
     assert any("x" * 5000 in line for line in gui.session.log.lines)
+
+
+def test_a_save_ends_an_open_menu_and_saves(saved):
+    gui, path = saved
+    gui.click("menu.edit")
+    gui.frames(2)
+    gui.key("ctrl+s")
+    gui.frames(3)
+    assert not gui.session.document.dirty
+    assert any(f"Saved {path.name}" in line for line in gui.session.log.lines)
+    assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
