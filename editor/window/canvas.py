@@ -81,7 +81,7 @@ class Canvas:
         self.hovered = imgui.is_item_hovered()
         self.framing.divide(session)
         own = (size[0] / 2, size[1]) if self.framing.split else size
-        self.framing.choose(session, (origin.x, origin.y), own)
+        self.framing.choose(session, (origin.x, origin.y), own, held=self._mouse.dragging)
         mouse = imgui.get_io().mouse_pos
         # A drag that began on the level goes on over the map.
         free = self.hovered and not self._mouse.dragging

@@ -68,8 +68,10 @@ class Framing:
             if whole:
                 self._followed[tab.document.number] = camera
 
-    def choose(self, session: "Session", origin: Point, size: Point) -> None:
+    def choose(self, session: "Session", origin: Point, size: Point, *, held: bool = False) -> None:
         """Choose the camera for the present viewport.
+
+        Nothing moves under a pointer that holds something.
 
         An arena that is shown whole follows the window, the layouts, Play, and what is drawn over
         it on demand, and panels that measure. In Edit, all others that only come and go leave every
@@ -93,7 +95,7 @@ class Framing:
         self._fit_what_is_left(session, size)
         self._stand_beside(session)
         whole = self._follows(tab)
-        if whole and (self._refits or not tab.fitted):
+        if whole and not held and (self._refits or not tab.fitted):
             camera = session.camera.with_viewport(origin, size)
             camera = camera.fitted(*ARENA, margin=self._margin(session, size))
             session.camera = camera.on_pixels(ARENA_WIDTH)
@@ -103,7 +105,8 @@ class Framing:
             session.camera = session.camera.moved_viewport(origin, size)
         if whole:
             self._followed[tab.document.number] = session.camera
-        self._refits = max(self._refits - 1, 0)
+        if not held:
+            self._refits = max(self._refits - 1, 0)
 
     def _enter_and_leave(self, session: "Session") -> None:
         """Give Play a view of its own; after it the view of Edit is as it was."""

@@ -1,5 +1,6 @@
 """The window as a whole: tools on the canvas, keys, panels, dialogs, undo, files."""
 
+import math
 import subprocess
 import sys
 import textwrap
@@ -480,3 +481,25 @@ def test_a_name_that_no_file_can_have_breaks_no_dialog(gui, name):
     gui.click("browser.cancel")
     gui.frames(4)
     assert not gui.session.prompts
+
+
+def test_a_window_that_is_resized_moves_nothing_under_a_pointer_that_drags(make_gui):
+    gui = make_gui(level=BALL)
+    x, y = gui.screen(2.5, 2.7)
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    gui.move(x + 60, y - 30)
+    there = gui.session.document.shown.bodies[0].position
+    width, height = gui.host.size
+    gui.host.size = (width - 200, height - 150)
+    gui.frames(10)
+    gui.move(x + 61, y - 30)
+    gui.button(x + 61, y - 30, pressed=False)
+    moved = gui.level.bodies[0].position
+    assert math.dist(moved, there) < 0.05
+    gui.frames(10)
+    # Then the arena is shown whole again.
+    assert gui.session.camera.size[0] < width - 200
+    left, right = gui.screen(0.0, 2.0)[0], gui.screen(5.0, 2.0)[0]
+    assert left >= gui.session.camera.origin[0] - 1
+    assert right <= gui.session.camera.origin[0] + gui.session.camera.size[0] + 1
