@@ -360,6 +360,9 @@ class FileBrowser:
                 path = path.with_name(path.name.removesuffix(_LEVEL))
             elif path.suffix.lower() not in self._question.suffixes:
                 path = path.with_name(f"{path.name}{self._question.suffixes[0]}")
+            if path.name.lower() == 2 * self._question.suffixes[0]:
+                self._error = f"A name belongs before {path.suffix}."
+                return False, None
             if os.path.isfile(path) and as_folder:
                 self._error = f"{path.name} is a file: choose another name for the folder."
                 return False, None
@@ -375,7 +378,8 @@ class FileBrowser:
     def _make_own(self, folder: Path) -> bool:
         """Make the user's own folder, where that is meant; returns whether one can go on."""
         if folder != user_levels_dir():
-            return True
+            self._error = "" if os.path.isdir(folder) else f"There is no folder {folder}."
+            return not self._error
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:

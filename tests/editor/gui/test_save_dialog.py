@@ -202,3 +202,13 @@ def test_a_save_that_fails_asks_again_with_the_name_that_was_typed(drawn, tmp_pa
     drawn.key("return")
     drawn.frames(4)
     assert (tmp_path / "long_to_type.json").is_file()
+
+
+@pytest.mark.parametrize("name", ["nowhere/one.json", ".json"])
+def test_a_name_that_cannot_be_is_told_in_the_dialog(drawn, name):
+    drawn.key("ctrl+s")
+    drawn.frames(4)
+    type_name(drawn, name)
+    assert isinstance(drawn.session.prompts[0], FileQuestion)  # what was typed can be mended
+    type_name(drawn, "one")
+    assert drawn.session.document.path == user_levels_dir() / "one.json"
