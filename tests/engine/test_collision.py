@@ -1,5 +1,8 @@
 """Faces that bodies meet, and room for contacts, against plane geometry."""
 
+import functools
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -55,13 +58,17 @@ def disc(centre, radius, velocity=(0.0, 0.0)) -> MovingCircle:
     return MovingCircle(centre=at(*centre), velocity=at(*velocity), radius=one(radius))
 
 
+@functools.partial(jax.jit, static_argnums=0)
+def points(kernels, a, b):
+    coming = kernels.approach(a, b, DT)
+    return kernels.points(a, b, coming, one(10.0), DT, STORE)
+
+
 def contacts(kernels, a, b):
     """(normal of a contact, gap) of the points that exist."""
-    coming = kernels.approach(a, b, DT)
-    spots = kernels.points(a, b, coming, one(10.0), DT, STORE)
     return [
         ((float(s.normal.x[0, 0]), float(s.normal.y[0, 0])), float(s.separation[0, 0]))
-        for s in spots
+        for s in points(kernels, a, b)
         if s.exists[0, 0]
     ]
 
