@@ -17,9 +17,7 @@ from editor.editing.tools import TOOLS
 from editor.session import Session
 from editor.worker.jobs import Job
 from editor.worker.requests import LoadAgent
-from kinetix.errors import CommandError, LevelError
-from kinetix.files.limits import LIMITS
-from kinetix.level.codec import loads
+from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
 from kinetix.level.model import MAX_NAME, Body, Level
 from kinetix.wording import plural
@@ -32,9 +30,6 @@ NUDGE_FINE = 0.005
 """Step of Alt+arrow [m]."""
 NUDGE_COARSE = 10
 """Shift+arrow moves this many steps."""
-
-_LEVEL_MARKS = ('"kinetix-level"', '"env_state"')
-"""One of them is in every level file."""
 
 
 def undo(session: Session) -> None:
@@ -76,8 +71,8 @@ def cut(session: Session) -> None:
 def paste(session: Session) -> None:
     """Put the clipboard's content at the pointer, or beside the original; a level gets a tab."""
     text = session.clipboard.get()
-    if clip.FORMAT not in text[:200] and any(mark in text for mark in _LEVEL_MARKS):
-        level = _level_of(text)
+    level = clip.loads_level(text)
+    if level is not None:
         session.open_tab(Document(level))
         session.toast(f"Opened {level.name} from the clipboard.", "success")
         return
@@ -85,20 +80,6 @@ def paste(session: Session) -> None:
     at = session.hands.cursor
     shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
     session.execute(clip.Paste(clip=found, shift=shift))
-
-
-def _level_of(text: str) -> Level:
-    """Read the text of a level's file.
-
-    Raises:
-        CommandError: It cannot be read.
-    """
-    try:
-        if len(text) > LIMITS["level"].largest:
-            raise LevelError("it is too large")
-        return loads(text, "pasted")
-    except LevelError as error:
-        raise CommandError(f"The level in the clipboard cannot be read. {error}") from None
 
 
 def drop(part: str) -> Callable[[Session], None]:

@@ -14,7 +14,7 @@ from kinetix.errors import CommandError, KinetixError
 LOG: Final = logging.getLogger(__name__)
 TOAST_SECONDS: Final = 5.0
 UNDO_TOAST_SECONDS: Final = 8.0
-MOST: Final = 400
+_MOST: Final = 400
 """Most characters of a message on the screen."""
 _END: Final = 80
 
@@ -37,7 +37,7 @@ class Toast:
 
 def _shortened(text: str) -> str:
     """Return a message that leaves the window visible; the log has all of it."""
-    return text if len(text) <= MOST else f"{text[: MOST - _END]} … {text[-_END:]}"
+    return text if len(text) <= _MOST else f"{text[: _MOST - _END]} … {text[-_END:]}"
 
 
 class Messages:

@@ -356,27 +356,27 @@ class FileBrowser:
             self._name = ""
             return False, None
         if self._saving:
+            if path.name.lower() in self._question.suffixes:
+                self._error = f"A name belongs before {path.name}."
+                return False, None
             if as_folder:
                 path = path.with_name(path.name.removesuffix(_LEVEL))
             elif path.suffix.lower() not in self._question.suffixes:
                 path = path.with_name(f"{path.name}{self._question.suffixes[0]}")
-            if path.name.lower() == 2 * self._question.suffixes[0]:
-                self._error = f"A name belongs before {path.suffix}."
-                return False, None
             if os.path.isfile(path) and as_folder:
                 self._error = f"{path.name} is a file: choose another name for the folder."
                 return False, None
             if os.path.exists(path) and self._overwrite != path:
                 self._overwrite = path
                 return False, None
-            return self._make_own(path.parent), path
+            return self._has(path.parent), path
         if not os.path.isfile(path):
             self._error = f"There is no file {path.name} here."
             return False, None
         return True, path
 
-    def _make_own(self, folder: Path) -> bool:
-        """Make the user's own folder, where that is meant; returns whether one can go on."""
+    def _has(self, folder: Path) -> bool:
+        """Return whether a folder is there to save in; the user's own is made."""
         if folder != user_levels_dir():
             self._error = "" if os.path.isdir(folder) else f"There is no folder {folder}."
             return not self._error

@@ -197,7 +197,8 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
         CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
     """
     refuse_forked_process()
-    named = named_folder(directory)
+    _check_directory(directory)
+    named = str(directory)
     directory = surviving(Path(named))
     if not os.path.isdir(directory):
         directory = named_agent(named) or directory
@@ -210,15 +211,14 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
     return Agent(card.replace(name=name_in_run(checkpoint) or card.name), params)
 
 
-def named_folder(directory: Any) -> str:
-    """The words for an agent's directory.
+def _check_directory(directory: Any) -> None:
+    """Refuse what names no directory.
 
     Raises:
-        CheckpointError: They are empty, or no words at all.
+        CheckpointError: It is empty, or no path at all.
     """
     if not isinstance(directory, str | Path) or not str(directory):
         raise CheckpointError(f"directory={directory!r}: expected the directory of an agent")
-    return str(directory)
 
 
 def _no_agent(named: str) -> str:
@@ -251,7 +251,7 @@ def save_agent(
             f"agent: expected a kinetix agent, got {type(agent).__name__}; the order is "
             "save_agent(agent, directory)"
         )
-    named_folder(directory)
+    _check_directory(directory)
     match format:
         case "kinetix-agent":
             write_checkpoint(Path(directory), agent.card, agent.params["params"])

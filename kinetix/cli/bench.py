@@ -5,7 +5,7 @@ import dataclasses
 import itertools
 import json as json_module
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -173,15 +173,23 @@ def run(command: Command) -> int:
         return _everyday(command)
     if isinstance(command, DrawChart):
         return _chart(command)
-    rows = []
-    for row in _watched(_rows(command)):
-        rows.append(row)
-        print(json_module.dumps(row) if command.json else _text(row), flush=True)
+    rows = _printed(_rows(command), _text, json=command.json)
     if isinstance(command, MeasureScaling) and command.chart is not None and rows:
         from kinetix.bench.chart.scaling import write_scaling
 
         write_scaling(rows, command.chart)
     return 0
+
+
+def _printed(
+    found: Iterable[dict[str, Any]], text: Callable[[dict[str, Any]], str], *, json: bool
+) -> list[dict[str, Any]]:
+    """Print a line a row as soon as it is measured, and return the rows."""
+    rows = []
+    for row in _watched(found):
+        rows.append(row)
+        print(json_module.dumps(row) if json else text(row), flush=True)
+    return rows
 
 
 def _watched(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -289,10 +297,7 @@ def _accuracy(command: MeasureAccuracy) -> int:
     else:
         settings = AccuracySettings(scenes=command.scenes, physics=command.physics)
         found = measure_accuracy(settings)
-    rows = []
-    for row in _watched(found):
-        rows.append(row)
-        print(json_module.dumps(row) if command.json else scene_text(row), flush=True)
+    rows = _printed(found, scene_text, json=command.json)
     if not command.json:
         print(summary_text(rows))
     return 0
@@ -311,10 +316,7 @@ def _everyday(command: MeasureEveryday) -> int:
         classes=names,
         save=command.save,
     )
-    rows = []
-    for row in _watched(measure_everyday(settings)):
-        rows.append(row)
-        print(json_module.dumps(row) if command.json else text_of(row), flush=True)
+    rows = _printed(measure_everyday(settings), text_of, json=command.json)
     if not command.json:
         print(f"{sum(row['bad'] for row in rows)} of {sum(row['scenes'] for row in rows)} bad")
     return 0

@@ -60,9 +60,9 @@ def check_params(env_params: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {order}")
     if isinstance(env_params, EnvParams):
         for name, value in vars(env_params).items():
-            if np.ndim(value):
+            if shape := getattr(value, "shape", ()):
                 raise KinetixError(
-                    f"env_params.{name}: expected a number, got shape {np.shape(value)}; "
+                    f"env_params.{name}: expected a number, got shape {shape}; "
                     "jax.vmap(env.step, in_axes=(…, 0)) takes parameters for each world"
                 )
         check_numbers(env_params)

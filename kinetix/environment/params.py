@@ -3,8 +3,6 @@
 import dataclasses
 from typing import Any, Final, Literal
 
-import jax
-import numpy as np
 from jax.core import Tracer
 
 from kinetix.engine.presets import solver_named
@@ -86,19 +84,17 @@ def as_numbers(env_params: EnvParams) -> EnvParams:
         env_params: Of an environment that is about to be made.
 
     Raises:
-        KinetixError: One is traced, or an array of several numbers.
+        KinetixError: One is traced.
     """
     changes: dict[str, Any] = {}
     for field in dataclasses.fields(env_params):
         value = getattr(env_params, field.name)
-        number = as_number(value)
-        if isinstance(number, np.ndarray | jax.Array):
-            what = "a traced value" if isinstance(value, Tracer) else "several numbers"
+        if isinstance(value, Tracer):
             raise KinetixError(
-                f"env_params.{field.name}: expected a number, got {what}: make the environment "
-                "with usual parameters and give these to reset and step"
+                f"env_params.{field.name}: expected a number, got a traced value: make the "
+                "environment with usual parameters and give these to reset and step"
             )
-        changes[field.name] = number
+        changes[field.name] = as_number(value)
     return dataclasses.replace(env_params, **changes)
 
 

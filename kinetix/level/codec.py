@@ -296,7 +296,7 @@ def check_level(level: Level, name: str) -> None:
     for kind in ("bodies", "joints", "thrusters"):
         parts = getattr(level, kind)
         if not (isinstance(parts, tuple) and all(isinstance(part, Record) for part in parts)):
-            raise LevelError(f"{name}: $.{kind}: expected a sequence of Kinetix's")
+            raise LevelError(f"{name}: $.{kind}: expected a sequence of Kinetix's {kind}")
     tree = level_tree(level)
     for path in unsayable_paths(tree):
         raise LevelError(f"{name}: {path} is no JSON value (not finite, or no Unicode)")

@@ -330,11 +330,11 @@ def _pair_issues(level: Level, placed: list[_Placed]) -> Iterator[Issue]:
     contacts = overlaps = 0
     for a, b in _pairs_of_boxes(placed):
         enough = overlaps > MOST_OVERLAPS and contacts > room
-        touching = "green" in (a.body.role, b.body.role)
-        if (enough and not touching) or not modes_meet(a.body, b.body):
+        green = "green" in (a.body.role, b.body.role)
+        if (enough and not green) or not modes_meet(a.body, b.body):
             continue
         pushing = may_push((a.reference, a.body), (b.reference, b.body), component)
-        if not (pushing or touching):
+        if not (pushing or green):
             continue
         depth = overlap_depth(a.body, b.body)
         if pushing and depth >= -TOUCH_SLOP:

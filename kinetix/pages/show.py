@@ -85,7 +85,7 @@ def film_of_run(run: "Run", *, title: str = "") -> Film:
 def _film(one: Any) -> Film:
     if isinstance(one, Film):
         return one
-    if one == "":
+    if isinstance(one, str) and not one:
         raise KinetixError("show: the path is empty")
     if isinstance(one, str | Path):
         return film_of_file(Path(one))

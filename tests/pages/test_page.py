@@ -141,3 +141,8 @@ def test_the_command_writes_an_episode_and_a_comparison(tmp_path, capsys):
     assert [film["title"] for film in content["films"]] == ["solution", "noop"]
     assert content["films"][0]["outcome"] == "won"
     assert main(["render", "s/first_flight", str(tmp_path / "a.png"), "--rival", "noop"]) == 1
+
+
+def test_an_array_is_no_film_and_that_is_said():
+    with pytest.raises(KinetixError, match="got ndarray"):
+        kinetix.show(np.zeros(3))

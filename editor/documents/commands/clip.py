@@ -11,12 +11,14 @@ from editor.documents.commands.level import renumbered
 from kinetix.errors import CommandError, KinetixError
 from kinetix.files.json_text import parse_strictly
 from kinetix.files.limits import LIMITS
-from kinetix.level import codec
+from kinetix.level import canonical, codec
 from kinetix.level.geometry import bounds_of, referenced_body, to_local, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Point, Record, Thruster
 
 FORMAT: Final = "kinetix-clip"
 VERSION: Final = 1
+_LEVEL_MARKS: Final = (f'"{canonical.FORMAT}"', '"env_state"')
+"""One of them is in every level file."""
 
 
 class Clip(Record, frozen=True, kw_only=True):
@@ -70,10 +72,29 @@ def loads(text: str) -> Clip:
     return clip
 
 
-def _read(text: str) -> Clip:
-    """Read a clip; what holds of a level in a file holds of it too."""
+def loads_level(text: str) -> Level | None:
+    """Read the text of a level's file; None where it is none.
+
+    Raises:
+        CommandError: It is one that cannot be read.
+    """
+    if FORMAT in text[:200] or not any(mark in text for mark in _LEVEL_MARKS):
+        return None
+    try:
+        _check_length(text)
+        return codec.loads(text, "pasted")
+    except KinetixError as error:
+        raise CommandError(f"The level in the clipboard cannot be read. {error}") from None
+
+
+def _check_length(text: str) -> None:
     if len(text) > LIMITS["level"].largest:
         raise CommandError("it is too long")
+
+
+def _read(text: str) -> Clip:
+    """Read a clip; what holds of a level in a file holds of it too."""
+    _check_length(text)
     clip = msgspec.convert(parse_strictly(text, FORMAT), Clip)
     ends = {end for joint in clip.joints for end in (joint.a, joint.b)}
     ends |= {thruster.body for thruster in clip.thrusters}

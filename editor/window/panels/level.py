@@ -1,6 +1,7 @@
 """The level as a whole: name, rules, how full it is, the arena."""
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
@@ -30,6 +31,9 @@ _SIZE_OPTIONS: Final = (
 STANDARD_GRAVITY: Final = Level(name="x").gravity
 _GRAVITIES: Final = (("Earth", -9.81), ("Moon", -1.62), ("None", 0.0))
 
+Read = Callable[["Session", str], Any]
+"""Makes the value of a field of what was typed; None: the field stays as it is."""
+
 
 class LevelPanel(Panel):
     """Edits what belongs to no single entity."""
@@ -49,9 +53,9 @@ class LevelPanel(Panel):
             with widgets.property_table("level", label=0.37) as opened:
                 if opened:
                     widgets.row("Name")
-                    self._text(session, "name", level.name)
+                    self._text(session, "name", level.name, _name, longest=MAX_TITLE)
                     widgets.row("Tags", "Words of a–z, 0–9, - and _, separated by spaces.")
-                    self._text(session, "tags", " ".join(level.tags))
+                    self._text(session, "tags", " ".join(level.tags), _tags)
                     widgets.row("Time limit", "Environment steps; 30 of them take a second.")
                     with self._editor.level_resettable(session, "max_timesteps", 256) as room:
                         self._editor.level_field(session, "max_timesteps", width=room)
@@ -63,17 +67,16 @@ class LevelPanel(Panel):
             if widgets.section("Arena"):
                 self._arena(session, level)
 
-    def _text(self, session: "Session", field: str, value: str) -> None:
+    def _text(
+        self, session: "Session", field: str, value: str, read: Read, *, longest: int = 0
+    ) -> None:
         """A text that commits on Enter or when the field is left."""
 
         def commit(typed: str) -> None:
-            stored = _tags(session, typed) if field == "tags" else typed.strip()
-            if field == "name" and not stored:
-                session.toast("A level needs a name.", "warning")
-                return
-            session.queue(SetLevelField(field=field, value=stored))
+            stored = read(session, typed)
+            if stored is not None:
+                session.queue(SetLevelField(field=field, value=stored))
 
-        longest = MAX_TITLE if field == "name" else 0
         self._texts.line(session, f"level.{field}", value, commit, longest=longest)
 
     def _description(self, session: "Session", level: Level) -> None:
@@ -156,6 +159,14 @@ def _counter(label: str, used: int, limit: int) -> None:
         colour = COLOURS.bad if full else COLOURS.accent
         draw.add_rect_filled((at.x, at.y), (at.x + space * share, high[1]), u32(colour), px(2))
     imgui.dummy((0, px(5)))
+
+
+def _name(session: "Session", typed: str) -> str | None:
+    """The name that was typed; says so where there is none."""
+    name = typed.strip()
+    if not name:
+        session.toast("A level needs a name.", "warning")
+    return name or None
 
 
 def _tags(session: "Session", typed: str) -> list[str]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _ROWS: Final = 12
 _BELOW: Final = 40.0
-"""What is left free below the list, for the status line [px at 100 %]."""
+"""Room below the list, for the status line [px at 100 %]."""
 _REFUSED: Final = 3.0
 """Penalty of disabled entries: they stand below entries that match nearly as well."""
 

@@ -3,7 +3,6 @@
 import dataclasses
 from typing import Any, Final
 
-import jax.numpy as jnp
 import numpy as np
 
 from editor.documents.commands.rigid import component
@@ -12,6 +11,7 @@ from editor.worker.requests import (
 )
 from kinetix.environment.state import EnvState
 from kinetix.level.model import Level
+from kinetix.pytree import on_device
 
 PULL_RATE: Final = 8.0
 """A pulled point wants to close this share of its distance to the mouse per second [1/s]."""
@@ -69,21 +69,21 @@ def _teleported(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) ->
     position = np.array(state.physics.position)
     shift = np.array(pull.target, np.float32) - position[slots[held]]
     position[slots[rows]] += shift
+    changed = {"position": position}
     for name in ("velocity", "angular_velocity"):
-        still = np.array(getattr(state.physics, name))
-        still[slots[rows]] = 0.0
-        state = dataclasses.replace(
-            state, physics=dataclasses.replace(state.physics, **{name: jnp.asarray(still)})
-        )
-    return dataclasses.replace(
-        state, physics=dataclasses.replace(state.physics, position=jnp.asarray(position))
-    )
+        changed[name] = np.array(getattr(state.physics, name))
+        changed[name][slots[rows]] = 0.0
+    return _with(state, changed)
 
 
 def _with_row(state: EnvState, slot: int, **rows: Any) -> EnvState:
     changed = {}
     for name, row in rows.items():
-        values = np.array(getattr(state.physics, name))
-        values[slot] = row
-        changed[name] = jnp.asarray(values)
-    return dataclasses.replace(state, physics=dataclasses.replace(state.physics, **changed))
+        changed[name] = np.array(getattr(state.physics, name))
+        changed[name][slot] = row
+    return _with(state, changed)
+
+
+def _with(state: EnvState, changed: dict[str, np.ndarray]) -> EnvState:
+    physics = dataclasses.replace(state.physics, **on_device(changed))
+    return dataclasses.replace(state, physics=physics)
