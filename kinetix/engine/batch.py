@@ -90,6 +90,13 @@ class _Program:
         wide = [jnp.broadcast_to(x, (*x.shape[:-1], worlds)) for x in leaves]
         return jax.tree.unflatten(self.structure, wide)
 
+    def whole(self, *leaves: Array) -> list[Array]:
+        """The results of all worlds at once, as an accelerator computes them."""
+        with whole_batches():
+            done = self.kernel(*self.arguments(leaves))
+        shapes = self.results(leaves)
+        return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
+
     def shapes(self, leaves: Sequence[Any]) -> Tree:
         """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
         run = self.like or self.kernel
@@ -138,10 +145,8 @@ def _compiled(program: _Program, whole: bool) -> Callable[..., list[Array]]:
         if not _count(leaves):
             return [jnp.zeros(x.shape, x.dtype) for x in program.results(leaves)]
         if whole:
-            with whole_batches():
-                done = program.kernel(*program.arguments(leaves))
-        else:
-            done = in_parts(_by_tiles(program, leaves))
+            return program.whole(*leaves)
+        done = in_parts(_by_tiles(program, leaves))
         shapes = program.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 

@@ -1,0 +1,131 @@
+"""How each array of a program is kept: in registers, in memory, or not at all.
+
+- UNIFORM: a few numbers that every lane computes for itself and keeps in registers;
+- STORED: in the world's memory, its entries computed by the lanes side by side;
+- INLINE: computed where it is read: tables read elsewhere, and what is read only once.
+"""
+
+import collections
+import enum
+from collections.abc import Sequence
+from typing import Final
+
+from kinetix.engine.native.elementwise import ELEMENTWISE
+from kinetix.engine.native.program import Block, Node, Value, everywhere
+from kinetix.engine.native.reading import FREE, LOOKED_UP
+
+UNIFORM_SIZE: Final = 4
+"""Most entries of an array that every lane has for itself."""
+
+SERIAL_SIZE: Final = 8
+"""Most entries that are summed up by every lane for itself."""
+
+REDUCTIONS: Final = ("reduce_sum", "reduce_max", "reduce_min", "reduce_or", "reduce_and")
+
+
+class Form(enum.Enum):
+    """See above."""
+
+    UNIFORM = enum.auto()
+    STORED = enum.auto()
+    INLINE = enum.auto()
+
+
+class Forms:
+    """The form of every value of a program."""
+
+    def __init__(self, top: Block) -> None:
+        self._home: dict[Node, Block] = {}
+        self._uses: dict[Value, list[tuple[Block, Node | None]]] = collections.defaultdict(list)
+        self._found: dict[Value, Form] = {}
+        for block in everywhere(top):
+            for node in block.nodes:
+                self._home[node] = block
+                for x in node.inputs:
+                    self._uses[x].append((block, node))
+            for x in block.outputs:
+                self._uses[x].append((block, None))
+
+    def __getitem__(self, value: Value) -> Form:
+        if value not in self._found:
+            self._found[value] = self._form(value)
+        return self._found[value]
+
+    def roots(self, values: Sequence[Value]) -> set[Value]:
+        """What has to be there before some values can be read: none of it inline or constant."""
+        found: set[Value] = set()
+        open_ = list(values)
+        while open_:
+            value = open_.pop()
+            if value.constant is not None or not value.size:
+                continue
+            if self[value] is Form.INLINE:
+                assert value.node is not None
+                open_.extend(value.node.inputs)
+            else:
+                found.add(value)
+        return found
+
+    def _form(self, value: Value) -> Form:
+        node, small = value.node, value.size <= UNIFORM_SIZE
+        if value.constant is not None:
+            return Form.INLINE
+        if node is None:
+            return Form.UNIFORM if small else Form.STORED
+        if node.name in FREE:
+            if not small or all(self._is_known(x) for x in node.inputs):
+                return Form.INLINE
+            return Form.UNIFORM
+        if node.name in ELEMENTWISE or node.name in LOOKED_UP:
+            if small:
+                return Form.UNIFORM
+            return Form.INLINE if self._is_read_once(value) else Form.STORED
+        if node.name in REDUCTIONS:
+            return Form.UNIFORM if is_uniform_reduction(node) else Form.STORED
+        if node.name in ("while", "cond", "dynamic_update_slice"):
+            return Form.UNIFORM if small else Form.STORED
+        if node.name == "scan":
+            carried = node.outputs.index(value) < len(node.inputs)
+            return Form.UNIFORM if small and carried else Form.STORED
+        return Form.STORED
+
+    def _is_known(self, value: Value) -> bool:
+        """Tell whether reading it costs nothing."""
+        if value.constant is not None:
+            return True
+        if self[value] is Form.INLINE:
+            assert value.node is not None
+            return all(self._is_known(x) for x in value.node.inputs)
+        return self[value] is Form.UNIFORM
+
+    def _is_read_once(self, value: Value) -> bool:
+        """Tell whether each entry is read at most once, in the block where it is made."""
+        assert value.node is not None
+        uses = self._uses[value]
+        if len(uses) != 1 or uses[0][0] is not self._home[value.node]:
+            return False
+        reader = uses[0][1]
+        if reader is None:
+            return True
+        result = reader.outputs[0]
+        if reader.name in ELEMENTWISE or reader.name == "gather":
+            return result.size <= value.size
+        if reader.name in FREE:
+            if result.size > value.size:
+                return False
+            return result.size <= UNIFORM_SIZE or self._is_read_once(result)
+        if reader.name in REDUCTIONS or reader.name in ("pad", "concatenate"):
+            return True
+        if reader.name == "dynamic_update_slice":
+            return reader.inputs[0] is not value and reader.inputs[1] is value
+        return reader.name in ("while", "scan")
+
+
+def is_uniform_reduction(node: Node) -> bool:
+    """Tell whether a reduction's result is kept by every lane."""
+    return node.outputs[0].size == 1 or is_serial_reduction(node)
+
+
+def is_serial_reduction(node: Node) -> bool:
+    """Tell whether every lane reduces all entries for itself."""
+    return node.inputs[0].size <= SERIAL_SIZE and node.outputs[0].size <= UNIFORM_SIZE

@@ -1,0 +1,198 @@
+"""Operations that only read others elsewhere: a row of the table says where, and what it costs.
+
+`read(value, index)` gives the C of an entry. FREE ones are never stored: a transposed table is the
+table, read at other places.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import jax
+import numpy as np
+
+from kinetix.engine.native.index import Index, Number, plus, times
+from kinetix.engine.native.program import Node, Value
+
+Read = Callable[[Value, Index], str]
+Rule = Callable[[Node, Index, Read], str]
+
+
+def _broadcast(node: Node, index: Index, read: Read) -> str:
+    x, axes = node.inputs[0], node.parameters["broadcast_dimensions"]
+    if x.size == node.outputs[0].size:
+        return read(x, index.reshaped(x.shape))
+    at = [
+        0 if size == 1 else index.coordinates[axis] for axis, size in zip(axes, x.shape, strict=True)
+    ]
+    return read(x, Index(x.shape, coordinates=at))
+
+
+def _reshaped(node: Node, index: Index, read: Read) -> str:
+    x = node.inputs[0]
+    return read(x, index.reshaped(x.shape))
+
+
+def _transposed(node: Node, index: Index, read: Read) -> str:
+    x = node.inputs[0]
+    at: list[Number] = [0] * len(x.shape)
+    for axis, source in enumerate(node.parameters["permutation"]):
+        at[source] = index.coordinates[axis]
+    return read(x, Index(x.shape, coordinates=at))
+
+
+def _reversed(node: Node, index: Index, read: Read) -> str:
+    x = node.inputs[0]
+    at = [
+        plus(x.shape[axis] - 1, f"-{here}" if isinstance(here, str) else -here)
+        if axis in node.parameters["dimensions"]
+        else here
+        for axis, here in enumerate(index.coordinates)
+    ]
+    return read(x, Index(x.shape, coordinates=at))
+
+
+def _sliced(node: Node, index: Index, read: Read) -> str:
+    x, starts = node.inputs[0], node.parameters["start_indices"]
+    strides = node.parameters["strides"] or [1] * len(x.shape)
+    at = [
+        plus(times(here, stride), start)
+        for here, start, stride in zip(index.coordinates, starts, strides, strict=True)
+    ]
+    return read(x, Index(x.shape, coordinates=at))
+
+
+def starts_of(
+    starts: Sequence[Value], shape: Sequence[int], window: Sequence[int], read: Read
+) -> list[Number]:
+    """Where a window begins whose place is only known at run time: it stays in the array."""
+    found: list[Number] = []
+    for start, size, extent in zip(starts, shape, window, strict=True):
+        if size == extent:
+            found.append(0)
+        elif start.constant is not None:
+            found.append(min(max(int(start.constant), 0), size - extent))
+        else:
+            found.append(f"clipped({read(start, Index.first(start.shape))},{size - extent})")
+    return found
+
+
+def _dynamic_slice(node: Node, index: Index, read: Read) -> str:
+    x, *starts = node.inputs
+    found = starts_of(starts, x.shape, index.shape, read)
+    at = [plus(start, here) for start, here in zip(found, index.coordinates, strict=True)]
+    return read(x, Index(x.shape, coordinates=at))
+
+
+def _row(node: Node, index: Index, read: Read) -> str:
+    table, turn = node.inputs
+    at = [read(turn, Index.first(())), *index.coordinates]
+    return read(table, Index(table.shape, coordinates=at))
+
+
+def _iota(node: Node, index: Index, read: Read) -> str:
+    del read
+    here = index.coordinates[node.parameters["dimension"]]
+    return str(here) if np.issubdtype(node.outputs[0].dtype, np.integer) else f"float({here})"
+
+
+def _gathered(node: Node, index: Index, read: Read) -> str:
+    table, indices = node.inputs
+    numbers, sizes = node.parameters["dimension_numbers"], node.parameters["slice_sizes"]
+    batch = [x for axis, x in enumerate(index.coordinates) if axis not in numbers.offset_dims]
+    offsets = [index.coordinates[axis] for axis in numbers.offset_dims]
+    at: list[Number] = [0] * len(table.shape)
+    left_out = {*numbers.collapsed_slice_dims, *numbers.operand_batching_dims}
+    for axis in range(len(table.shape)):
+        if axis not in left_out:
+            at[axis] = offsets.pop(0)
+    for axis, source in zip(
+        numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True
+    ):
+        at[axis] = batch[source]
+    mode = jax.lax.GatherScatterMode.from_any(node.parameters["mode"])
+    inside = []
+    for place, axis in enumerate(numbers.start_index_map):
+        start = read(indices, Index(indices.shape, coordinates=[*batch, place]))
+        most = table.shape[axis] - sizes[axis]
+        if mode is jax.lax.GatherScatterMode.FILL_OR_DROP:
+            inside.append(f"{start}>=0&&{start}<={most}")
+        at[axis] = plus(at[axis], f"clipped({start},{most})" if most else 0)
+    found = read(table, Index(table.shape, coordinates=at))
+    if not inside:
+        return found
+    return f"({'&&'.join(inside)}?{found}:{_fill(node)})"
+
+
+def _fill(node: Node) -> str:
+    value, dtype = node.parameters["fill_value"], node.outputs[0].dtype
+    if value is not None:
+        return str(value)
+    if np.issubdtype(dtype, np.floating):
+        return "NOT_A_NUMBER"
+    return "true" if dtype == bool else f"({np.iinfo(dtype).min + 1}-1)"
+
+
+def _padded(node: Node, index: Index, read: Read) -> str:
+    x, filling = node.inputs
+    inside: list[str] = []
+    at: list[Number] = []
+    for here, size, (low, _, inner) in zip(
+        index.coordinates, x.shape, node.parameters["padding_config"], strict=True
+    ):
+        if inner:
+            raise KeyError("pad between entries")
+        place = plus(here, -low)
+        if isinstance(place, int) and not 0 <= place < size:
+            return read(filling, Index.first(()))
+        if isinstance(place, str):
+            inside.append(f"unsigned({place})<{size}u")
+        at.append(place)
+    found = read(x, Index(x.shape, coordinates=at))
+    if not inside:
+        return found
+    return f"({'&&'.join(inside)}?{found}:{read(filling, Index.first(()))})"
+
+
+def _joined(node: Node, index: Index, read: Read) -> str:
+    axis = node.parameters["dimension"]
+    here, first = index.coordinates[axis], 0
+    parts = []
+    for x in node.inputs:
+        size = x.shape[axis]
+        if isinstance(here, int) and not first <= here < first + size:
+            first += size
+            continue
+        at = list(index.coordinates)
+        at[axis] = plus(here, -first)
+        first += size
+        if size:
+            parts.append((first, read(x, Index(x.shape, coordinates=at))))
+    *others, (_, chain) = parts
+    for limit, expression in reversed(others):
+        chain = f"({here}<{limit}?{expression}:{chain})"
+    return chain
+
+
+FREE: Final[dict[str, Rule]] = {
+    "broadcast_in_dim": _broadcast,
+    "reshape": _reshaped,
+    "squeeze": _reshaped,
+    "expand_dims": _reshaped,
+    "transpose": _transposed,
+    "rev": _reversed,
+    "slice": _sliced,
+    "dynamic_slice": _dynamic_slice,
+    "row": _row,
+    "iota": _iota,
+}
+"""By primitive: what is read in place of an entry."""
+
+LOOKED_UP: Final[dict[str, Rule]] = {
+    "gather": _gathered,
+    "pad": _padded,
+    "concatenate": _joined,
+}
+"""The same, where it is worth to do it once only."""
+
+GUARDED: Final = ("pad", "gather", "concatenate")
+"""Operations that read where there may be nothing, behind a condition."""
