@@ -26,6 +26,7 @@ from kinetix.engine.garbage import uncollected
 from kinetix.engine.lookup import put, row
 from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
+from kinetix.engine.native.launch import lowering
 from kinetix.engine.packing import pack, unpack
 from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.store import Store
@@ -37,8 +38,11 @@ TILE: Final = 128
 """Most worlds that are advanced together: few enough for the cache, enough to fill the lanes."""
 
 MARKED_AT_ONCE: Final = 32
-"""Marked worlds that are made anew together. With fewer, many marks in one step take many rounds;
-with more, a single mark pays for worlds that nobody needs."""
+"""Marked worlds that are made anew together, at least. With fewer, many marks in one step take many
+rounds; with more, a single mark pays for worlds that nobody needs."""
+
+MARKED_SHARE: Final = 128
+"""Of so many worlds one is made anew in a round: an episode is about twice as long."""
 
 
 def worlds_last(
@@ -206,6 +210,7 @@ ad.primitive_jvps[_RUN] = _no_derivative
 batching.primitive_batchers[_RUN] = _batched
 mlir.register_lowering(_RUN, _lowering(_on_accelerator))
 mlir.register_lowering(_RUN, _lowering(_on_processor), platform="cpu")
+mlir.register_lowering(_RUN, lowering(_lowering(_on_accelerator)), platform="cuda")
 
 
 def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
@@ -323,6 +328,32 @@ def _as_large_as(new: Shaped[Array, "n ..."], old: Shaped[Array, "m ..."]) -> Ar
     )
 
 
+def _replaced_in_turn(old: Tree, new: Tree, places: Int[Array, " k"]) -> Tree:
+    """Put new worlds where the places say; the first ones count that are inside."""
+    worlds = len(jax.tree.leaves(old)[0])
+
+    def replace(k: Int[Array, ""], old: Tree) -> Tree:
+        place = row(places, k)[0]
+        return jax.tree.map(lambda a, b: put(a, row(b, k).astype(a.dtype), place, 0), old, new)
+
+    return jax.lax.fori_loop(0, jnp.sum(places < worlds), replace, old)
+
+
+def _replaced_at_once(old: Tree, new: Tree, places: Int[Array, " k"]) -> Tree:
+    """The same, each world looking for what replaces it: a handful of kernels for all arrays."""
+    worlds = len(jax.tree.leaves(old)[0])
+    nothing = jnp.full(worlds, len(places), jnp.int32)
+    source = nothing.at[places].set(jnp.arange(len(places), dtype=jnp.int32), mode="drop")
+    is_new = source < len(places)
+    source = jnp.minimum(source, len(places) - 1)
+
+    def one(a: Array, b: Array) -> Array:
+        mask = is_new.reshape(worlds, *[1] * (a.ndim - 1))
+        return jnp.where(mask, _chosen(b, source).astype(a.dtype), a)
+
+    return jax.tree.map(one, old, new)
+
+
 def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
     """Return a function that makes anew what marked worlds have.
 
@@ -340,7 +371,7 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
         worlds = marked.shape[0]
         if not worlds:
             return old
-        chunk = min(MARKED_AT_ONCE, worlds)
+        chunk = min(max(MARKED_AT_ONCE, worlds // MARKED_SHARE), worlds)
         (rows,) = jnp.nonzero(marked, size=worlds)
         rows = jnp.pad(rows, (0, chunk))
         count = jnp.sum(marked)
@@ -353,15 +384,11 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
             chosen = jax.lax.dynamic_slice_in_dim(rows, first, chunk)
             new = jax.vmap(make)(jax.tree.map(lambda x: _chosen(x, chosen), seeds))
             new = jax.tree.map(_as_large_as, new, old)
-
-            def replace(k: Int[Array, ""], old: Tree) -> Tree:
-                place = row(chosen, k)[0]
-                return jax.tree.map(
-                    lambda a, b: put(a, row(b, k).astype(a.dtype), place, 0), old, new
-                )
-
-            end = jnp.minimum(count - first, chunk)
-            return first + chunk, jax.lax.fori_loop(0, end, replace, old)
+            places = jnp.where(jnp.arange(chunk) < count - first, chosen, worlds)
+            replaced = jax.lax.platform_dependent(
+                old, new, places, default=_replaced_in_turn, cuda=_replaced_at_once
+            )
+            return first + chunk, replaced
 
         return jax.lax.while_loop(unfinished, replace_chunk, (jnp.zeros((), count.dtype), old))[1]
 

@@ -31,7 +31,7 @@
 #define ALL_AND(x) __all_sync(~0u, x)
 #define TABLE(type, name, size) static __constant__ const type name[size] =
 #endif
-#define ARRAY(type, name, place) type* const name = (type*)(scratch + place);
+#define ARRAY(type, name, place) type* const name = (type*)(place);
 
 // Not-a-number wins.
 #ifdef PROCESSOR

@@ -153,7 +153,7 @@ def _while(
 def _scan(
     reader: _Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]
 ) -> None:
-    constants, carried = parameters["num_consts"], parameters["num_carry"]
+    constants, carried = _scan_parts(parameters)
     given, start = inputs[:constants], inputs[constants : constants + carried]
     node = reader.add(
         "scan", start, results, length=parameters["length"], reverse=parameters["reverse"]
@@ -169,6 +169,14 @@ def _scan(
         rows.append(row)
     inner.read(parameters["jaxpr"], [*given, *carry, *rows])
     node.blocks.append(body)
+
+
+def _scan_parts(parameters: dict[str, Any]) -> tuple[int, int]:
+    """Count a scan's constants and what it carries; JAX 0.11 says it in another way."""
+    if "ft_in" in parameters:
+        constants, carried, _ = parameters["ft_in"].unpack()
+        return len(constants), len(carried)
+    return parameters["num_consts"], parameters["num_carry"]
 
 
 def _cond(
@@ -187,6 +195,19 @@ def _split(
         start[axis] = first
         first += result.shape[axis]
         reader.add("slice", inputs, [result], start_indices=start, strides=None)
+
+
+def _unstack(
+    reader: _Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]
+) -> None:
+    (table,), axis = inputs, parameters["axis"]
+    for place, result in enumerate(results):
+        start = [0] * len(table.shape)
+        start[axis] = place
+        shape = (*table.shape[:axis], 1, *table.shape[axis + 1 :])
+        part = Value(shape, table.dtype)
+        reader.add("slice", inputs, [part], start_indices=start, strides=None)
+        reader.add("reshape", [part], [result])
 
 
 def _stack(
@@ -226,6 +247,7 @@ SPECIAL: Final[dict[str, Callable[..., None]]] = {
     "cond": _cond,
     "split": _split,
     "stack": _stack,
+    "unstack": _unstack,
 }
 """Operations that are read as others."""
 

@@ -45,6 +45,9 @@ Registers = list[str]
 Place = Buffer | Outside | Registers
 
 
+MOST_NEAR: Final = 1024
+"""Bytes of an array that lies in near memory; of larger ones few rows are used at a time."""
+
 NEVER: Final = 1 << 60
 """A time after all others."""
 
@@ -98,27 +101,27 @@ class Written:
 
     body: str
     constants: str
-    scratch: int
-    """Bytes of memory of a world."""
+    near: int
+    """Bytes of memory of a world that its lanes share."""
+    far: int
+    """The same, for large arrays, of which a world uses a part."""
 
 
-def written(program: Block, shared: Sequence[bool]) -> Written:
+def written(program: Block) -> Written:
     """Write a program.
 
     Args:
         program: Of one world.
-        shared: Which of its arguments all worlds share.
 
     Raises:
         KeyError: There is no rule for an operation or a type.
     """
-    return _Writer(program, shared).whole()
+    return _Writer(program).whole()
 
 
 class _Writer:
-    def __init__(self, program: Block, shared: Sequence[bool]) -> None:
+    def __init__(self, program: Block) -> None:
         self.program = program
-        self.shared = shared
         self.forms = Forms(program)
         self.lines: list[str] = []
         self.constants: list[str] = []
@@ -152,16 +155,20 @@ class _Writer:
             if value.size:
                 outputs.append((value, Target(Outside(f"out{number}"))))
         self._block(self.program, outputs)
-        spans = [buffer.span for buffer in self.buffers]
-        prolonged(spans, self.loops)
-        scratch = placed(spans)
+        prolonged([buffer.span for buffer in self.buffers], self.loops)
+        far = [buffer for buffer in self.buffers if buffer.span.size > MOST_NEAR]
+        near = [buffer for buffer in self.buffers if buffer.span.size <= MOST_NEAR]
+        sizes = [placed(buffer.span for buffer in some) for some in (near, far)]
         declared = [
-            f"ARRAY({c_type(b.dtype)}, {b.name}, {b.span.place})" for b in self.buffers
+            f"ARRAY({c_type(b.dtype)}, {b.name}, {where} + {b.span.place})"
+            for where, some in (("near", near), ("far", far))
+            for b in some
         ]
         return Written(
             body="\n".join([*declared, *self.lines]),
             constants="\n".join(self.constants),
-            scratch=scratch,
+            near=sizes[0],
+            far=sizes[1],
         )
 
     # --- names, memory, waiting ---
