@@ -12,8 +12,8 @@ import jax
 
 from kinetix.paths import cache_dir
 
-OPTIONS: Final = ("--std=c++17",)
-"""Of the compiler, beside the architecture."""
+OPTIONS: Final = ("--std=c++17", "--prec-div=false", "--prec-sqrt=false")
+"""Of the compiler, beside the architecture: quotients and roots to two units in the last place."""
 
 
 _VERSION: Final = b"8.3"
@@ -33,7 +33,7 @@ def architecture() -> str | None:
     return f"sm_{str(device.compute_capability).replace('.', '')}"
 
 
-def compiled(source: str, target: str) -> bytes:
+def compiled(source: str, target: str) -> str:
     """Compile a program.
 
     Args:
@@ -51,14 +51,14 @@ def compiled(source: str, target: str) -> bytes:
     with contextlib.suppress(OSError):
         code = file.read_bytes()
         os.utime(file)
-        return code
+        return code.decode()
     code = _compiled(source, target)
     with contextlib.suppress(OSError):  # a cache that cannot be written to is none
         file.parent.mkdir(parents=True, exist_ok=True)
         own = file.with_suffix(f".{os.getpid()}")
         own.write_bytes(code)
         own.replace(file)
-    return code
+    return code.decode()
 
 
 def _compiled(source: str, target: str) -> bytes:

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from kinetix.engine.native.program import Node
+from kinetix.engine.native.program import CannotTranslate, Node
 
 Rule = Callable[[Node, Sequence[str]], str]
 
@@ -24,8 +24,10 @@ def c_type(dtype: np.dtype) -> str:
     """Return the type in C.
 
     Raises:
-        KeyError: There is none for it here.
+        CannotTranslate: There is none for it here.
     """
+    if dtype.name not in C_TYPES:
+        raise CannotTranslate(f"there are no arrays of {dtype.name} in kernels")
     return C_TYPES[dtype.name]
 
 
@@ -117,11 +119,11 @@ ELEMENTWISE: Final[dict[str, Rule]] = {
     "neg": lambda _, x: f"(-{x[0]})",
     "abs": _call("magnitude"),
     "sign": _call("sign_of"),
-    "sin": _call("sinf"),
-    "cos": _call("cosf"),
-    "tan": _call("tanf"),
-    "tanh": _call("tanhf"),
-    "atan2": _call("atan2f"),
+    "sin": _call("sine"),
+    "cos": _call("cosine"),
+    "tan": _call("tangent"),
+    "tanh": _call("hyperbolic_tangent"),
+    "atan2": _call("angle_of"),
     "exp": _call("expf"),
     "log": _call("logf"),
     "sqrt": _call("sqrtf"),

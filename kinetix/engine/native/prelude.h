@@ -9,6 +9,7 @@
 #else
 #define LANES(i, n) for (int i = 0; i < (n); i++)
 #endif
+#define TURNS
 #define ONCE
 #define SYNC
 #define ALL_SUM(x) (x)
@@ -21,14 +22,16 @@
 #define ANY static __device__ __forceinline__
 #define NOT_A_NUMBER __int_as_float(0x7fc00000)
 #define INFINITE __int_as_float(0x7f800000)
-#define LANES(i, n) for (int i = lane; i < (n); i += LANE_COUNT)
+// Written once, not unrolled: fetching instructions is what takes the time.
+#define LANES(i, n) _Pragma("unroll 1") for (int i = lane; i < (n); i += LANE_COUNT)
+#define TURNS _Pragma("unroll 1")
 #define ONCE if (lane == 0)
-#define SYNC __syncwarp();
-#define ALL_SUM(x) all_lanes(x, [](auto a, auto b) { return a + b; })
-#define ALL_MAX(x) all_lanes(x, [](auto a, auto b) { return larger(a, b); })
-#define ALL_MIN(x) all_lanes(x, [](auto a, auto b) { return smaller(a, b); })
-#define ALL_OR(x) __any_sync(~0u, x)
-#define ALL_AND(x) __all_sync(~0u, x)
+#define SYNC __syncwarp(lanes);
+#define ALL_SUM(x) all_lanes(x, lanes, [](auto a, auto b) { return a + b; })
+#define ALL_MAX(x) all_lanes(x, lanes, [](auto a, auto b) { return larger(a, b); })
+#define ALL_MIN(x) all_lanes(x, lanes, [](auto a, auto b) { return smaller(a, b); })
+#define ALL_OR(x) bool(__any_sync(lanes, x))
+#define ALL_AND(x) bool(__all_sync(lanes, x))
 #define TABLE(type, name, size) static __constant__ const type name[size] =
 #endif
 #define ARRAY(type, name, place) type* const name = (type*)(place);
@@ -53,6 +56,18 @@ ANY int larger(int a, int b) { return a > b ? a : b; }
 ANY int smaller(int a, int b) { return a < b ? a : b; }
 ANY unsigned larger(unsigned a, unsigned b) { return a > b ? a : b; }
 ANY unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
+
+// Out of line: what is long would be fetched wherever it stands.
+#ifdef PROCESSOR
+#define FUNCTION static
+#else
+#define FUNCTION static __device__ __noinline__
+#endif
+FUNCTION float sine(float a) { return sinf(a); }
+FUNCTION float cosine(float a) { return cosf(a); }
+FUNCTION float tangent(float a) { return tanf(a); }
+FUNCTION float hyperbolic_tangent(float a) { return tanhf(a); }
+FUNCTION float angle_of(float y, float x) { return atan2f(y, x); }
 
 ANY int clipped(int place, int most) { return place < 0 ? 0 : place > most ? most : place; }
 ANY float magnitude(float a) { return fabsf(a); }
@@ -84,9 +99,9 @@ ANY T power(T a) {
 
 #ifndef PROCESSOR
 template <class T, class F>
-ANY T all_lanes(T own, F combined) {
+ANY T all_lanes(T own, unsigned lanes, F combined) {
   for (int other = LANE_COUNT / 2; other; other /= 2)
-    own = combined(own, __shfl_xor_sync(~0u, own, other));
+    own = combined(own, __shfl_xor_sync(lanes, own, other));
   return own;
 }
 #endif

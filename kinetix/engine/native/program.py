@@ -15,6 +15,10 @@ from jax.extend import core as jex
 from jaxtyping import Shaped
 
 
+class CannotTranslate(Exception):
+    """There is no rule for something; the message says what."""
+
+
 @dataclasses.dataclass(eq=False)
 class Value:
     """One array."""

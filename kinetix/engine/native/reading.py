@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from kinetix.engine.native.index import Index, Number, plus, times
-from kinetix.engine.native.program import Node, Value
+from kinetix.engine.native.program import CannotTranslate, Node, Value
 
 Read = Callable[[Value, Index], str]
 Rule = Callable[[Node, Index, Read], str]
@@ -22,7 +22,8 @@ def _broadcast(node: Node, index: Index, read: Read) -> str:
     if x.size == node.outputs[0].size:
         return read(x, index.reshaped(x.shape))
     at = [
-        0 if size == 1 else index.coordinates[axis] for axis, size in zip(axes, x.shape, strict=True)
+        0 if size == 1 else index.coordinates[axis]
+        for axis, size in zip(axes, x.shape, strict=True)
     ]
     return read(x, Index(x.shape, coordinates=at))
 
@@ -140,7 +141,7 @@ def _padded(node: Node, index: Index, read: Read) -> str:
         index.coordinates, x.shape, node.parameters["padding_config"], strict=True
     ):
         if inner:
-            raise KeyError("pad between entries")
+            raise CannotTranslate("nothing can be padded between entries in kernels")
         place = plus(here, -low)
         if isinstance(place, int) and not 0 <= place < size:
             return read(filling, Index.first(()))

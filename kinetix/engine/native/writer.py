@@ -16,7 +16,7 @@ from kinetix.engine.native.elementwise import ELEMENTWISE, c_type, literal
 from kinetix.engine.native.forms import Form, Forms, is_serial_reduction
 from kinetix.engine.native.index import Index, Number, plus, times
 from kinetix.engine.native.memory import Span, placed, prolonged
-from kinetix.engine.native.program import Block, Node, Value
+from kinetix.engine.native.program import Block, CannotTranslate, Node, Value
 from kinetix.engine.native.reading import FREE, LOOKED_UP, starts_of
 
 
@@ -45,8 +45,8 @@ Registers = list[str]
 Place = Buffer | Outside | Registers
 
 
-MOST_NEAR: Final = 1024
-"""Bytes of an array that lies in near memory; of larger ones few rows are used at a time."""
+SCATTERED: Final = {"scatter": "{0}={1};", "scatter-add": "{0}+={1};", "scatter_add": "{0}+={1};"}
+"""What becomes of an entry that a change goes to."""
 
 NEVER: Final = 1 << 60
 """A time after all others."""
@@ -107,16 +107,17 @@ class Written:
     """The same, for large arrays, of which a world uses a part."""
 
 
-def written(program: Block) -> Written:
+def written(program: Block, largest: int) -> Written:
     """Write a program.
 
     Args:
         program: Of one world.
+        largest: Array that lies in near memory [bytes].
 
     Raises:
-        KeyError: There is no rule for an operation or a type.
+        CannotTranslate: There is no rule for an operation or a type.
     """
-    return _Writer(program).whole()
+    return _Writer(program).whole(largest)
 
 
 class _Writer:
@@ -147,7 +148,7 @@ class _Writer:
         self.unread: set[Buffer] = set()
         self.read_since = False
 
-    def whole(self) -> Written:
+    def whole(self, largest: int) -> Written:
         """The text of the whole function."""
         self._arguments()
         outputs = []
@@ -156,8 +157,8 @@ class _Writer:
                 outputs.append((value, Target(Outside(f"out{number}"))))
         self._block(self.program, outputs)
         prolonged([buffer.span for buffer in self.buffers], self.loops)
-        far = [buffer for buffer in self.buffers if buffer.span.size > MOST_NEAR]
-        near = [buffer for buffer in self.buffers if buffer.span.size <= MOST_NEAR]
+        far = [buffer for buffer in self.buffers if buffer.span.size > largest]
+        near = [buffer for buffer in self.buffers if buffer.span.size <= largest]
         sizes = [placed(buffer.span for buffer in some) for some in (near, far)]
         declared = [
             f"ARRAY({c_type(b.dtype)}, {b.name}, {where} + {b.span.place})"
@@ -255,7 +256,7 @@ class _Writer:
             return FREE[node.name](node, index, self.read)
         rule = LOOKED_UP.get(node.name)
         if rule is None:
-            raise KeyError(node.name)
+            raise CannotTranslate(f"kernels have no rule for {node.name}")
         self.guards += 1
         try:
             return rule(node, index, self.read)
@@ -292,7 +293,9 @@ class _Writer:
         if key not in self.known_constants:
             name = self.known_constants[key] = self.name("k")
             entries = ",".join(literal(x, value.dtype) for x in flat)
-            self.constants.append(f"TABLE({c_type(value.dtype)}, {name}, {flat.size}) {{{entries}}};")
+            self.constants.append(
+                f"TABLE({c_type(value.dtype)}, {name}, {flat.size}) {{{entries}}};"
+            )
         return f"{self.known_constants[key]}[{index.flat}]"
 
     # --- arguments and blocks ---
@@ -417,7 +420,9 @@ class _Writer:
                 for x in node.inputs:
                     if x.size:
                         inner = times(first, int(np.prod(value.shape[axis + 1 :])))
-                        self._store_items(x, Target(target.place, first=plus(target.first, inner)), add)
+                        self._store_items(
+                            x, Target(target.place, first=plus(target.first, inner)), add
+                        )
                     first += x.shape[axis]
                 return
         add([value], [], source=value, target=target, count=value.size)
@@ -586,7 +591,11 @@ class _Writer:
         while again:
             again = False
             for item in left:
-                if item.count != first.count or item in group or not self._is_ready(item, [*group, item]):
+                if (
+                    item.count != first.count
+                    or item in group
+                    or not self._is_ready(item, [*group, item])
+                ):
                     continue
                 if self._add(item, before, sums, stores):
                     group.append(item)
@@ -698,7 +707,7 @@ class _Writer:
             return
         self.lines.append(f"{kind} {name}={_nothing(node)};")
         turn = self.name("j")
-        self.lines.append(f"for(int {turn}=0;{turn}<{int(np.prod(sizes))};{turn}++) {{")
+        self.lines.append(f"TURNS for(int {turn}=0;{turn}<{int(np.prod(sizes))};{turn}++) {{")
         outer = self.loaded
         self.loaded = dict(outer or {})
         inner = Index(sizes, flat=turn).coordinates
@@ -744,7 +753,7 @@ class _Writer:
         elif node.name.startswith("scatter"):
             self._scatter(item, node)
         else:
-            raise KeyError(node.name)
+            raise CannotTranslate(f"kernels have no rule for {node.name}")
 
     def _carry(
         self, item: Item, starts: Sequence[Value], results: Sequence[Value], inner: Sequence[Value]
@@ -775,7 +784,9 @@ class _Writer:
             self.places[result] = buffer
         self._store(copies)
 
-    def _turn(self, body: Block, carried: Sequence[Value], extra: Sequence[tuple[Value, Target]]) -> None:
+    def _turn(
+        self, body: Block, carried: Sequence[Value], extra: Sequence[tuple[Value, Target]]
+    ) -> None:
         """A loop's body: what it carries is replaced at its end."""
         results = body.outputs[: len(carried)]
         stores = list(extra)
@@ -819,7 +830,7 @@ class _Writer:
                 self.places[other] = self.places[own]
                 if isinstance(self.places[own], Buffer):
                     self.places[own].tenants.append(other)
-        with self._looped("for(;;) {"):
+        with self._looped("TURNS for(;;) {"):
             self._block(condition, [], condition.outputs)
             with self.work():
                 going = self.read(condition.outputs[0], Index.first(()))
@@ -839,9 +850,9 @@ class _Writer:
                 buffer = self.places[result] = self.buffer(result)
                 collected.append((row, Target(buffer, first=times(name, row.size))))
         self.places[turn] = [name]
-        head = f"for(int {name}=0;{name}<{length};{name}++) {{"
+        head = f"TURNS for(int {name}=0;{name}<{length};{name}++) {{"
         if node.parameters["reverse"]:
-            head = f"for(int {name}={length - 1};{name}>=0;{name}--) {{"
+            head = f"TURNS for(int {name}={length - 1};{name}>=0;{name}--) {{"
         with self._looped(head):
             self._turn(body, carried, collected)
 
@@ -930,17 +941,20 @@ class _Writer:
     def _scatter(self, item: Item, node: Node) -> None:
         """Changes here and there, one after the other."""
         base, indices, updates = node.inputs
-        kinds = {"scatter": "{0}={1};", "scatter-add": "{0}+={1};", "scatter_add": "{0}+={1};"}
-        text = kinds[node.name]
+        text = SCATTERED.get(node.name)
+        if text is None:
+            raise CannotTranslate(f"kernels have no rule for {node.name}")
         numbers = node.parameters["dimension_numbers"]
         busy = base in self.forms.roots([indices, updates])
         buffer = self._base(item, node, busy=busy)
         with self.work([buffer]) as lines:
             turn = self.name("j")
-            lines.append(f"ONCE for(int {turn}=0;{turn}<{updates.size};{turn}++) {{")
+            lines.append(f"ONCE TURNS for(int {turn}=0;{turn}<{updates.size};{turn}++) {{")
             index = Index(updates.shape, flat=turn)
             batch = [
-                x for axis, x in enumerate(index.coordinates) if axis not in numbers.update_window_dims
+                x
+                for axis, x in enumerate(index.coordinates)
+                if axis not in numbers.update_window_dims
             ]
             window = [index.coordinates[axis] for axis in numbers.update_window_dims]
             at: list[Number] = [0] * len(base.shape)
@@ -979,9 +993,7 @@ def _same_place(value: Value, index: Index) -> Index:
     return Index(value.shape, coordinates=at)
 
 
-def _beside(
-    value: Value, axes: Sequence[int], index: Index, inner: Sequence[Number]
-) -> Index:
+def _beside(value: Value, axes: Sequence[int], index: Index, inner: Sequence[Number]) -> Index:
     """The place of one of the entries that go into a result."""
     kept, reduced, at = iter(index.coordinates), iter(inner), []
     for axis in range(len(value.shape)):
