@@ -8,19 +8,11 @@
 import collections
 import enum
 from collections.abc import Sequence
-from typing import Final
 
 from kinetix.engine.native.elementwise import ELEMENTWISE
 from kinetix.engine.native.program import Block, Node, Value, everywhere
 from kinetix.engine.native.reading import FREE, LOOKED_UP
-
-UNIFORM_SIZE: Final = 4
-"""Most entries of an array that every lane has for itself."""
-
-SERIAL_SIZE: Final = 8
-"""Most entries that are summed up by every lane for itself."""
-
-REDUCTIONS: Final = ("reduce_sum", "reduce_max", "reduce_min", "reduce_or", "reduce_and")
+from kinetix.engine.native.reducing import REDUCTIONS, UNIFORM_SIZE, is_uniform
 
 
 class Form(enum.Enum):
@@ -38,6 +30,7 @@ class Forms:
         self._home: dict[Node, Block] = {}
         self._uses: dict[Value, list[tuple[Block, Node | None]]] = collections.defaultdict(list)
         self._found: dict[Value, Form] = {}
+        self._used: dict[Block, set[Value]] = {}
         for block in everywhere(top):
             for node in block.nodes:
                 self._home[node] = block
@@ -66,6 +59,17 @@ class Forms:
                 found.add(value)
         return found
 
+    def used_in(self, block: Block) -> set[Value]:
+        """What is read in a block and in those in it."""
+        if block not in self._used:
+            found = self.roots(block.outputs)
+            for node in block.nodes:
+                found |= self.roots(node.inputs)
+                for nested in node.blocks:
+                    found |= self.used_in(nested)
+            self._used[block] = found
+        return self._used[block]
+
     def _form(self, value: Value) -> Form:
         node, small = value.node, value.size <= UNIFORM_SIZE
         if value.constant is not None:
@@ -81,7 +85,7 @@ class Forms:
                 return Form.UNIFORM
             return Form.INLINE if self._is_read_once(value) else Form.STORED
         if node.name in REDUCTIONS:
-            return Form.UNIFORM if is_uniform_reduction(node) else Form.STORED
+            return Form.UNIFORM if is_uniform(node) else Form.STORED
         if node.name in ("while", "cond", "dynamic_update_slice"):
             return Form.UNIFORM if small else Form.STORED
         if node.name == "scan":
@@ -119,13 +123,3 @@ class Forms:
         if reader.name == "dynamic_update_slice":
             return reader.inputs[0] is not value and reader.inputs[1] is value
         return reader.name in ("while", "scan")
-
-
-def is_uniform_reduction(node: Node) -> bool:
-    """Tell whether a reduction's result is kept by every lane."""
-    return node.outputs[0].size == 1 or is_serial_reduction(node)
-
-
-def is_serial_reduction(node: Node) -> bool:
-    """Tell whether every lane reduces all entries for itself."""
-    return node.inputs[0].size <= SERIAL_SIZE and node.outputs[0].size <= UNIFORM_SIZE
