@@ -8,9 +8,9 @@ from kinetix.engine.native.forms import Form
 from kinetix.engine.native.index import Index
 from kinetix.engine.native.items import Item, Items
 from kinetix.engine.native.lanes import Lanes
+from kinetix.engine.native.model import Block, Value
 from kinetix.engine.native.pen import Pen
 from kinetix.engine.native.places import Buffer, Target
-from kinetix.engine.native.program import Block, Value
 
 
 class BlockWriter:

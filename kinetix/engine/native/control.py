@@ -9,9 +9,9 @@ from kinetix.engine.native.elementwise import c_type, literal
 from kinetix.engine.native.forms import Form
 from kinetix.engine.native.index import Index, times
 from kinetix.engine.native.items import Item
+from kinetix.engine.native.model import Block, Node, Value
 from kinetix.engine.native.pen import Pen
 from kinetix.engine.native.places import Buffer, Place, Target
-from kinetix.engine.native.program import Block, Node, Value
 
 if TYPE_CHECKING:
     from kinetix.engine.native.blocks import BlockWriter

@@ -10,7 +10,7 @@ import enum
 from collections.abc import Sequence
 
 from kinetix.engine.native.elementwise import ELEMENTWISE
-from kinetix.engine.native.program import Block, Node, Value, everywhere
+from kinetix.engine.native.model import Block, Node, Value, everywhere
 from kinetix.engine.native.reading import FREE, LOOKED_UP
 from kinetix.engine.native.reducing import REDUCTIONS, UNIFORM_SIZE, is_uniform
 

@@ -9,9 +9,9 @@ from kinetix.engine.native import reducing
 from kinetix.engine.native.elementwise import ELEMENTWISE
 from kinetix.engine.native.forms import Form
 from kinetix.engine.native.index import Number, plus, times
+from kinetix.engine.native.model import Block, Node, Value
 from kinetix.engine.native.pen import NEVER, Pen
 from kinetix.engine.native.places import Buffer, Target
-from kinetix.engine.native.program import Block, Node, Value
 from kinetix.engine.native.reading import LOOKED_UP
 
 

@@ -8,9 +8,9 @@ from kinetix.engine.native import reducing
 from kinetix.engine.native.elementwise import c_type
 from kinetix.engine.native.index import Index
 from kinetix.engine.native.items import Item
+from kinetix.engine.native.model import Block, Node, Value
 from kinetix.engine.native.pen import Misplaced, Pen
 from kinetix.engine.native.places import Target
-from kinetix.engine.native.program import Block, Node, Value
 
 
 class Lanes:

@@ -15,7 +15,7 @@ from jaxtyping import Array
 
 from kinetix.engine.native.cuda import CannotCompile, architecture, compiled
 from kinetix.engine.native.kernel import FEW_WORLDS, THREADS, kernel_text
-from kinetix.engine.native.program import CannotTranslate
+from kinetix.engine.native.model import CannotTranslate
 
 MOST_BLOCKS: Final = 8192
 """Blocks of a call; of more worlds, a block takes one after the other."""

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 from kinetix.engine.native.forms import Form
 from kinetix.engine.native.index import Index, Number, plus
 from kinetix.engine.native.items import Item
+from kinetix.engine.native.model import CannotTranslate, Node
 from kinetix.engine.native.places import Buffer, Target
-from kinetix.engine.native.program import CannotTranslate, Node
 from kinetix.engine.native.reading import Read, starts_of
 
 if TYPE_CHECKING:

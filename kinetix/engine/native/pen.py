@@ -11,8 +11,8 @@ from kinetix.engine.native.elementwise import ELEMENTWISE, c_type, literal
 from kinetix.engine.native.forms import Form, Forms
 from kinetix.engine.native.index import Index, Number
 from kinetix.engine.native.memory import Span
+from kinetix.engine.native.model import Block, CannotTranslate, Value
 from kinetix.engine.native.places import Buffer, Place, Target, chosen
-from kinetix.engine.native.program import Block, CannotTranslate, Value
 from kinetix.engine.native.reading import FREE, LOOKED_UP
 
 NEVER: Final = 1 << 60

@@ -6,7 +6,7 @@ import numpy as np
 
 from kinetix.engine.native.index import Index, Number, plus
 from kinetix.engine.native.memory import Span
-from kinetix.engine.native.program import Block, Value
+from kinetix.engine.native.model import Block, Value
 
 
 @dataclasses.dataclass(eq=False)

@@ -4,57 +4,15 @@ Calls are opened, and what the engine does for a batch of worlds (`engine/batch.
 one. Loops and conditionals keep blocks of their own; what these take from outside they name.
 """
 
-import dataclasses
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import jax
 import numpy as np
 from jax.extend import core as jex
-from jaxtyping import Shaped
 
-
-class CannotTranslate(Exception):
-    """There is no rule for something; the message says what."""
-
-
-@dataclasses.dataclass(eq=False)
-class Value:
-    """One array."""
-
-    shape: tuple[int, ...]
-    dtype: np.dtype
-    node: "Node | None" = None
-    """Where it comes from; None: from outside, or it is a constant."""
-    constant: Shaped[np.ndarray, "..."] | None = None
-
-    @property
-    def size(self) -> int:
-        """Number of entries."""
-        return math.prod(self.shape)
-
-
-@dataclasses.dataclass(eq=False)
-class Node:
-    """One operation."""
-
-    name: str
-    """Of the primitive."""
-    inputs: list[Value]
-    outputs: list[Value]
-    parameters: dict[str, Any]
-    blocks: list["Block"] = dataclasses.field(default_factory=list)
-    """Of a loop (condition, body) or a conditional (its branches)."""
-
-
-@dataclasses.dataclass(eq=False)
-class Block:
-    """Operations in an order in which they can be done."""
-
-    inputs: list[Value]
-    nodes: list[Node] = dataclasses.field(default_factory=list)
-    outputs: list[Value] = dataclasses.field(default_factory=list)
+from kinetix.engine.native.model import Block, Node, Value
+from kinetix.engine.native.rewriting import REWRITTEN
 
 
 def program(function: Callable[..., Any], arguments: Sequence[jax.ShapeDtypeStruct]) -> Block:
@@ -125,9 +83,9 @@ class _Reader:
         ):
             return inputs
         results = [_like(x.aval) for x in equation.outvars]
-        special = SPECIAL.get(name)
-        if special is not None:
-            special(self, inputs, results, parameters)
+        rule = BLOCKS.get(name) or REWRITTEN.get(name)
+        if rule is not None:
+            rule(self, inputs, results, parameters)
         else:
             self.add(name, inputs, results, **parameters)
         return results
@@ -190,42 +148,6 @@ def _cond(
     node.blocks = [_nested(branch, inputs[1:], []) for branch in parameters["branches"]]
 
 
-def _split(
-    reader: _Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]
-) -> None:
-    axis, first = parameters["axis"], 0
-    for result in results:
-        start = [0] * len(result.shape)
-        start[axis] = first
-        first += result.shape[axis]
-        reader.add("slice", inputs, [result], start_indices=start, strides=None)
-
-
-def _unstack(
-    reader: _Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]
-) -> None:
-    (table,), axis = inputs, parameters["axis"]
-    for place, result in enumerate(results):
-        start = [0] * len(table.shape)
-        start[axis] = place
-        shape = (*table.shape[:axis], 1, *table.shape[axis + 1 :])
-        part = Value(shape, table.dtype)
-        reader.add("slice", inputs, [part], start_indices=start, strides=None)
-        reader.add("reshape", [part], [result])
-
-
-def _stack(
-    reader: _Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]
-) -> None:
-    axis = parameters["axis"]
-    parts = []
-    for x in inputs:
-        part = Value((*x.shape[:axis], 1, *x.shape[axis:]), x.dtype)
-        reader.add("reshape", [x], [part])
-        parts.append(part)
-    reader.add("concatenate", parts, results, dimension=axis)
-
-
 def _worlds(parameters: dict[str, Any], equation: Any) -> Any:
     """The kernel of a batch, of one world."""
     shapes = [jax.ShapeDtypeStruct(x.aval.shape, x.aval.dtype) for x in equation.invars]
@@ -245,15 +167,8 @@ OPENED: Final[dict[str, Callable[[dict[str, Any], Any], Any]]] = {
 SAME: Final = ("stop_gradient", "copy", "copy_p", "optimization_barrier", "reduce_precision")
 """Operations whose results are their arguments."""
 
-SPECIAL: Final[dict[str, Callable[..., None]]] = {
-    "while": _while,
-    "scan": _scan,
-    "cond": _cond,
-    "split": _split,
-    "stack": _stack,
-    "unstack": _unstack,
-}
-"""Operations that are read as others."""
+BLOCKS: Final[dict[str, Callable[..., None]]] = {"while": _while, "scan": _scan, "cond": _cond}
+"""Operations with blocks of their own."""
 
 
 def _without_dead(block: Block, wanted: set[Value] | None = None) -> set[Value]:
@@ -270,11 +185,3 @@ def _without_dead(block: Block, wanted: set[Value] | None = None) -> set[Value]:
         kept.append(node)
     block.nodes = kept[::-1]
     return read
-
-
-def everywhere(block: Block) -> Iterator[Block]:
-    """A block and all blocks in it."""
-    yield block
-    for node in block.nodes:
-        for nested in node.blocks:
-            yield from everywhere(nested)

@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from kinetix.engine.native.index import Index, Number, plus, times
-from kinetix.engine.native.program import CannotTranslate, Node, Value
+from kinetix.engine.native.model import CannotTranslate, Node, Value
 
 Read = Callable[[Value, Index], str]
 Rule = Callable[[Node, Index, Read], str]

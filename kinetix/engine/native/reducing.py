@@ -7,7 +7,7 @@ import numpy as np
 
 from kinetix.engine.native.elementwise import literal
 from kinetix.engine.native.index import Index, Number
-from kinetix.engine.native.program import Node, Value
+from kinetix.engine.native.model import Node, Value
 from kinetix.engine.native.reading import Read
 
 UNIFORM_SIZE: Final = 4

@@ -10,9 +10,9 @@ from kinetix.engine.native.blocks import BlockWriter
 from kinetix.engine.native.elementwise import c_type
 from kinetix.engine.native.forms import Form
 from kinetix.engine.native.memory import placed, prolonged
+from kinetix.engine.native.model import Block, Value
 from kinetix.engine.native.pen import Pen
 from kinetix.engine.native.places import Outside, Target
-from kinetix.engine.native.program import Block, Value
 
 
 @dataclasses.dataclass(frozen=True)
