@@ -84,6 +84,8 @@ class BlockWriter:
         """Tell whether what a store overwrites is still to be read."""
         assert item.target is not None and item.source is not None
         place = item.target.place
+        if item.overwrites_own and not item.is_copied:
+            return True
         if not isinstance(place, Buffer) or self.pen.is_stored(item.source, item.target):
             return False
         for tenant in place.tenants:

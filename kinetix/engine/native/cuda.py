@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import importlib
 import importlib.util
 import os
 import re
@@ -67,8 +68,7 @@ def _compiled(source: str, target: str) -> bytes:
             "NVIDIA's run-time compiler is missing: pip install 'kinetix-editor[cuda12]'"
         )
     try:
-        from cuda.bindings import nvrtc
-
+        nvrtc: Any = importlib.import_module("cuda.bindings.nvrtc")
         program = _checked(nvrtc.nvrtcCreateProgram(source.encode(), b"step.cu", 0, None, None))
     except (ImportError, RuntimeError) as error:
         raise CannotCompile(

@@ -33,7 +33,7 @@ def c_type(dtype: np.dtype) -> str:
 
 def literal(value: Any, dtype: np.dtype) -> str:
     """A number in C, exactly."""
-    if dtype == bool:
+    if dtype.kind == "b":
         return "true" if value else "false"
     if not np.issubdtype(dtype, np.floating):
         return f"({value})" if value >= 0 else f"({value + 1}-1)"
@@ -42,7 +42,7 @@ def literal(value: Any, dtype: np.dtype) -> str:
     if np.isinf(value):
         return "INFINITE" if value > 0 else "(-INFINITE)"
     text = f"{float(value)!r}"
-    return f"({text}{'f' if dtype == np.float32 else ''})"
+    return f"({text}{'f' if dtype.itemsize == 4 else ''})"
 
 
 def _infix(operator: str) -> Rule:
@@ -66,7 +66,7 @@ def _remainder(node: Node, x: Sequence[str]) -> str:
 
 
 def _not(node: Node, x: Sequence[str]) -> str:
-    return f"(!{x[0]})" if node.inputs[0].dtype == bool else f"(~{x[0]})"
+    return f"(!{x[0]})" if node.inputs[0].dtype.kind == "b" else f"(~{x[0]})"
 
 
 def _power(node: Node, x: Sequence[str]) -> str:
@@ -81,7 +81,7 @@ def _rounded(node: Node, x: Sequence[str]) -> str:
 
 def _converted(node: Node, x: Sequence[str]) -> str:
     source, target = node.inputs[0].dtype, node.outputs[0].dtype
-    if target == bool:
+    if target.kind == "b":
         return f"({x[0]}!=0)"
     if np.issubdtype(source, np.floating) and not np.issubdtype(target, np.floating):
         return f"{c_type(target).replace(' ', '_')}_of({x[0]})"

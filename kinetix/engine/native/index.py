@@ -110,22 +110,22 @@ def _joined(coordinates: Sequence[Number], shape: Sequence[int]) -> Number:
         stride //= size
         if size == 1:
             continue
-        if terms and isinstance(coordinate, Part) and isinstance(terms[-1][0], Part):
-            last, last_stride = terms[-1]
-            if (
-                last.flat == coordinate.flat
-                and last.extent == coordinate.extent
-                and last.stride == coordinate.stride * coordinate.size
-                and last_stride == stride * size
-                and size == coordinate.size
-            ):
-                joined = Part.of(
-                    last.flat, last.extent, coordinate.stride, last.size * coordinate.size
-                )
-                terms[-1] = joined, stride
+        if terms and terms[-1][1] == stride * size:
+            both = _side_by_side(terms[-1][0], coordinate, size)
+            if both is not None:
+                terms[-1] = both, stride
                 continue
         terms.append((coordinate, stride))
     total: Number = 0
     for coordinate, stride in terms:
         total = plus(total, times(coordinate, stride))
     return total
+
+
+def _side_by_side(a: Number, b: Number, size: int) -> Number | None:
+    """Two coordinates as one, if they were neighbours in a flat index. `size`: of the second."""
+    if not (isinstance(a, Part) and isinstance(b, Part)) or a.flat != b.flat:
+        return None
+    if a.extent != b.extent or a.stride != b.stride * b.size or size != b.size:
+        return None
+    return Part.of(a.flat, a.extent, b.stride, a.size * b.size)

@@ -28,6 +28,8 @@ class Item:
     source: Value | None = None
     target: Target | None = None
     """Of a store."""
+    overwrites_own: bool = False
+    """Whether it reads what it overwrites, at other places."""
     is_copied: bool = False
     """Whether the source is a copy, made so that what it was could be overwritten."""
     seen: set[tuple[Value, Number]] = dataclasses.field(default_factory=set)

@@ -60,12 +60,10 @@ def kernel_text(
     most = max(x.shape[-1] for x in leaves)
     shared = [x.shape[-1] < most for x in leaves]
     one = program(function, [jax.ShapeDtypeStruct((*x.shape[:-1], 1), x.dtype) for x in leaves])
-    for largest in NEAR_ARRAYS:
-        body = written(one, largest)
-        if body.near <= GOOD_NEAR:
-            break
+    bodies = (written(one, largest) for largest in NEAR_ARRAYS)
+    body = next((x for x in bodies if x.near <= GOOD_NEAR), written(one, NEAR_ARRAYS[-1]))
     if body.near > MOST_NEAR:
-        raise CannotTranslate(f"a scene of {body.near} bytes")
+        raise CannotTranslate(f"a scene of {body.near} bytes is too large for kernels")
     lanes = _lanes(body, worlds)
     return KernelText(_kernel(one, body, shared, lanes), lanes, body.far)
 

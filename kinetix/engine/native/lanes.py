@@ -10,7 +10,7 @@ from kinetix.engine.native.index import Index
 from kinetix.engine.native.items import Item
 from kinetix.engine.native.model import Block, Node, Value
 from kinetix.engine.native.pen import Misplaced, Pen
-from kinetix.engine.native.places import Target
+from kinetix.engine.native.places import Buffer, Outside, Target
 
 
 class Lanes:
@@ -77,6 +77,10 @@ class Lanes:
         try:
             if item.source is not None and item.target is not None:
                 self._store(item.source, item.target)
+                item.overwrites_own = _reads_elsewhere(item, item.target.place)
+                if item.overwrites_own:
+                    self._stores.pop()
+                    raise Misplaced
             elif item.node is not None:
                 self._compute(item.node)
         except Misplaced:
@@ -134,3 +138,9 @@ class Lanes:
         pen.lines.append(f"{name}={reducing.REDUCTIONS[node.name](name, entry)};")
         pen.lines.append("}")
         pen.loaded = outer
+
+
+def _reads_elsewhere(item: Item, place: Buffer | Outside) -> bool:
+    """Tell whether an item reads memory at other places than the one that is being written."""
+    tenants = place.tenants if isinstance(place, Buffer) else ()
+    return any(value in tenants and at != "i" for value, at in item.seen)

@@ -100,9 +100,8 @@ def called(*leaves: Array, kernel: Kernel, results: Sequence[Any]) -> list[Array
     block = {"block_x": THREADS, "block_y": 1, "block_z": 1, "shared_mem_bytes": 0}
     numbers = {name: np.int32(number) for name, number in {**grid, **block}.items()}
     count = jnp.full(1, worlds, jnp.int32)
-    return call(*leaves, count, name="step", kernel_type="ptx", kernel_data=kernel.code, **numbers)[
-        :-1
-    ]
+    done = call(*leaves, count, name="step", kernel_type="ptx", kernel_data=kernel.code, **numbers)
+    return list(done[:-1])
 
 
 def _world_by_world(array: Any) -> tuple[int, ...]:

@@ -2,8 +2,10 @@
 
 import dataclasses
 from collections.abc import Iterable
+from typing import Final
 
-ALIGNMENT = 4
+ALIGNMENT: Final = 4
+"""Of every array [bytes]."""
 
 
 @dataclasses.dataclass(eq=False)
@@ -40,8 +42,12 @@ def placed(spans: Iterable[Span]) -> int:
                 continue
             if other.place - place >= span.size:
                 break
-            place = max(place, other.place + other.size)
-        span.place = -(-place // ALIGNMENT) * ALIGNMENT
-        top = max(top, span.place + span.size)
+            place = max(place, _aligned(other.place + other.size))
+        span.place = place
+        top = max(top, place + span.size)
         done.append(span)
-    return -(-top // 16) * 16
+    return _aligned(top)
+
+
+def _aligned(place: int) -> int:
+    return -(-place // ALIGNMENT) * ALIGNMENT

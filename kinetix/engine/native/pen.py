@@ -1,4 +1,4 @@
-"""The text while it is being written: names, what lies where, and when lanes wait for each other."""
+"""The text while it is written: names, what lies where, and when lanes wait for each other."""
 
 import collections
 import contextlib
@@ -187,6 +187,7 @@ class Pen:
         return self.loaded[key]
 
     def _constant(self, value: Value, index: Index) -> str:
+        assert value.constant is not None
         entries = np.ravel(value.constant)
         if isinstance(index.flat, int):
             return literal(entries[index.flat], value.dtype)

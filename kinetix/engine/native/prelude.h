@@ -27,9 +27,9 @@
 #define TURNS _Pragma("unroll 1")
 #define ONCE if (lane == 0)
 #define SYNC __syncwarp(lanes);
-#define ALL_SUM(x) all_lanes(x, lanes, [](auto a, auto b) { return a + b; })
-#define ALL_MAX(x) all_lanes(x, lanes, [](auto a, auto b) { return larger(a, b); })
-#define ALL_MIN(x) all_lanes(x, lanes, [](auto a, auto b) { return smaller(a, b); })
+#define ALL_SUM(x) all_lanes<Sum>(x, lanes)
+#define ALL_MAX(x) all_lanes<Largest>(x, lanes)
+#define ALL_MIN(x) all_lanes<Smallest>(x, lanes)
 #define ALL_OR(x) bool(__any_sync(lanes, x))
 #define ALL_AND(x) bool(__all_sync(lanes, x))
 #define TABLE(type, name, size) static __constant__ const type name[size] =
@@ -98,10 +98,19 @@ ANY T power(T a) {
 }
 
 #ifndef PROCESSOR
-template <class T, class F>
-ANY T all_lanes(T own, unsigned lanes, F combined) {
+struct Sum {
+  template <class T> ANY T of(T a, T b) { return a + b; }
+};
+struct Largest {
+  template <class T> ANY T of(T a, T b) { return larger(a, b); }
+};
+struct Smallest {
+  template <class T> ANY T of(T a, T b) { return smaller(a, b); }
+};
+template <class Operation, class T>
+ANY T all_lanes(T own, unsigned lanes) {
   for (int other = LANE_COUNT / 2; other; other /= 2)
-    own = combined(own, __shfl_xor_sync(lanes, own, other));
+    own = Operation::of(own, __shfl_xor_sync(lanes, own, other));
   return own;
 }
 #endif

@@ -4,6 +4,7 @@ Calls are opened, and what the engine does for a batch of worlds (`engine/batch.
 one. Loops and conditionals keep blocks of their own; what these take from outside they name.
 """
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
@@ -55,8 +56,8 @@ class _Reader:
         def value(atom: Any) -> Value:
             if not isinstance(atom, jex.Literal):
                 return known[atom]
-            dtype = np.dtype(atom.aval.dtype)
-            return Value(tuple(atom.aval.shape), dtype, constant=np.asarray(atom.val, dtype))
+            like = _like(atom.aval)
+            return dataclasses.replace(like, constant=np.asarray(atom.val, like.dtype))
 
         for equation in closed.jaxpr.eqns:
             inputs = [value(x) for x in equation.invars]

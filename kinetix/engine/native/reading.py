@@ -10,6 +10,7 @@ from typing import Final
 import jax
 import numpy as np
 
+from kinetix.engine.native.elementwise import literal
 from kinetix.engine.native.index import Index, Number, plus, times
 from kinetix.engine.native.model import CannotTranslate, Node, Value
 
@@ -125,12 +126,13 @@ def _gathered(node: Node, index: Index, read: Read) -> str:
 
 
 def _fill(node: Node) -> str:
+    """What stands for an entry outside the table."""
     value, dtype = node.parameters["fill_value"], node.outputs[0].dtype
-    if value is not None:
-        return str(value)
-    if np.issubdtype(dtype, np.floating):
-        return "NOT_A_NUMBER"
-    return "true" if dtype == bool else f"({np.iinfo(dtype).min + 1}-1)"
+    if value is None and np.issubdtype(dtype, np.floating):
+        value = np.nan
+    elif value is None:
+        value = np.iinfo(dtype).min if np.issubdtype(dtype, np.signedinteger) else True
+    return literal(np.asarray(value, dtype)[()], dtype)
 
 
 def _padded(node: Node, index: Index, read: Read) -> str:

@@ -16,7 +16,10 @@ from kinetix.pytree import pytree
 from kinetix.training.devices import OWN, OWN_COLUMNS, WHOLE, on_each_device, own_keys, placed
 
 _TIMEOUT_CHUNK: Final = 64
-"""Cut-off episodes whose last state is valued at once."""
+"""Cut-off episodes whose last state is valued at once, at least."""
+
+_TIMEOUT_SHARE: Final = 128
+"""Of so many environments one is valued at once: about as many are cut off in a step."""
 
 
 @pytree
@@ -303,7 +306,7 @@ def _values_where(
     Few episodes are cut off in any one step, so the rows are packed and worked off in chunks.
     """
     count = wanted.shape[0]
-    chunk = min(_TIMEOUT_CHUNK, count)
+    chunk = min(max(_TIMEOUT_CHUNK, count // _TIMEOUT_SHARE), count)
     (rows,) = jnp.nonzero(wanted, size=count, fill_value=count)
     rows = jnp.pad(rows, (0, chunk), constant_values=count)
     total = jnp.sum(wanted)
