@@ -16,9 +16,16 @@ from kinetix.paths import cache_dir
 OPTIONS: Final = ("--std=c++17", "--prec-div=false", "--prec-sqrt=false")
 """Of the compiler, beside the architecture: quotients and roots to two units in the last place."""
 
+PRELUDE: Final = (Path(__file__).parent / "prelude.h").read_text(encoding="utf-8")
+"""What written programs are made of."""
 
-_VERSION: Final = b"8.3"
-"""Of the assembly: the oldest that has what it uses, as drivers refuse what is newer than they."""
+_VERSION: Final = (8, 3)
+"""Of the assembly: the oldest that has what is used, as drivers refuse what is newer than they."""
+
+_OLD: Final = 90
+"""Architectures up to this one are known to that version."""
+
+_INSTALL: Final = "pip install --upgrade 'kinetix-editor[cuda12]' (or cuda13, as JAX's own)"
 
 
 class CannotCompile(Exception):
@@ -64,29 +71,39 @@ def compiled(source: str, target: str) -> str:
 
 def _compiled(source: str, target: str) -> bytes:
     if importlib.util.find_spec("cuda") is None:
-        raise CannotCompile(
-            "NVIDIA's run-time compiler is missing: pip install 'kinetix-editor[cuda12]'"
-        )
+        raise CannotCompile(f"NVIDIA's run-time compiler is missing: {_INSTALL}")
     try:
         nvrtc: Any = importlib.import_module("cuda.bindings.nvrtc")
         program = _checked(nvrtc.nvrtcCreateProgram(source.encode(), b"step.cu", 0, None, None))
     except (ImportError, RuntimeError) as error:
         raise CannotCompile(
-            f"NVIDIA's run-time compiler cannot be used ({error}): "
-            "pip install --upgrade 'kinetix-editor[cuda12]'"
+            f"NVIDIA's run-time compiler cannot be used ({error}): {_INSTALL}"
         ) from error
     options = [option.encode() for option in (f"--gpu-architecture={target}", *OPTIONS)]
-    result = nvrtc.nvrtcCompileProgram(program, len(options), options)
+    (error,) = nvrtc.nvrtcCompileProgram(program, len(options), options)
     try:
-        if result[0] != nvrtc.nvrtcResult.NVRTC_SUCCESS:
+        if int(error):
             log = b" " * _checked(nvrtc.nvrtcGetProgramLogSize(program))
             _checked(nvrtc.nvrtcGetProgramLog(program, log))
-            raise CannotCompile(log.decode(errors="replace").strip("\0 \n"))
+            first = log.decode(errors="replace").strip("\0 \n").split("\n")[0]
+            raise CannotCompile(f"NVIDIA's run-time compiler refuses the kernel: {first}")
         code = b" " * _checked(nvrtc.nvrtcGetPTXSize(program))
         _checked(nvrtc.nvrtcGetPTX(program, code))
     finally:
         nvrtc.nvrtcDestroyProgram(program)
-    return re.sub(rb"(?m)^\.version .*$", b".version " + _VERSION, code.rstrip(b"\0"), count=1)
+    return for_older_drivers(code.rstrip(b"\0"), target)
+
+
+def for_older_drivers(code: bytes, target: str) -> bytes:
+    """Have assembly claim no newer version of its language than it needs."""
+    said = re.search(rb"(?m)^\.version (\d+)\.(\d+)", code)
+    number = re.search(r"\d+", target)
+    if said is None or number is None or int(number[0]) > _OLD:
+        return code
+    if (int(said[1]), int(said[2])) <= _VERSION:
+        return code
+    version = b".version %d.%d" % _VERSION
+    return code[: said.start()] + version + code[said.end() :]
 
 
 def _checked(result: tuple[Any, ...]) -> Any:
@@ -95,7 +112,3 @@ def _checked(result: tuple[Any, ...]) -> Any:
     if int(error):
         raise RuntimeError(str(error))
     return values[0] if values else None
-
-
-PRELUDE: Final = (Path(__file__).parent / "prelude.h").read_text(encoding="utf-8")
-"""What written programs are made of."""

@@ -12,7 +12,7 @@ Number = int | str
 """A number that is known, or an expression."""
 
 
-class Part(str):
+class Coordinate(str):
     """A coordinate that was taken out of a flat index: `flat / stride % size`."""
 
     flat: str
@@ -74,7 +74,7 @@ class Index:
                 if isinstance(self._flat, int):
                     found.append(self._flat // rest % size)
                 else:
-                    found.append(Part.of(self._flat, extent, rest, size))
+                    found.append(Coordinate.of(self._flat, extent, rest, size))
             self._coordinates = found
         return self._coordinates
 
@@ -124,8 +124,8 @@ def _joined(coordinates: Sequence[Number], shape: Sequence[int]) -> Number:
 
 def _side_by_side(a: Number, b: Number, size: int) -> Number | None:
     """Two coordinates as one, if they were neighbours in a flat index. `size`: of the second."""
-    if not (isinstance(a, Part) and isinstance(b, Part)) or a.flat != b.flat:
+    if not (isinstance(a, Coordinate) and isinstance(b, Coordinate)) or a.flat != b.flat:
         return None
     if a.extent != b.extent or a.stride != b.stride * b.size or size != b.size:
         return None
-    return Part.of(a.flat, a.extent, b.stride, a.size * b.size)
+    return Coordinate.of(a.flat, a.extent, b.stride, a.size * b.size)

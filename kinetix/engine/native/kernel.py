@@ -10,7 +10,7 @@ from kinetix.engine.native.cuda import PRELUDE
 from kinetix.engine.native.elementwise import c_type
 from kinetix.engine.native.model import Block, CannotTranslate
 from kinetix.engine.native.program import program
-from kinetix.engine.native.writer import Written, written
+from kinetix.engine.native.writer import BodyText, written
 
 THREADS: Final = 32
 """Of a block: those that run in step."""
@@ -68,7 +68,7 @@ def kernel_text(
     return KernelText(_kernel(one, body, shared, lanes), lanes, body.far)
 
 
-def _lanes(body: Written, worlds: int) -> int:
+def _lanes(body: BodyText, worlds: int) -> int:
     """Count the lanes of a world."""
     lanes = THREADS
     if worlds > FEW_WORLDS:
@@ -77,7 +77,7 @@ def _lanes(body: Written, worlds: int) -> int:
     return lanes
 
 
-def _kernel(one: Block, body: Written, shared: Sequence[bool], lanes: int) -> str:
+def _kernel(one: Block, body: BodyText, shared: Sequence[bool], lanes: int) -> str:
     worlds = THREADS // lanes
     near = -(-max(body.near, 1) // 128) * 128 + 4 * lanes  # each world begins at other banks
     return "\n".join(

@@ -16,7 +16,7 @@ from kinetix.engine.native.places import Outside, Target
 
 
 @dataclasses.dataclass(frozen=True)
-class Written:
+class BodyText:
     """The text, and what it needs."""
 
     body: str
@@ -27,7 +27,7 @@ class Written:
     """The same, for large arrays, of which a world uses a part."""
 
 
-def written(program: Block, largest: int) -> Written:
+def written(program: Block, largest: int) -> BodyText:
     """Write a program.
 
     Args:
@@ -53,7 +53,7 @@ def written(program: Block, largest: int) -> Written:
         lines.extend(
             f"ARRAY({c_type(x.dtype)}, {x.name}, {where} + {x.span.place})" for x in buffers
         )
-    return Written("\n".join([*lines, *pen.lines]), "\n".join(pen.constants), **sizes)
+    return BodyText("\n".join([*lines, *pen.lines]), "\n".join(pen.constants), **sizes)
 
 
 def _take_arguments(pen: Pen, program: Block) -> None:
