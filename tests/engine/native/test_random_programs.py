@@ -79,7 +79,7 @@ def block(draw, values, k, depth):
             values = lax.cond(
                 test,
                 lambda v, seed=seed: block(random.Random(seed), v, k, depth - 1),
-                lambda v: list(v),
+                list,
                 values,
             )
         elif values[a].shape == values[b].shape:
