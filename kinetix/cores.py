@@ -67,6 +67,17 @@ def use_all_cores(cores: int | None = None, *, unless_started: bool = False) -> 
         ) from None
 
 
+def stay_on_processor() -> None:
+    """Let JAX compute on the processor where there is a GPU too, unless `JAX_PLATFORMS` is set.
+
+    For what steps one world at a time and must begin at once; to be called before the first array.
+    """
+    import jax
+
+    if not jax.config.values["jax_platforms"]:
+        jax.config.update("jax_platforms", "cpu")
+
+
 def narrow_cores(fits: Callable[[int], bool]) -> None:
     """Use fewer cores than were asked for, where work has no equal shares for so many.
 

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.engine import batch
 from kinetix.engine.batch import TILE, where_marked, worlds_first, worlds_last
 from kinetix.errors import KinetixError
 
@@ -165,3 +166,22 @@ def test_what_counts_as_a_constant_has_no_slope(function):
     matrix, vector = arguments()
     slope = jax.grad(lambda v: function(matrix, jax.lax.stop_gradient(v), 2.0)["first"])(vector)
     assert not np.any(slope)
+
+
+@pytest.mark.parametrize("worlds", [1, 5, 70])
+def test_worlds_are_replaced_alike_on_processors_and_accelerators(worlds):
+    random = np.random.default_rng(worlds)
+    old = {"a": jnp.arange(worlds * 3.0).reshape(worlds, 3), "b": jnp.arange(worlds)}
+    new = {"a": -jnp.arange(12.0).reshape(4, 3), "b": jnp.arange(4, dtype=jnp.int8) + 90}
+    for count in range(min(worlds, 4) + 1):
+        inside = random.permutation(worlds)[:count]
+        # What is not needed has a place outside.
+        places = jnp.asarray([*inside, *[worlds] * (4 - count)], jnp.int32)
+        wanted = batch._replaced_in_turn(old, new, places)
+        found = jax.jit(batch._replaced_at_once)(old, new, places)
+        for a, b in zip(jax.tree.leaves(wanted), jax.tree.leaves(found), strict=True):
+            np.testing.assert_array_equal(a, b)
+            assert a.dtype == b.dtype
+        expected = np.arange(worlds)
+        expected[inside] = np.arange(count) + 90
+        np.testing.assert_array_equal(found["b"], expected)
