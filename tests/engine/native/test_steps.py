@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_from_size
@@ -15,10 +14,9 @@ from kinetix.environment.reset import level_state
 from kinetix.paths import levels_dir
 from tests.engine.native.emulated import Emulated, needs_compiler
 
-SAME = {name for name in PRESETS if PRESETS[name] in (SOLVERS.get(other) for other in SOLVERS)}
-"""Presets that are solvers at their usual settings."""
+SMALL = [("s", name) for name in SOLVERS]
+"""The presets have the same programs with other numbers."""
 
-SMALL = [("s", name) for name in (*PRESETS, *SOLVERS) if name not in SAME]
 LARGE = [("m", "fast"), ("l", "balanced")]
 LEVELS = 3
 STEPS = 12
