@@ -37,7 +37,7 @@
 #define ARRAY(type, name, place) type* const name = (type*)(place);
 
 // Not-a-number wins.
-#ifdef PROCESSOR
+#if defined(PROCESSOR) || __CUDA_ARCH__ < 800
 ANY float larger(float a, float b) { return a > b || a != a ? a : b; }
 ANY float smaller(float a, float b) { return a < b || a != a ? a : b; }
 #else
