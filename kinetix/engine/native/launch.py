@@ -13,9 +13,11 @@ import numpy as np
 from jax.interpreters import mlir
 from jaxtyping import Array
 
+from kinetix.engine.garbage import uncollected
 from kinetix.engine.native.cuda import CannotCompile, architecture, compiled
 from kinetix.engine.native.kernel import FEW_WORLDS, THREADS, kernel_text
 from kinetix.engine.native.model import CannotTranslate
+from kinetix.engine.promotion import usual_promotion
 
 MOST_BLOCKS: Final = 8192
 """Blocks of a call; of more worlds, a block takes one after the other."""
@@ -66,7 +68,8 @@ def _kernel(
 ) -> Kernel | None:
     """The kernel of a program; None where there is none, which is told as a warning."""
     try:
-        made = kernel_text(program.whole, leaves, FEW_WORLDS + 1 if many else 1)
+        with usual_promotion(), uncollected():
+            made = kernel_text(program.whole, leaves, FEW_WORLDS + 1 if many else 1)
         return Kernel(compiled(made.text, target), made.lanes, made.far)
     except (CannotTranslate, CannotCompile) as error:
         warnings.warn(

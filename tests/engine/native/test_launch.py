@@ -97,6 +97,12 @@ def test_kernels_can_be_switched_off(gpu, monkeypatch):
     assert not gpu
 
 
+def test_strict_promotion_of_the_caller_does_not_matter(gpu):
+    counted = worlds_last(lambda x: x * jnp.arange(3)[:, None], like=lambda x: x)
+    with jax.numpy_dtype_promotion("strict"):
+        assert "gpu.ptx" in lowered(counted, (9, 3))
+
+
 def test_no_worlds_are_no_call(gpu):
     assert "gpu.ptx" not in lowered(doubled(), (0, 3, 2))
 
