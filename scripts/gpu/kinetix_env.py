@@ -10,9 +10,8 @@ import importlib.metadata
 from pathlib import Path
 from typing import Any
 
-import jax
 import jax.numpy as jnp
-from loop import arguments, cycled, loop_of, measure, on_processor, report
+from loop import arguments, loop_of, measure, on_processor, report, started
 
 
 def take_old_names() -> None:
@@ -28,35 +27,39 @@ def take_old_names() -> None:
     jnp.clip = either
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = arguments()
-    parser.add_argument("--levels", type=Path, required=True)
-    options = parser.parse_args()
+def environment(size: str, observation: str, levels: Path) -> tuple[Any, Any, list[Any]]:
+    """(the environment, its parameters, states of the levels)."""
     take_old_names()
     from kinetix.util import load_from_json_file
 
     from kinetix.environment import ActionType, ObservationType, make_kinetix_env
 
+    with on_processor():
+        files = sorted((levels / size).glob("*.json"))
+        found = [load_from_json_file(str(file)) for file in files]
+    _, static, params = found[0]
+    env = make_kinetix_env(
+        action_type=ActionType.MULTI_DISCRETE,
+        observation_type=ObservationType[observation.upper()],
+        reset_fn=None,
+        env_params=params,
+        static_env_params=static.replace(frame_skip=2),
+    )
+    return env, params, [state for state, _, _ in found]
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = arguments()
+    parser.add_argument("--levels", type=Path, required=True)
+    options = parser.parse_args()
     version = importlib.metadata.version("kinetix-env")
     for size in options.sizes:
-        with on_processor():
-            files = sorted((options.levels / size).glob("*.json"))
-            found = [load_from_json_file(str(file)) for file in files]
-        _, static, params = found[0]
-        env = make_kinetix_env(
-            action_type=ActionType.MULTI_DISCRETE,
-            observation_type=ObservationType.SYMBOLIC_FLAT,
-            reset_fn=None,
-            env_params=params,
-            static_env_params=static.replace(frame_skip=2),
-        )
-        ways = env.action_space(params).number_of_dims_per_distribution
-        states = [jax.tree.map(jnp.asarray, state) for state, _, _ in found]
+        env, params, states = environment(size, "symbolic_flat", options.levels)
         for batch in options.batches:
-            loop = loop_of(env, params, ways, batch)
             head = {"engine": f"kinetix-env {version}", "size": size, "batch": batch}
-            report(head, measure(loop, cycled(states, batch), batch, options))
+            loop = loop_of(env, params, batch)
+            report(head, measure(loop, started(states, batch), batch, options))
 
 
 if __name__ == "__main__":

@@ -31,22 +31,27 @@ def on_processor() -> Any:
     return jax.default_device(jax.devices("cpu")[0])
 
 
-def cycled(states: Sequence[Any], batch: int) -> Any:
-    """States of one shape, in turn, with a leading axis."""
+def started(states: Sequence[Any], batch: int) -> Any:
+    """States of one shape, in turn, with a leading axis, on the device."""
     chosen = np.arange(batch) % len(states)
-    return jax.tree.map(lambda *x: np.stack([np.asarray(y) for y in x])[chosen], *states)
+    together = jax.tree.map(lambda *x: np.stack([np.asarray(y) for y in x])[chosen], *states)
+    return jax.device_put(together)
 
 
-def loop_of(env: Any, params: Any, ways: Sequence[int], batch: int) -> Callable[..., Any]:
+def choices_of(env: Any, params: Any) -> Array:
+    """Number of choices of each part of an action."""
+    return jnp.asarray(env.action_space(params).number_of_dims_per_distribution, jnp.int32)
+
+
+def loop_of(env: Any, params: Any, batch: int) -> Callable[..., Any]:
     """`count` environment steps of a batch; an episode begins again where its world began.
 
     Args:
         env: Of either engine.
         params: Its parameters.
-        ways: Number of choices of each part of an action.
         batch: Worlds.
     """
-    choices = jnp.asarray(ways, jnp.int32)
+    choices = choices_of(env, params)
     step = jax.vmap(env.step, in_axes=(0, 0, 0, None, 0))
 
     def loop(start: Any, key: Array, count: Array) -> Any:
@@ -66,7 +71,7 @@ def loop_of(env: Any, params: Any, ways: Sequence[int], batch: int) -> Callable[
 
 def measure(loop: Callable[..., Any], start: Any, batch: int, options: Any) -> dict[str, Any]:
     """Rate and compile time of a loop."""
-    start, key = jax.device_put(start), jax.random.PRNGKey(0)
+    key = jax.random.PRNGKey(0)
     begin = time.perf_counter()
     compiled = jax.jit(loop).lower(start, key, jnp.int32(1)).compile()
     compile_s = time.perf_counter() - begin
