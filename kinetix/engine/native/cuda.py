@@ -11,8 +11,6 @@ from typing import Any, Final
 
 import jax
 
-from kinetix.paths import cache_dir
-
 OPTIONS: Final = ("--std=c++17", "--prec-div=false", "--prec-sqrt=false")
 """Of the compiler, beside the architecture: quotients and roots to two units in the last place."""
 
@@ -54,6 +52,8 @@ def compiled(source: str, target: str) -> str:
     Raises:
         CannotCompile: See there.
     """
+    from kinetix.paths import cache_dir  # here, as the engine needs JAX and numpy alone elsewhere
+
     name = hashlib.sha256("\n".join([source, target, *OPTIONS]).encode()).hexdigest()
     file = cache_dir() / "kernels" / f"{name}.ptx"
     with contextlib.suppress(OSError):
