@@ -159,7 +159,10 @@ class Pen:
         assert node is not None
         rule = ELEMENTWISE.get(node.name)
         if rule is not None:
-            return rule(node, [self.read(x, _same_place(x, index)) for x in node.inputs])
+            entry = rule(node, [self.read(x, _same_place(x, index)) for x in node.inputs])
+            # C computes with whole integers, and numbers of 8 bits would not wrap around.
+            is_narrow = value.dtype.kind in "iu" and value.dtype.itemsize == 1
+            return f"(({c_type(value.dtype)}){entry})" if is_narrow else entry
         if node.name in FREE:
             return FREE[node.name](node, index, self.read)
         if node.name not in LOOKED_UP:

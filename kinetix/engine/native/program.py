@@ -165,7 +165,7 @@ OPENED: Final[dict[str, Callable[[dict[str, Any], Any], Any]]] = {
 }
 """Operations that stand for others."""
 
-SAME: Final = ("stop_gradient", "copy", "copy_p", "optimization_barrier", "reduce_precision")
+SAME: Final = ("stop_gradient", "copy", "optimization_barrier")
 """Operations whose results are their arguments."""
 
 BLOCKS: Final[dict[str, Callable[..., None]]] = {"while": _while, "scan": _scan, "cond": _cond}

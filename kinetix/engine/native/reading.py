@@ -196,6 +196,3 @@ LOOKED_UP: Final[dict[str, Rule]] = {
     "concatenate": _joined,
 }
 """The same, where it is worth to do it once only."""
-
-GUARDED: Final = ("pad", "gather", "concatenate")
-"""Operations that read where there may be nothing, behind a condition."""

@@ -69,6 +69,8 @@ OPERATIONS = {
     ),
     "powers": lambda x, t, p, n, v: (x**2, x**3, x**-2, jnp.square(x)),
     "types": lambda x, t, p, n, v: (
+        (p.astype(jnp.int8) * jnp.int8(60) + jnp.int8(9) > 0),
+        (p.astype(jnp.uint8) - jnp.uint8(5)).astype(jnp.int32),
         x.astype(jnp.int32),
         (1e12 * x).astype(jnp.int32),
         x.astype(bool),
