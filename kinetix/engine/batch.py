@@ -26,7 +26,6 @@ from kinetix.engine.garbage import uncollected
 from kinetix.engine.lookup import put, row
 from kinetix.engine.loops import in_parts
 from kinetix.engine.machine import takes_whole_batches, whole_batches
-from kinetix.engine.native.launch import lowering
 from kinetix.engine.packing import pack, unpack
 from kinetix.engine.promotion import usual_promotion
 from kinetix.engine.store import Store
@@ -41,8 +40,18 @@ MARKED_AT_ONCE: Final = 32
 """Marked worlds that are made anew together, at least. With fewer, many marks in one step take many
 rounds; with more, a single mark pays for worlds that nobody needs."""
 
-MARKED_SHARE: Final = 128
-"""Of so many worlds one is made anew in a round: an episode is about twice as long."""
+SHARE: Final = 128
+"""Of so many worlds one is worked on in a round: an episode is about twice as long."""
+
+
+def in_a_round(worlds: int, least: int) -> int:
+    """Count the worlds that are worked on together, where few of a batch need it in any one step.
+
+    Args:
+        worlds: Of the batch.
+        least: So many at least, unless there are fewer.
+    """
+    return min(max(least, worlds // SHARE), worlds)
 
 
 def worlds_last(
@@ -98,6 +107,10 @@ class _Program:
         """The results of all worlds at once, as an accelerator computes them."""
         with whole_batches():
             done = self.kernel(*self.arguments(leaves))
+        return self.typed(done, leaves)
+
+    def typed(self, done: Tree, leaves: Sequence[Any]) -> list[Array]:
+        """What the kernel returned as a list, of the types that are promised."""
         shapes = self.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 
@@ -150,9 +163,7 @@ def _compiled(program: _Program, whole: bool) -> Callable[..., list[Array]]:
             return [jnp.zeros(x.shape, x.dtype) for x in program.results(leaves)]
         if whole:
             return program.whole(*leaves)
-        done = in_parts(_by_tiles(program, leaves))
-        shapes = program.results(leaves)
-        return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
+        return program.typed(in_parts(_by_tiles(program, leaves)), leaves)
 
     return worlds
 
@@ -198,6 +209,16 @@ def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
     return lowered
 
 
+def _on_cuda(context: Any, *arguments: Any, program: _Program) -> Any:
+    """The rule for CUDA: a kernel of its own, else what any accelerator gets."""
+    from kinetix.engine.native.launch import lowered  # here, as a processor never needs it
+
+    done = lowered(context, arguments, program)
+    if done is None:
+        return _lowering(_on_accelerator)(context, *arguments, program=program)
+    return done
+
+
 def _no_derivative(*_: Any, program: _Program) -> Any:
     del program
     raise KinetixError(
@@ -210,7 +231,7 @@ ad.primitive_jvps[_RUN] = _no_derivative
 batching.primitive_batchers[_RUN] = _batched
 mlir.register_lowering(_RUN, _lowering(_on_accelerator))
 mlir.register_lowering(_RUN, _lowering(_on_processor), platform="cpu")
-mlir.register_lowering(_RUN, lowering(_lowering(_on_accelerator)), platform="cuda")
+mlir.register_lowering(_RUN, _on_cuda, platform="cuda")
 
 
 def _by_tiles(program: _Program, leaves: Sequence[Array]) -> Tree:
@@ -371,7 +392,7 @@ def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
         worlds = marked.shape[0]
         if not worlds:
             return old
-        chunk = min(max(MARKED_AT_ONCE, worlds // MARKED_SHARE), worlds)
+        chunk = in_a_round(worlds, MARKED_AT_ONCE)
         (rows,) = jnp.nonzero(marked, size=worlds)
         rows = jnp.pad(rows, (0, chunk))
         count = jnp.sum(marked)

@@ -15,7 +15,7 @@ OPTIONS: Final = ("--std=c++17", "--prec-div=false", "--prec-sqrt=false")
 """Of the compiler, beside the architecture: quotients and roots to two units in the last place."""
 
 PRELUDE: Final = (Path(__file__).parent / "prelude.h").read_text(encoding="utf-8")
-"""What written programs are made of."""
+"""Macros and functions that the generated C++ uses."""
 
 _VERSION: Final = (8, 3)
 """Of the assembly: the oldest that has what is used, as drivers refuse what is newer than they."""
@@ -52,10 +52,10 @@ def compiled(source: str, target: str) -> str:
     Raises:
         CannotCompile: See there.
     """
-    from kinetix.paths import cache_dir  # here, as the engine needs JAX and numpy alone elsewhere
+    from kinetix.files.caches import cache_folder  # here: elsewhere JAX and numpy do
 
     name = hashlib.sha256("\n".join([source, target, *OPTIONS]).encode()).hexdigest()
-    file = cache_dir() / "kernels" / f"{name}.ptx"
+    file = cache_folder("kernels") / f"{name}.ptx"
     with contextlib.suppress(OSError):
         code = file.read_bytes()
         os.utime(file)
@@ -107,7 +107,7 @@ def for_older_drivers(code: bytes, target: str) -> bytes:
 
 
 def _checked(result: tuple[Any, ...]) -> Any:
-    """What a call of the compiler returns, beside its error."""
+    """Return the value of a compiler call, or raise a RuntimeError if it failed."""
     error, *values = result
     if int(error):
         raise RuntimeError(str(error))

@@ -1,4 +1,4 @@
-"""How each array of a program is kept: in registers, in memory, or not at all.
+"""Storage of each array of a program: registers, memory, or none.
 
 - UNIFORM: a few numbers that every lane computes for itself and keeps in registers;
 - STORED: in the world's memory, its entries computed by the lanes side by side;
@@ -45,7 +45,7 @@ class Forms:
         return self._found[value]
 
     def roots(self, values: Sequence[Value]) -> set[Value]:
-        """What has to be there before some values can be read: none of it inline or constant."""
+        """Return the values in registers or memory that some values are computed from."""
         found: set[Value] = set()
         open_ = list(values)
         while open_:
@@ -60,7 +60,7 @@ class Forms:
         return found
 
     def used_in(self, block: Block) -> set[Value]:
-        """What is read in a block and in those in it."""
+        """Return the values in registers or memory that a block reads, nested blocks included."""
         if block not in self._used:
             found = self.roots(block.outputs)
             for node in block.nodes:

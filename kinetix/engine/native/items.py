@@ -29,11 +29,11 @@ class Item:
     target: Target | None = None
     """Of a store."""
     overwrites_own: bool = False
-    """Whether it reads what it overwrites, at other places."""
+    """Whether it reads other entries of the array into which it stores."""
     is_copied: bool = False
-    """Whether the source is a copy, made so that what it was could be overwritten."""
+    """Whether the source is a copy, which frees the original to be overwritten."""
     seen: set[tuple[Value, Number]] = dataclasses.field(default_factory=set)
-    """What was read of memory, and where."""
+    """Loads from memory, as (value, flat index)."""
 
 
 class Items:

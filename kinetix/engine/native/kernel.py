@@ -45,14 +45,14 @@ class KernelText:
 
 
 def kernel_text(
-    function: Callable[..., Any], leaves: Sequence[jax.ShapeDtypeStruct], worlds: int
+    function: Callable[..., Any], leaves: Sequence[jax.ShapeDtypeStruct], *, many: bool
 ) -> KernelText:
     """Write the kernel for a function of one world.
 
     Args:
         function: From arrays with a last axis of one world to a list of such.
         leaves: What it takes; what all worlds share has a last axis of one, the rest of more.
-        worlds: About how many there will be.
+        many: Whether there will be more than FEW_WORLDS.
 
     Raises:
         CannotTranslate: There is no rule for an operation or a type.
@@ -60,20 +60,24 @@ def kernel_text(
     most = max(x.shape[-1] for x in leaves)
     shared = [x.shape[-1] < most for x in leaves]
     one = program(function, [jax.ShapeDtypeStruct((*x.shape[:-1], 1), x.dtype) for x in leaves])
-    bodies = (written(one, largest) for largest in NEAR_ARRAYS)
-    body = next((x for x in bodies if x.near <= GOOD_NEAR), written(one, NEAR_ARRAYS[-1]))
+    text = written(one)
+    first, *smaller = NEAR_ARRAYS
+    body = text.laid_out(first)
+    for largest in smaller:
+        if body.near <= GOOD_NEAR:
+            break
+        body = text.laid_out(largest)
     if body.near > MOST_NEAR:
         raise CannotTranslate(f"a scene of {body.near} bytes is too large for kernels")
-    lanes = _lanes(body, worlds)
+    lanes = _lanes(body) if many else THREADS
     return KernelText(_kernel(one, body, shared, lanes), lanes, body.far)
 
 
-def _lanes(body: BodyText, worlds: int) -> int:
-    """Count the lanes of a world."""
+def _lanes(body: BodyText) -> int:
+    """Count the lanes of each of many worlds: as few as their memory allows."""
     lanes = THREADS
-    if worlds > FEW_WORLDS:
-        while lanes > FEWEST_LANES and THREADS // (lanes // 2) * body.near <= GOOD_NEAR + 512:
-            lanes //= 2
+    while lanes > FEWEST_LANES and THREADS // (lanes // 2) * body.near <= GOOD_NEAR + 512:
+        lanes //= 2
     return lanes
 
 

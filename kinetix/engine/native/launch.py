@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import jax
@@ -37,39 +37,43 @@ class Kernel:
     """See `KernelText`."""
 
 
-def lowering(fallback: Callable[..., Any]) -> Callable[..., Any]:
-    """The rule by which a batch is lowered for a GPU.
+def lowered(context: Any, operands: Sequence[Any], program: Any) -> Sequence[Any] | None:
+    """Lower a batch as a call of its kernel.
 
     Args:
-        fallback: The rule by XLA.
+        context: Of the lowering.
+        operands: Of the batch.
+        program: Of the batch (`engine/batch.py`); equal ones share a kernel.
+
+    Returns:
+        The results; None: there is no kernel, and XLA has to do it.
     """
-
-    def rule(context: Any, *operands: Any, program: Any) -> Any:
-        target = None if os.environ.get(SWITCH) == "0" else architecture()
-        given = context.avals_in
-        if target is None or not all(x.shape[-1] for x in given):
-            return fallback(context, *operands, program=program)
-        kinds = tuple(
-            jax.ShapeDtypeStruct((*x.shape[:-1], min(x.shape[-1], 2)), x.dtype) for x in given
-        )
-        many = max(x.shape[-1] for x in given) > FEW_WORLDS
-        kernel = _kernel(program, kinds, many, target)
-        if kernel is None:
-            return fallback(context, *operands, program=program)
-        call = functools.partial(called, kernel=kernel, results=context.avals_out)
-        return mlir.lower_fun(call, multiple_results=True)(context, *operands)
-
-    return rule
+    target = None if os.environ.get(SWITCH) == "0" else architecture()
+    given = context.avals_in
+    if target is None or not all(x.shape[-1] for x in given):
+        return None
+    kinds = tuple(
+        jax.ShapeDtypeStruct((*x.shape[:-1], min(x.shape[-1], 2)), x.dtype) for x in given
+    )
+    many = max(x.shape[-1] for x in given) > FEW_WORLDS
+    kernel = _kernel(program, kinds, many, target)
+    if kernel is None:
+        return None
+    call = functools.partial(called, kernel=kernel, results=context.avals_out)
+    return mlir.lower_fun(call, multiple_results=True)(context, *operands)
 
 
 @functools.lru_cache(maxsize=64)
 def _kernel(
-    program: Any, leaves: tuple[jax.ShapeDtypeStruct, ...], many: bool, target: str
+    program: Any,
+    leaves: tuple[jax.ShapeDtypeStruct, ...],
+    many: bool,
+    target: str,
 ) -> Kernel | None:
     """The kernel of a program; None where there is none, which is told as a warning."""
     try:
         with usual_promotion(), uncollected():
-            made = kernel_text(program.whole, leaves, FEW_WORLDS + 1 if many else 1)
+            made = kernel_text(program.whole, leaves, many=many)
         return Kernel(compiled(made.text, target), made.lanes, made.far)
     except (CannotTranslate, CannotCompile) as error:
         warnings.warn(

@@ -7,7 +7,7 @@ from kinetix.engine.native.index import Index, Number, plus
 from kinetix.engine.native.items import Item
 from kinetix.engine.native.model import CannotTranslate, Node
 from kinetix.engine.native.places import Buffer, Target
-from kinetix.engine.native.reading import Read, starts_of
+from kinetix.engine.native.reading import Read, starts_of, window_place
 
 if TYPE_CHECKING:
     from kinetix.engine.native.blocks import BlockWriter
@@ -83,19 +83,14 @@ def _scattered_to(node: Node, index: Index, read: Read) -> tuple[Number, str]:
     """Where a change goes, and the condition that this is in the array."""
     base, indices, _ = node.inputs
     numbers = node.parameters["dimension_numbers"]
-    window = [index.coordinates[axis] for axis in numbers.update_window_dims]
-    batch = [
-        x for axis, x in enumerate(index.coordinates) if axis not in numbers.update_window_dims
-    ]
-    at: list[Number] = [0] * len(base.shape)
-    left_out = {*numbers.inserted_window_dims, *numbers.operand_batching_dims}
-    for axis in range(len(base.shape)):
-        if axis not in left_out:
-            at[axis] = window.pop(0)
-    for axis, source in zip(
-        numbers.operand_batching_dims, numbers.scatter_indices_batching_dims, strict=True
-    ):
-        at[axis] = batch[source]
+    at, batch = window_place(
+        index,
+        len(base.shape),
+        numbers.update_window_dims,
+        numbers.inserted_window_dims,
+        numbers.operand_batching_dims,
+        numbers.scatter_indices_batching_dims,
+    )
     inside = ["true"]
     for number, axis in enumerate(numbers.scatter_dims_to_operand_dims):
         start = read(indices, Index(indices.shape, coordinates=[*batch, number]))

@@ -41,7 +41,7 @@ class Pen:
         self.temporaries: dict[Value, str] = {}
         self.loaded: dict[tuple[str, Number], str] | None = None
         self.seen: set[tuple[Value, Number]] = set()
-        """What was read of memory, and where."""
+        """Loads from memory, as (value, flat index)."""
         self.read_now: set[Buffer] = set()
         # Since lanes last waited for each other.
         self.unread: set[Buffer] = set()

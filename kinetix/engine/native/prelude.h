@@ -1,4 +1,4 @@
-// What written programs are made of. PROCESSOR: one lane does everything, to test without a GPU.
+// Macros and functions of the generated C++. PROCESSOR: one lane does all, to test without a GPU.
 #ifdef PROCESSOR
 #include <math.h>
 #define ANY static inline

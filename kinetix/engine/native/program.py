@@ -78,7 +78,7 @@ class _Reader:
         name, parameters = equation.primitive.name, equation.params
         opened = OPENED.get(name)
         if opened is not None:
-            return self.read(opened(parameters, equation), inputs)
+            return self.read(opened(equation), inputs)
         if name in SAME or (
             name == "convert_element_type" and inputs[0].dtype == parameters["new_dtype"]
         ):
@@ -149,18 +149,18 @@ def _cond(
     node.blocks = [_nested(branch, inputs[1:], []) for branch in parameters["branches"]]
 
 
-def _worlds(parameters: dict[str, Any], equation: Any) -> Any:
+def _worlds(equation: Any) -> Any:
     """The kernel of a batch, of one world."""
     shapes = [jax.ShapeDtypeStruct(x.aval.shape, x.aval.dtype) for x in equation.invars]
-    return jax.make_jaxpr(parameters["program"].whole)(*shapes)
+    return jax.make_jaxpr(equation.params["program"].whole)(*shapes)
 
 
-OPENED: Final[dict[str, Callable[[dict[str, Any], Any], Any]]] = {
-    "jit": lambda parameters, _: parameters["jaxpr"],
-    "closed_call": lambda parameters, _: parameters["call_jaxpr"],
-    "custom_jvp_call": lambda parameters, _: parameters["call_jaxpr"],
-    "custom_vjp_call": lambda parameters, _: parameters["call_jaxpr"],
-    "custom_vmap_call": lambda parameters, _: parameters["call"],
+OPENED: Final[dict[str, Callable[[Any], Any]]] = {
+    "jit": lambda equation: equation.params["jaxpr"],
+    "closed_call": lambda equation: equation.params["call_jaxpr"],
+    "custom_jvp_call": lambda equation: equation.params["call_jaxpr"],
+    "custom_vjp_call": lambda equation: equation.params["call_jaxpr"],
+    "custom_vmap_call": lambda equation: equation.params["call"],
     "worlds": _worlds,
 }
 """Operations that stand for others."""

@@ -97,20 +97,49 @@ def _iota(node: Node, index: Index, read: Read) -> str:
     return str(here) if np.issubdtype(node.outputs[0].dtype, np.integer) else f"float({here})"
 
 
+def window_place(
+    index: Index,
+    axes: int,
+    window_axes: Sequence[int],
+    single_axes: Sequence[int],
+    batch_axes: Sequence[int],
+    batch_sources: Sequence[int],
+) -> tuple[list[Number], list[Number]]:
+    """Find where in a table an entry of a gather, or of a scatter's changes, lies in its window.
+
+    Args:
+        index: Of the entry.
+        axes: Of the table.
+        window_axes: Those of the entry's array that go through a window.
+        single_axes: Those of the table on which a window has one entry.
+        batch_axes: Those of the table that are axes of the indices too.
+        batch_sources: Which these are there.
+
+    Returns:
+        The coordinates in the table, the window's start left out; and those in the indices.
+    """
+    batch = [x for axis, x in enumerate(index.coordinates) if axis not in window_axes]
+    window = iter([index.coordinates[axis] for axis in window_axes])
+    at: list[Number] = [0] * axes
+    for axis in range(axes):
+        if axis not in single_axes and axis not in batch_axes:
+            at[axis] = next(window)
+    for axis, source in zip(batch_axes, batch_sources, strict=True):
+        at[axis] = batch[source]
+    return at, batch
+
+
 def _gathered(node: Node, index: Index, read: Read) -> str:
     table, indices = node.inputs
     numbers, sizes = node.parameters["dimension_numbers"], node.parameters["slice_sizes"]
-    batch = [x for axis, x in enumerate(index.coordinates) if axis not in numbers.offset_dims]
-    offsets = [index.coordinates[axis] for axis in numbers.offset_dims]
-    at: list[Number] = [0] * len(table.shape)
-    left_out = {*numbers.collapsed_slice_dims, *numbers.operand_batching_dims}
-    for axis in range(len(table.shape)):
-        if axis not in left_out:
-            at[axis] = offsets.pop(0)
-    for axis, source in zip(
-        numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True
-    ):
-        at[axis] = batch[source]
+    at, batch = window_place(
+        index,
+        len(table.shape),
+        numbers.offset_dims,
+        numbers.collapsed_slice_dims,
+        numbers.operand_batching_dims,
+        numbers.start_indices_batching_dims,
+    )
     mode = jax.lax.GatherScatterMode.from_any(node.parameters["mode"])
     inside = []
     for place, axis in enumerate(numbers.start_index_map):

@@ -12,7 +12,7 @@ from kinetix.engine.native.forms import Form
 from kinetix.engine.native.memory import placed, prolonged
 from kinetix.engine.native.model import Block, Value
 from kinetix.engine.native.pen import Pen
-from kinetix.engine.native.places import Outside, Target
+from kinetix.engine.native.places import Buffer, Outside, Target
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,12 +27,35 @@ class BodyText:
     """The same, for large arrays, of which a world uses a part."""
 
 
-def written(program: Block, largest: int) -> BodyText:
+@dataclasses.dataclass(frozen=True)
+class WrittenBody:
+    """The text, before it is decided where arrays lie."""
+
+    lines: tuple[str, ...]
+    constants: str
+    buffers: tuple[Buffer, ...]
+
+    def laid_out(self, largest: int) -> BodyText:
+        """Give every array its place.
+
+        Args:
+            largest: Array that lies in near memory [bytes].
+        """
+        sizes, declared = {}, []
+        for where, is_here in (("near", True), ("far", False)):
+            buffers = [x for x in self.buffers if (x.span.size <= largest) == is_here]
+            sizes[where] = placed(buffer.span for buffer in buffers)
+            declared.extend(
+                f"ARRAY({c_type(x.dtype)}, {x.name}, {where} + {x.span.place})" for x in buffers
+            )
+        return BodyText("\n".join([*declared, *self.lines]), self.constants, **sizes)
+
+
+def written(program: Block) -> WrittenBody:
     """Write a program.
 
     Args:
         program: Of one world.
-        largest: Array that lies in near memory [bytes].
 
     Raises:
         CannotTranslate: There is no rule for an operation or a type.
@@ -46,14 +69,7 @@ def written(program: Block, largest: int) -> BodyText:
     ]
     BlockWriter(pen, program, stores).write()
     prolonged([buffer.span for buffer in pen.buffers], pen.loops)
-    sizes, lines = {}, []
-    for where, is_here in (("near", True), ("far", False)):
-        buffers = [x for x in pen.buffers if (x.span.size <= largest) == is_here]
-        sizes[where] = placed(buffer.span for buffer in buffers)
-        lines.extend(
-            f"ARRAY({c_type(x.dtype)}, {x.name}, {where} + {x.span.place})" for x in buffers
-        )
-    return BodyText("\n".join([*lines, *pen.lines]), "\n".join(pen.constants), **sizes)
+    return WrittenBody(tuple(pen.lines), "\n".join(pen.constants), tuple(pen.buffers))
 
 
 def _take_arguments(pen: Pen, program: Block) -> None:

@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.agents.networks.recurrent import Carry, initial_carry
 from kinetix.agents.normalisation import Normalisation, normalise
+from kinetix.engine.batch import in_a_round
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
@@ -17,9 +18,6 @@ from kinetix.training.devices import OWN, OWN_COLUMNS, WHOLE, on_each_device, ow
 
 _TIMEOUT_CHUNK: Final = 64
 """Cut-off episodes whose last state is valued at once, at least."""
-
-_TIMEOUT_SHARE: Final = 128
-"""Of so many environments one is valued at once: about as many are cut off in a step."""
 
 
 @pytree
@@ -306,7 +304,7 @@ def _values_where(
     Few episodes are cut off in any one step, so the rows are packed and worked off in chunks.
     """
     count = wanted.shape[0]
-    chunk = min(max(_TIMEOUT_CHUNK, count // _TIMEOUT_SHARE), count)
+    chunk = in_a_round(count, _TIMEOUT_CHUNK)
     (rows,) = jnp.nonzero(wanted, size=count, fill_value=count)
     rows = jnp.pad(rows, (0, chunk), constant_values=count)
     total = jnp.sum(wanted)

@@ -46,7 +46,7 @@ class Emulated:
         shapes = [jax.ShapeDtypeStruct(np.shape(x), np.asarray(x).dtype) for x in arguments]
         with whole_batches(), usual_promotion():
             self.program = program(function, shapes)
-        self.text = written(self.program, largest)
+        self.text = written(self.program).laid_out(largest)
         given, made = self.program.inputs, self.program.outputs
         parameters = [
             f"{c_type(x.dtype)}* in{k} = ({c_type(x.dtype)}*)arrays[{k}];"

@@ -34,7 +34,7 @@ def test_what_was_compiled_is_kept(tmp_path, monkeypatch):
         made.append(source)
         return source.encode() + target.encode()
 
-    monkeypatch.setattr("kinetix.paths.cache_dir", lambda: tmp_path)
+    monkeypatch.setattr("kinetix.files.caches.cache_dir", lambda: tmp_path)
     monkeypatch.setattr(cuda, "_compiled", compiles)
     for source, target in (("a", "sm_90"), ("a", "sm_90"), ("b", "sm_90"), ("a", "sm_80")):
         assert cuda.compiled(source, target) == source + target
@@ -44,13 +44,13 @@ def test_what_was_compiled_is_kept(tmp_path, monkeypatch):
 
 def test_a_cache_that_cannot_be_written_to_is_none(tmp_path, monkeypatch):
     (tmp_path / "kernels").write_text("a file")
-    monkeypatch.setattr("kinetix.paths.cache_dir", lambda: tmp_path)
+    monkeypatch.setattr("kinetix.files.caches.cache_dir", lambda: tmp_path)
     monkeypatch.setattr(cuda, "_compiled", lambda source, target: b"code")
     assert cuda.compiled("a", "sm_90") == "code"
 
 
 def test_a_missing_compiler_is_told_with_how_to_install_it(tmp_path, monkeypatch):
-    monkeypatch.setattr("kinetix.paths.cache_dir", lambda: tmp_path)
+    monkeypatch.setattr("kinetix.files.caches.cache_dir", lambda: tmp_path)
     monkeypatch.setitem(sys.modules, "cuda", None)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(cuda.CannotCompile, match=r"pip install .*cuda12"):

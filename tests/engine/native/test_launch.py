@@ -67,7 +67,7 @@ def test_batches_of_any_number_share_a_kernel(gpu):
 
 def test_large_worlds_keep_all_lanes():
     shape = jax.ShapeDtypeStruct((GOOD_NEAR // 8, 2), jnp.float32)
-    text = kernel_text(lambda x: [x[::-1] * x], [shape], FEW_WORLDS + 1)
+    text = kernel_text(lambda x: [x[::-1] * x], [shape], many=True)
     assert text.lanes == 8
     assert text.far > 0
 

@@ -197,4 +197,4 @@ def test_what_changes_in_place_does_so_alone_too(tmp_path, name, backwards):
 def test_an_operation_without_a_rule_is_named():
     one = program(jnp.sort, [jax.ShapeDtypeStruct((8,), jnp.float32)])
     with pytest.raises(CannotTranslate, match="no rule for sort"):
-        written(one, 1024)
+        written(one)
