@@ -2,11 +2,10 @@
 
 Usage: PYTHON scripts/gpu/ppo.py --engine ours|kinetix-env [--levels FOLDER] [--sizes m]
 [--batches 2048 8192], with the interpreter of the engine; see ours.py and kinetix_env.py. Network
-`entity`, loss and constants are those of scripts/peers/ppo_loop.py. Several updates are one
+`entity` and what is learnt are those of scripts/peers/ppo_loop.py. Several updates are one
 program, and what it carries is changed in place; the median of the runs counts.
 """
 
-import functools
 import statistics
 import sys
 import time
@@ -16,22 +15,20 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import optax
 from jax import Array
 from loop import arguments, report, started
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "peers"))
 
-from ppo_loop import GAMMA, LAMBDA, SIZES, Entity, by_part, log_prob, loss
+from ppo_loop import OPTIMISER, Entity, update
 
-STEPS, MINIBATCHES, EPOCHS, UPDATES, LIMIT = 64, 16, 4, 2, 256
+JOB = {"steps": 64, "minibatches": 16, "epochs": 4}
+UPDATES, LIMIT = 2, 256
 
 
-def learner(env: Any, params: Any, count: int) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def learner(env: Any, params: Any) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """(what there is before the first update, several updates)."""
     network = Entity()
-    optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-3, eps=1e-5))
-    step = jax.vmap(env.step, in_axes=(0, 0, 0, None, 0))
 
     def begin(start: Any, key: Array) -> Any:
         # Or all episodes would end in the same step.
@@ -39,65 +36,21 @@ def learner(env: Any, params: Any, count: int) -> tuple[Callable[..., Any], Call
         state = start.replace(timestep=spread)
         seen = jax.vmap(env.get_obs)(state)
         weights = network.init(key, jax.tree.map(lambda x: x[:1], seen))
-        return weights, optimiser.init(weights), seen, state, key
-
-    def play(weights: Any, start: Any, carry: Any, key: Array) -> tuple[Any, Any]:
-        seen, state = carry
-        act_key, step_key = jax.random.split(key)
-        logits, value = network.apply(weights, seen)
-        keys = jax.random.split(act_key, len(SIZES))
-        drawn = [jax.random.categorical(k, p) for k, p in zip(keys, by_part(logits), strict=True)]
-        action = jnp.stack(drawn, axis=-1)
-        keys = jax.random.split(step_key, count)
-        after, state, reward, done, _ = step(keys, state, action, params, start)
-        return (after, state), (seen, action, log_prob(logits, action), value, reward, done)
-
-    def advantages(last: Array, value: Array, reward: Array, done: Array) -> Array:
-        def back(carry: Any, row: Any) -> Any:
-            advantage, following = carry
-            value, reward, done = row
-            error = reward + GAMMA * following * (1.0 - done) - value
-            advantage = error + GAMMA * LAMBDA * (1.0 - done) * advantage
-            return (advantage, value), advantage
-
-        rows = (value, reward, done.astype(jnp.float32))
-        return jax.lax.scan(back, (jnp.zeros_like(last), last), rows, reverse=True)[1]
-
-    def update(start: Any, carry: Any, _: None) -> tuple[Any, Array]:
-        weights, memory, seen, state, key = carry
-        key, play_key, learn_key = jax.random.split(key, 3)
-        keys = jax.random.split(play_key, STEPS)
-        plays = functools.partial(play, weights, start)
-        (seen, state), rows = jax.lax.scan(plays, (seen, state), keys)
-        looked, action, chosen, value, reward, done = rows
-        advantage = advantages(network.apply(weights, seen)[1], value, reward, done)
-        batch = (looked, action, chosen, value, advantage, advantage + value)
-
-        def epoch(learnt: Any, key: Array) -> Any:
-            order = jax.random.permutation(key, count).reshape(MINIBATCHES, -1)
-
-            def gradient_step(learnt: Any, columns: Array) -> Any:
-                weights, memory = learnt
-                part = jax.tree.map(lambda x: jnp.take(x, columns, axis=1), batch)
-                lost, gradient = jax.value_and_grad(functools.partial(loss, network))(weights, part)
-                change, memory = optimiser.update(gradient, memory, weights)
-                return (optax.apply_updates(weights, change), memory), lost
-
-            return jax.lax.scan(gradient_step, learnt, order)
-
-        keys = jax.random.split(learn_key, EPOCHS)
-        (weights, memory), lost = jax.lax.scan(epoch, (weights, memory), keys)
-        return (weights, memory, seen, state, key), lost.mean()
+        return weights, OPTIMISER.init(weights), seen, state, key
 
     def updates(start: Any, carry: Any) -> tuple[Any, Array]:
-        return jax.lax.scan(functools.partial(update, start), carry, None, UPDATES)
+        def step(keys: Array, _: Any, state: Any, action: Array) -> Any:
+            many = jax.vmap(env.step, in_axes=(0, 0, 0, None, 0))
+            return many(keys, state, action, params, start)
+
+        return jax.lax.scan(lambda c, _: update(network, step, JOB, c), carry, None, UPDATES)
 
     return begin, updates
 
 
 def measure(env: Any, params: Any, states: list[Any], count: int, runs: int) -> dict[str, Any]:
     """Rate and compile time."""
-    begin, updates = learner(env, params, count)
+    begin, updates = learner(env, params)
     start = started(states, count)
     carry = jax.block_until_ready(jax.jit(begin)(start, jax.random.PRNGKey(0)))
     began = time.perf_counter()
@@ -108,7 +61,7 @@ def measure(env: Any, params: Any, states: list[Any], count: int, runs: int) -> 
         carry, lost = jax.block_until_ready(compiled(start, carry))
         seconds.append(time.perf_counter() - began)
     return {
-        "env_steps_per_s": round(count * STEPS * UPDATES / statistics.median(seconds[1:])),
+        "env_steps_per_s": round(count * JOB["steps"] * UPDATES / statistics.median(seconds[1:])),
         "compile_s": round(compile_s, 1),
         "finite": bool(jnp.isfinite(lost).all()),
         "device": jax.devices()[0].device_kind,

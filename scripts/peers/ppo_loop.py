@@ -14,6 +14,7 @@ import functools
 import importlib.metadata
 import statistics
 import time
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -36,6 +37,9 @@ SIZES = (3, 3, 3, 3, 2, 2)
 """Choices of the six parts of a multi-discrete action."""
 GAMMA, LAMBDA, CLIP, ENTROPY, VALUE = 0.995, 0.9, 0.2, 0.01, 0.5
 OURS = "kinetix-editor"
+OPTIMISER = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-3, eps=1e-5))
+Step = Callable[[jax.Array, Any, Any, jax.Array], Any]
+"""Keys, observations, states and actions to what `env.step` returns."""
 
 
 class Head(nn.Module):
@@ -151,12 +155,73 @@ def loss(network: nn.Module, params: Any, batch: Any) -> jax.Array:
     return policy + VALUE * critic - ENTROPY * entropy
 
 
+def play(network: nn.Module, step: Step, params: Any, carry: Any, key: jax.Array) -> tuple:
+    """One step of all environments, and the row that is learnt from."""
+    seen, state = carry
+    act_key, step_key = jax.random.split(key)
+    logits, value = network.apply(params, seen)
+    keys = jax.random.split(act_key, len(SIZES))
+    drawn = [jax.random.categorical(k, p) for k, p in zip(keys, by_part(logits), strict=True)]
+    action = jnp.stack(drawn, axis=-1)
+    keys = jax.random.split(step_key, value.shape[0])
+    following, state, reward, done, _ = step(keys, seen, state, action)
+    row = (seen, action, log_prob(logits, action), value, reward, done)
+    return (following, state), row
+
+
+def advantages(last: jax.Array, value: jax.Array, reward: jax.Array, done: jax.Array) -> Any:
+    """Generalised advantages, with the value after the last step."""
+
+    def back(carry: Any, row: Any) -> Any:
+        advantage, next_value = carry
+        value, reward, done = row
+        goes_on = 1.0 - done
+        error = reward + GAMMA * next_value * goes_on - value
+        advantage = error + GAMMA * LAMBDA * goes_on * advantage
+        return (advantage, value), advantage
+
+    rows = (value, reward, done.astype(jnp.float32))
+    return jax.lax.scan(back, (jnp.zeros_like(last), last), rows, reverse=True)[1]
+
+
+def update(network: nn.Module, step: Step, job: dict[str, Any], carry: Any) -> tuple[Any, Any]:
+    """Play, then learn from it: (what there is after, the mean loss)."""
+    params, memory, seen, state, key = carry
+    key, play_key, learn_key = jax.random.split(key, 3)
+    (seen, state), rows = jax.lax.scan(
+        functools.partial(play, network, step, params),
+        (seen, state),
+        jax.random.split(play_key, job["steps"]),
+    )
+    looked, action, chosen, value, reward, done = rows
+    advantage = advantages(network.apply(params, seen)[1], value, reward, done)
+    batch = (looked, action, chosen, value, advantage, advantage + value)
+
+    def epoch(learner: Any, key: jax.Array) -> Any:
+        order = jax.random.permutation(key, value.shape[1])
+
+        def split(x: jax.Array) -> jax.Array:
+            shuffled = x[:, order].reshape(job["steps"], job["minibatches"], -1, *x.shape[2:])
+            return jnp.moveaxis(shuffled, 1, 0)
+
+        def gradient_step(learner: Any, part: Any) -> Any:
+            params, memory = learner
+            lost, gradient = jax.value_and_grad(functools.partial(loss, network))(params, part)
+            change, memory = OPTIMISER.update(gradient, memory, params)
+            return (optax.apply_updates(params, change), memory), lost
+
+        return jax.lax.scan(gradient_step, learner, jax.tree.map(split, batch))
+
+    keys = jax.random.split(learn_key, job["epochs"])
+    (params, memory), lost = jax.lax.scan(epoch, (params, memory), keys)
+    return (params, memory, seen, state, key), lost.mean()
+
+
 def make_update(job: dict[str, Any]) -> tuple[Any, Any]:
     """(the state before the first update, a compiled update)."""
     network, observation = NETWORKS[job["network"]]
     env, env_params = make_env(observation, job.get("physics", "balanced"))
-    count, length = job["environments"], job["steps"]
-    optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-3, eps=1e-5))
+    count = job["environments"]
 
     @jax.jit
     def start(key: jax.Array) -> Any:
@@ -164,66 +229,14 @@ def make_update(job: dict[str, Any]) -> tuple[Any, Any]:
             jax.random.split(key, count), env_params
         )
         params = network.init(key, seen)
-        return params, optimiser.init(params), seen, state, key
+        return params, OPTIMISER.init(params), seen, state, key
 
-    def play(params: Any, carry: Any, key: jax.Array) -> tuple[Any, Any]:
-        seen, state = carry
-        act_key, step_key = jax.random.split(key)
-        logits, value = network.apply(params, seen)
-        keys = jax.random.split(act_key, len(SIZES))
-        drawn = [jax.random.categorical(k, p) for k, p in zip(keys, by_part(logits), strict=True)]
-        action = jnp.stack(drawn, axis=-1)
-        following, reward, done = seen, jnp.zeros(count), jnp.zeros(count, bool)
-        if not job.get("free"):
-            following, state, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
-                jax.random.split(step_key, count), state, action, env_params
-            )
-        row = (seen, action, log_prob(logits, action), value, reward, done)
-        return (following, state), row
+    def step(keys: jax.Array, seen: Any, state: Any, action: jax.Array) -> Any:
+        if job.get("free"):
+            return seen, state, jnp.zeros(count), jnp.zeros(count, bool), {}
+        return jax.vmap(env.step, in_axes=(0, 0, 0, None))(keys, state, action, env_params)
 
-    def advantages(last: jax.Array, value: jax.Array, reward: jax.Array, done: jax.Array) -> Any:
-        def back(carry: Any, row: Any) -> Any:
-            advantage, next_value = carry
-            value, reward, done = row
-            goes_on = 1.0 - done
-            error = reward + GAMMA * next_value * goes_on - value
-            advantage = error + GAMMA * LAMBDA * goes_on * advantage
-            return (advantage, value), advantage
-
-        rows = (value, reward, done.astype(jnp.float32))
-        return jax.lax.scan(back, (jnp.zeros_like(last), last), rows, reverse=True)[1]
-
-    @jax.jit
-    def update(carry: Any) -> Any:
-        params, memory, seen, state, key = carry
-        key, play_key, learn_key = jax.random.split(key, 3)
-        (seen, state), rows = jax.lax.scan(
-            functools.partial(play, params), (seen, state), jax.random.split(play_key, length)
-        )
-        looked, action, chosen, value, reward, done = rows
-        advantage = advantages(network.apply(params, seen)[1], value, reward, done)
-        batch = (looked, action, chosen, value, advantage, advantage + value)
-
-        def epoch(learner: Any, key: jax.Array) -> Any:
-            order = jax.random.permutation(key, count)
-
-            def split(x: jax.Array) -> jax.Array:
-                shuffled = x[:, order].reshape(length, job["minibatches"], -1, *x.shape[2:])
-                return jnp.moveaxis(shuffled, 1, 0)
-
-            def gradient_step(learner: Any, part: Any) -> Any:
-                params, memory = learner
-                gradient = jax.grad(functools.partial(loss, network))(params, part)
-                change, memory = optimiser.update(gradient, memory, params)
-                return (optax.apply_updates(params, change), memory), None
-
-            return jax.lax.scan(gradient_step, learner, jax.tree.map(split, batch))[0], None
-
-        keys = jax.random.split(learn_key, job["epochs"])
-        (params, memory), _ = jax.lax.scan(epoch, (params, memory), keys)
-        return params, memory, seen, state, key
-
-    return start(jax.random.PRNGKey(0)), update
+    return start(jax.random.PRNGKey(0)), jax.jit(lambda carry: update(network, step, job, carry)[0])
 
 
 def main() -> None:
