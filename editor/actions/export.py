@@ -19,7 +19,7 @@ from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError
-from kinetix.level.atomic import write_atomically, write_with_backup
+from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of

@@ -7,7 +7,7 @@ from editor.actions.comparison import about_comparison
 from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 from kinetix.paths import working_dir
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from kinetix.errors import LevelError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.json_text import parse
 from kinetix.files.regular import FileError, read_text
-from kinetix.level.atomic import write_atomically
 
 
 def read_state(path: Path) -> dict[str, Any]:

@@ -18,9 +18,9 @@ from typing import Final
 from editor.documents.document import Document, Stamp, same_content
 from editor.documents.run_lock import RunLock, goes_on
 from kinetix.errors import KinetixError, LevelError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.json_text import parse
 from kinetix.files.regular import FileError, read_text
-from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import dumps
 from kinetix.level.sizes import without_outgrown_size
 from kinetix.paths import state_dir

@@ -7,9 +7,9 @@ from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document, Format, Stamp
 from editor.documents.old_names import OldNames, named
 from kinetix.errors import LevelError
+from kinetix.files.atomic import write_with_backup
 from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, read_bytes
-from kinetix.level.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document, resolve_path
 from kinetix.level.kinetix_env import lost_fields
 from kinetix.level.model import Level

@@ -9,7 +9,7 @@ from typing import Literal
 
 from editor.gallery.filing import stem_of
 from kinetix.errors import LevelError
-from kinetix.level.atomic import write_with_backup
+from kinetix.files.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document
 from kinetix.level.model import Level, SizeName
 from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, dumps_set

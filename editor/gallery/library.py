@@ -23,8 +23,8 @@ from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from editor.gallery.walk import Walk
 from kinetix.errors import LevelError
 from kinetix.failures import crash_sentence, write_report
+from kinetix.files.atomic import write_atomically
 from kinetix.files.regular import FileError, open_regular, read_bytes
-from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import load_level
 from kinetix.level.sets import is_set_file
 from kinetix.paths import cache_dir

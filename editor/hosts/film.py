@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-from kinetix.level.atomic import replacing
+from kinetix.files.atomic import replacing
 from kinetix.render.film import gif_picture, write_gif
 
 _WIDTH_MAX: Final = 960

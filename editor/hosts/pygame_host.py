@@ -23,7 +23,7 @@ from editor.hosts.speaker import Speaker
 from editor.session import Session
 from editor.toolkit.appearance import COLOURS
 from kinetix.errors import KinetixError
-from kinetix.level.atomic import replacing
+from kinetix.files.atomic import replacing
 from kinetix.render.palette import KINETIX
 
 _CURSORS = {

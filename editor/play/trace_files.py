@@ -11,7 +11,7 @@ import numpy as np
 from editor.base.wording import describe
 from editor.worker.recording import Mind, Snapshot, Trace
 from kinetix.environment.outcome import OUTCOMES
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 from kinetix.level.codec import dumps
 from kinetix.level.model import Level
 from kinetix.pages.episode_file import read_episode

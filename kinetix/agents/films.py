@@ -11,7 +11,7 @@ from jaxtyping import UInt8
 from kinetix.agents.evaluate import NamedLevel, Settings, record
 from kinetix.agents.player import Player
 from kinetix.environment.state import EnvState
-from kinetix.level.atomic import replacing
+from kinetix.files.atomic import replacing
 from kinetix.render.camera import fit_arena
 from kinetix.render.film import write_film
 from kinetix.render.scene import draw

@@ -26,8 +26,8 @@ from kinetix.agents.shapes import observations_of_card, static_env_params_of_car
 from kinetix.environment.params import EnvParams
 from kinetix.errors import CheckpointError, LevelError
 from kinetix.files.arrays import read_tensors, tensor_shapes
+from kinetix.files.atomic import replacing
 from kinetix.files.regular import FileError
-from kinetix.level.atomic import replacing
 from kinetix.level.sizes import SIZES
 from kinetix.wording import misfit
 

@@ -60,7 +60,7 @@ def run(command: Compare) -> int:
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.comparison_files import SUFFIXES, text_of
     from kinetix.agents.evaluate import Settings
-    from kinetix.level.atomic import write_atomically
+    from kinetix.files.atomic import write_atomically
 
     if not command.agents:
         raise KinetixError("--agents: expected an agent at least, got no word")

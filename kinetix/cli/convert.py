@@ -10,8 +10,8 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import backup_of, write_with_backup
 from kinetix.files.folders import made_folder
-from kinetix.level.atomic import backup_of, write_with_backup
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, dumps, load_document
 from kinetix.level.kinetix_env import lost_fields

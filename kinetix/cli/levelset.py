@@ -16,8 +16,8 @@ from kinetix.bundled import named_levels
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import LevelError
+from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
-from kinetix.level.atomic import backup_of
 from kinetix.level.codec import load_document
 from kinetix.level.sets import (
     DEFAULT_SPLIT,

@@ -12,8 +12,8 @@ from tyro.conf import Positional
 from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
 from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import replacing
 from kinetix.files.folders import made_folder
-from kinetix.level.atomic import replacing
 from kinetix.level.model import Level
 from kinetix.render.captions import caption, write_caption
 from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film

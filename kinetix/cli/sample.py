@@ -96,8 +96,8 @@ def _announced(levels: Iterator["Level"], count: int) -> Iterator["Level"]:
 
 def _write(path: Path, data: bytes, *, overwrite: bool) -> None:
     """Write a level; one that a person has changed since is not lost."""
+    from kinetix.files.atomic import write_with_backup
     from kinetix.files.regular import read_bytes
-    from kinetix.level.atomic import write_with_backup
 
     if not overwrite and os.path.exists(path) and read_bytes(path, "level") != data:
         raise KinetixError(

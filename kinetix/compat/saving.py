@@ -25,9 +25,9 @@ from kinetix.environment.rearrange import expand_state
 from kinetix.environment.reset import load_from_json_file
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import CheckpointError, KinetixError
+from kinetix.files.atomic import replacing
 from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
-from kinetix.level.atomic import replacing
 from kinetix.level.codec import loads_document, resolve_path, save_level
 from kinetix.level.compile import Scene
 from kinetix.level.decompile import level_from_scene

@@ -14,11 +14,11 @@ import msgspec
 from kinetix.datasets.episode import Origin, RecordedEpisode
 from kinetix.datasets.shard import FORMAT, VERSION, pack, read_ids, read_shard
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import made_folder
 from kinetix.files.json_text import read_json
 from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_bytes
-from kinetix.level.atomic import write_atomically
 from kinetix.version import __version__
 from kinetix.wording import misfit
 

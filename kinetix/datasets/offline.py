@@ -22,9 +22,9 @@ from kinetix.engine.pairs import pair_counts
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
+from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import made_folder
 from kinetix.files.json_text import read_object
-from kinetix.level.atomic import write_atomically
 from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level

@@ -1,1 +1,1 @@
-"""Bounded reading of files that others wrote: nothing in them costs much time or memory."""
+"""Files: bounded reading of what others wrote, and the one way in which anything is written."""

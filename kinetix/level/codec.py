@@ -14,7 +14,7 @@ import msgspec
 
 from kinetix.bundled import level_hint, named_levels, refuse_empty
 from kinetix.errors import LevelError
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 from kinetix.level.canonical import (
     FORMAT,
     VERSION,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from kinetix.errors import KinetixError
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 from kinetix.level.model import Level
 from kinetix.pages.film import Film
 from kinetix.pages.page import MOST_FILMS, page_of

@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+from kinetix.files.atomic import write_atomically
 from kinetix.files.regular import read_bytes
-from kinetix.level.atomic import write_atomically
 from kinetix.training.config import PpoConfig
 from kinetix.training.events import EventFile
 from kinetix.training.films import drop_films, stored_films

@@ -10,9 +10,9 @@ import jax
 
 from kinetix.agents.agent import Agent
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
-from kinetix.level.atomic import write_atomically
 from kinetix.training.config import PpoConfig
 from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay

@@ -199,7 +199,7 @@ def write_table(out: Path, runs: Sequence[SweepRun]) -> None:
         out: The sweep's directory.
         runs: Its runs.
     """
-    from kinetix.level.atomic import write_atomically
+    from kinetix.files.atomic import write_atomically
 
     rows = table(out, runs)
     text = io.StringIO()

@@ -19,8 +19,8 @@ import jaxlib.version
 from jax.experimental import serialize_executable
 
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.caches import cache_folder
-from kinetix.level.atomic import write_atomically
 
 _SUFFIX: Final = ".step"
 

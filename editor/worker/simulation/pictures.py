@@ -19,7 +19,7 @@ from editor.worker.simulation.stepping import start_state, without_memory
 from editor.worker.trace_pages import film_of_trace
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.atomic import replacing
+from kinetix.files.atomic import replacing
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
 from kinetix.pytree import on_device

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from kinetix.bench.chart.figure import lay_out, machine, new_figure, save_figure
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 
 _COLOURS: Final = ("#1b7837", "#2166ac", "#e08214", "#8073ac")
 

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 from kinetix.errors import LevelError
+from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.limits import LIMITS, MIB
-from kinetix.level.atomic import write_atomically, write_with_backup
 from kinetix.level.canonical import level_tree, record_tree, tree_text
 from kinetix.level.codec import LEVELSET_FORMAT
 from kinetix.level.sets.manifest import VERSION, LoadedSet

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
-from kinetix.level.atomic import write_atomically
+from kinetix.files.atomic import write_atomically
 from kinetix.level.codec import dumps, loads
 from kinetix.level.model import Level
 

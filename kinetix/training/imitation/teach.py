@@ -27,8 +27,8 @@ from kinetix.environment.reset import level_state, make_reset_fn_sample_kinetix_
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_atomically
 from kinetix.files.json_text import read_object
-from kinetix.level.atomic import write_atomically
 from kinetix.level.mirror import mirrored_level
 from kinetix.level.model import InertiaModel, Level
 from kinetix.level.sizes import parse_capacity

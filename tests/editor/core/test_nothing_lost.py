@@ -79,7 +79,7 @@ def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # no
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("kinetix.level.atomic.os.fsync", full)
+    monkeypatch.setattr("kinetix.files.atomic.os.fsync", full)
     with pytest.raises(KinetixError, match=r"episode\.npz: cannot be saved: No space"):
         write_trace(trace, level, path)
     assert read_trace(path).level == level

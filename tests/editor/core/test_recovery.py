@@ -413,7 +413,7 @@ def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("kinetix.level.atomic.os.fsync", full)
+    monkeypatch.setattr("kinetix.files.atomic.os.fsync", full)
     for _ in range(4):
         clock.now += 1
         actions.update(session, 0.25)

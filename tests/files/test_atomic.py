@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.errors import LevelError
-from kinetix.level import atomic
+from kinetix.files import atomic
 from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.model import Body, Circle, Level
 
