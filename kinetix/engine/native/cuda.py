@@ -52,7 +52,10 @@ def compiled(source: str, target: str) -> str:
     Raises:
         CannotCompile: See there.
     """
-    from kinetix.files.caches import cache_folder  # here: elsewhere JAX and numpy do
+    # Here: elsewhere JAX and numpy do.
+    from kinetix.errors import LevelError
+    from kinetix.files.atomic import write_atomically
+    from kinetix.files.caches import cache_folder
 
     name = hashlib.sha256("\n".join([source, target, *OPTIONS]).encode()).hexdigest()
     file = cache_folder("kernels") / f"{name}.ptx"
@@ -61,11 +64,9 @@ def compiled(source: str, target: str) -> str:
         os.utime(file)
         return code.decode()
     code = _compiled(source, target)
-    with contextlib.suppress(OSError):  # a cache that cannot be written to is none
+    with contextlib.suppress(OSError, LevelError):  # a cache that cannot be written to is none
         file.parent.mkdir(parents=True, exist_ok=True)
-        own = file.with_suffix(f".{os.getpid()}")
-        own.write_bytes(code)
-        own.replace(file)
+        write_atomically(file, code)
     return code.decode()
 
 
