@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine import batch
 from kinetix.engine.batch import TILE, where_marked, worlds_first, worlds_last
+from kinetix.engine.batch import marked as made_anew
 from kinetix.errors import KinetixError
 
 
@@ -177,8 +177,8 @@ def test_worlds_are_replaced_alike_on_processors_and_accelerators(worlds):
         inside = random.permutation(worlds)[:count]
         # What is not needed has a place outside.
         places = jnp.asarray([*inside, *[worlds] * (4 - count)], jnp.int32)
-        wanted = batch._replaced_in_turn(old, new, places)
-        found = jax.jit(batch._replaced_at_once)(old, new, places)
+        wanted = made_anew._replaced_in_turn(old, new, places)
+        found = jax.jit(made_anew._replaced_at_once)(old, new, places)
         for a, b in zip(jax.tree.leaves(wanted), jax.tree.leaves(found), strict=True):
             np.testing.assert_array_equal(a, b)
             assert a.dtype == b.dtype

@@ -43,7 +43,7 @@ def lowered(context: Any, operands: Sequence[Any], program: Any) -> Sequence[Any
     Args:
         context: Of the lowering.
         operands: Of the batch.
-        program: Of the batch (`engine/batch.py`); equal ones share a kernel.
+        program: Of the batch (`engine/batch/`); equal ones share a kernel.
 
     Returns:
         The results; None: there is no kernel, and XLA has to do it.

@@ -1,6 +1,6 @@
 """A function of one world as a list of operations on arrays, read off its jaxpr.
 
-Calls are opened, and what the engine does for a batch of worlds (`engine/batch.py`) is traced for
+Calls are opened, and what the engine does for a batch of worlds (`engine/batch/`) is traced for
 one. Loops and conditionals keep blocks of their own; what these take from outside they name.
 """
 

@@ -1,0 +1,57 @@
+"""A function of many worlds, as the primitive carries it through a program."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from kinetix.engine.machine import whole_batches
+
+Tree = Any
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class BatchProgram:
+    """Program of the primitive; equal ones are compiled once."""
+
+    kernel: Callable[..., Tree]
+    effort: Callable[..., Int[Array, " n"]] | None
+    like: Callable[..., Tree] | None
+    tile: int
+    structure: Any
+    """Of the arguments."""
+
+    def arguments(self, leaves: Sequence[Any]) -> tuple[Tree, ...]:
+        """The kernel's arguments, with what worlds share repeated for each."""
+        worlds = count(leaves)
+        wide = [jnp.broadcast_to(x, (*x.shape[:-1], worlds)) for x in leaves]
+        return jax.tree.unflatten(self.structure, wide)
+
+    def whole(self, *leaves: Array) -> list[Array]:
+        """The results of all worlds at once, as an accelerator computes them."""
+        with whole_batches():
+            done = self.kernel(*self.arguments(leaves))
+        return self.typed(done, leaves)
+
+    def typed(self, done: Tree, leaves: Sequence[Any]) -> list[Array]:
+        """What the kernel returned as a list, of the types that are promised."""
+        shapes = self.results(leaves)
+        return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
+
+    def shapes(self, leaves: Sequence[Any]) -> Tree:
+        """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
+        run = self.like or self.kernel
+        return jax.eval_shape(lambda *leaves: run(*self.arguments(leaves)), *leaves)
+
+    def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
+        """The same as a list."""
+        return jax.tree.leaves(self.shapes(leaves))
+
+
+def count(leaves: Sequence[Any]) -> int:
+    """Count the worlds; arrays with just one stand for all of them."""
+    lengths = {x.shape[-1] for x in leaves}
+    return 0 if 0 in lengths else max(lengths)
