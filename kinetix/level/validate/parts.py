@@ -1,0 +1,127 @@
+"""Problems of roles, joints, thrusters and sizes."""
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from kinetix.level.geometry import to_world
+from kinetix.level.model import ARENA_NAMES, BodyReference, Joint, Level
+from kinetix.level.sizes import capacity_of, needed_capacity, shortages
+from kinetix.level.validate.issue import Issue, capital, describe, issue
+from kinetix.level.validate.placed import Placed
+
+ANCHOR_TOLERANCE: Final = 1e-3
+"""Distance of a joint's anchors that counts as none [m]."""
+
+
+def role_issues(level: Level) -> Iterator[Issue]:
+    """Yield what is wrong with green and blue: none, several, both fixed (E101 to E103, W204)."""
+    holders: dict[str, list[BodyReference]] = {"green": [], "blue": [], "red": [], "none": []}
+    fixed: dict[str, bool] = {"green": True, "blue": True}
+    for name in ARENA_NAMES:
+        holders[getattr(level.arena, name).role].append(name)
+    for body in level.bodies:
+        holders[body.role].append(body.id)
+        if body.role in fixed:
+            fixed[body.role] = fixed[body.role] and body.fixed
+    green, blue = holders["green"], holders["blue"]
+    if not green:
+        message = "No green shape: the level cannot be won."
+        yield issue("E101", message, fix="Make selected green")
+    if not blue:
+        yield issue("E102", "No blue shape: nothing to reach.", fix="Make selected blue")
+    if len(green) > 1 or len(blue) > 1:
+        message = (
+            f"{len(green)} green and {len(blue)} blue shapes; expected exactly one each "
+            f"(true of all published levels)."
+        )
+        yield issue("E103", message, ids=(*green, *blue), fix="Keep first")
+    if green and blue and all(fixed.values()):
+        message = "Green and blue are both fixed: unwinnable unless another shape moves."
+        yield issue("W204", message, ids=(*green, *blue))
+
+
+def reference_issues(level: Level) -> Iterator[Issue]:
+    """Yield joints and thrusters whose bodies are not there (E108)."""
+    bodies = {body.id for body in level.bodies}
+    for k, joint in enumerate(level.joints):
+        missing = [r for r in (joint.a, joint.b) if isinstance(r, int) and r not in bodies]
+        if missing or joint.a == joint.b:
+            what = "missing" if missing else "identical"
+            yield issue(
+                "E108",
+                f"Joint {joint.id}: bodies {what}.",
+                path=f"$.joints[{k}]",
+                ids=(joint.id,),
+                fix="Delete",
+            )
+    for k, thruster in enumerate(level.thrusters):
+        if thruster.body not in bodies:
+            yield issue(
+                "E108",
+                f"Thruster {thruster.id}: body missing.",
+                path=f"$.thrusters[{k}].body",
+                ids=(thruster.id,),
+                fix="Delete",
+            )
+
+
+def size_issues(level: Level) -> Iterator[Issue]:
+    """Yield what does not fit the level's size (E109)."""
+    for sentence in shortages(needed_capacity(level), capacity_of(level)):
+        yield issue("E109", sentence, path="$.size", fix="Choose the size automatically")
+
+
+def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference]) -> Iterator[Issue]:
+    """Yield joints without effect, anchors apart, senseless limits (W205, W207, W209)."""
+    bodies = {each.reference: each.body for each in placed}
+    for k, joint in enumerate(level.joints):
+        path, a, b = f"$.joints[{k}]", bodies.get(joint.a), bodies.get(joint.b)
+        if a is None or b is None or joint.a == joint.b or joint.id in broken:
+            continue
+        name = capital(describe(joint.id, joint))
+        if a.fixed and b.fixed:
+            message = f"{name} between two fixed shapes has no effect."
+            yield issue("W207", message, path=path, ids=(joint.id,))
+        gap = math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
+        if gap > ANCHOR_TOLERANCE:
+            message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
+            yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
+        if joint.kind == "revolute":
+            yield from _limit_issues(joint, path)
+
+
+def _limit_issues(joint: Joint, path: str) -> Iterator[Issue]:
+    limits = joint.limits
+    if limits is None or not limits.on:
+        return
+    path = f"{path}.limits"
+    if limits.min > limits.max:
+        message = f"Joint {joint.id}: the limits are swapped, min > max."
+        yield issue("W205", message, path=path, ids=(joint.id,), fix="Swap limits")
+    elif limits.max - limits.min >= 2 * math.pi:
+        message = f"Joint {joint.id}: the limits span 360° or more."
+        yield issue("W205", message, path=path, ids=(joint.id,), fix="Switch limits off")
+
+
+def control_issues(level: Level) -> Iterator[Issue]:
+    """Yield motors and thrusters without power, and that nothing can be controlled (W201, W208)."""
+    controlled = False
+    for k, joint in enumerate(level.joints):
+        motor = joint.motor
+        if motor is None or not motor.on or joint.kind == "fixed":
+            continue
+        idle = [name for name in ("speed", "power") if getattr(motor, name) == 0]
+        if idle:
+            message = f"{capital(describe(joint.id, joint))}: motor {' and '.join(idle)} 0."
+            yield issue("W208", message, path=f"$.joints[{k}].motor", ids=(joint.id,))
+        else:
+            controlled = controlled or not motor.auto
+    for k, thruster in enumerate(level.thrusters):
+        if thruster.power == 0:
+            message = f"{capital(describe(thruster.id, thruster))}: power 0."
+            path = f"$.thrusters[{k}].power"
+            yield issue("W208", message, path=path, ids=(thruster.id,))
+        controlled = controlled or thruster.power > 0
+    if not controlled:
+        yield issue("W201", "Nothing is controllable (no powered motor or thruster).")
