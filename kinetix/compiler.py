@@ -68,13 +68,9 @@ def _has_older_emitters() -> bool:
 
 
 _LEFT_OUT: Final = (
-    "hlo-cse",
     "reshape-mover",
-    "slice-sinker",
     "while-loop-constant-sinking",
-    "while-loop-expensive-invariant-code-motion",
     "while-loop-invariant-code-motion",
-    "while-loop-simplifier",
 )
 """Passes over a program that take an eighth of the time and gain nothing at level 0."""
 

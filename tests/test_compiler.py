@@ -1,10 +1,12 @@
 """Options of the compiler are asked for once, and nobody's own are changed."""
 
+import mmap
 import subprocess
 import sys
 from pathlib import Path
 
 import jax
+import jaxlib
 import pytest
 
 from kinetix.compiler import ask_for_options, forget_programs, quick_options
@@ -112,3 +114,13 @@ def test_compiled_programs_are_dropped_before_the_process_runs_out_of_maps(
     assert forget_programs(tmp_path) is dropped
     assert double(1.0) == 2.0
     assert len(traced) == 1 + dropped
+
+
+def test_passes_that_are_left_out_are_passes():
+    """XLA takes any name without a word."""
+    left_out = str(quick_options()["xla_disable_hlo_passes"]).split(",")
+    found: set[str] = set()
+    for library in Path(jaxlib.__file__).parent.glob("*.so"):
+        with library.open("rb") as file, mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ) as code:
+            found |= {name for name in left_out if code.find(name.encode()) >= 0}
+    assert found == set(left_out)
