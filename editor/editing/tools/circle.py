@@ -8,7 +8,7 @@ from editor.base.overlay import Cursor, Label, Line, Style
 from editor.documents.commands.bodies import AddBody
 from editor.editing.snapping import apart_from, measured, snap_point, straightened
 from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
-from kinetix.level.model import Body, Circle
+from kinetix.level.model import Body, Circle, Point
 
 RADIUS_MIN: Final = 0.02
 RADIUS_MAX: Final = 5.0
@@ -43,6 +43,8 @@ class CircleTool(Tool):
             radius = math.dist(start, end)
             if event.modifiers.alt:
                 centre, radius = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2), radius / 2
+            elif rules.grid is not None and not snapped.guides:
+                radius = _on_grid(math.dist(start, event.world), rules.grid, rules.catch)
             if event.modifiers.shift:
                 radius = max(round(radius / RADIUS_STEP), 1) * RADIUS_STEP
             if event.typed:
@@ -53,7 +55,20 @@ class CircleTool(Tool):
                 command = AddBody(body=body)
             marks = (
                 *measured(snapped.guides),
-                Line(a=centre, b=end, style=Style.PREVIEW),
+                Line(a=centre, b=_rim(centre, end, radius), style=Style.PREVIEW),
                 Label(at=end, text=f"radius {radius:.2f} m"),
             )
             feedback = Feedback(command=command, marks=marks, cursor=Cursor.CROSS)
+
+
+def _on_grid(radius: float, grid: float, catch: float) -> float:
+    """The grid takes the radius, not the point of the rim: wheels drawn alike are equal."""
+    nearest = max(round(radius / grid), 1) * grid
+    return nearest if abs(nearest - radius) <= catch else radius
+
+
+def _rim(centre: Point, towards: Point, radius: float) -> Point:
+    far = math.dist(centre, towards)
+    share = radius / far if far else 0.0
+    x, y = (centre[k] + share * (towards[k] - centre[k]) for k in (0, 1))
+    return x, y

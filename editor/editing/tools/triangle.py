@@ -8,7 +8,7 @@ from editor.base.overlay import Cursor, Dot, Label, Line, Mark, Outline, Style
 from editor.documents.commands.bodies import AddBody
 from editor.documents.commands.group import polygon_body
 from editor.editing.snapping import APART, NO_SNAPPING, snap_point
-from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
+from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool, ToolContext
 from kinetix.errors import CommandError
 from kinetix.level.geometry import polygon_fault, signed_area
 from kinetix.level.model import Point
@@ -30,16 +30,18 @@ class TriangleTool(Tool):
         available = session.targets()
         snapped = snap_point(event.world, session.rules(event.modifiers), available)
         corners: list[Point] = [snapped.point]
-        reach = session.metres * 3
+        pressed = event.world
+        reach = session.metres * DRAG_PIXELS
         while len(corners) < 3:
             event = yield Feedback(marks=_marks(corners, snapped.point), cursor=Cursor.CROSS)
             snapped = snap_point(event.world, session.rules(event.modifiers), available, snapped)
             if any(math.dist(snapped.point, corner) < APART for corner in corners):
                 # A corner that snapped onto another one would leave no triangle.
                 snapped = snap_point(event.world, NO_SNAPPING, available)
-            far = max(abs(snapped.point[k] - corners[-1][k]) for k in (0, 1)) > reach
-            if event.kind is Pointer.PRESS or (event.kind is Pointer.RELEASE and far):
+            dragged = max(abs(event.world[k] - pressed[k]) for k in (0, 1)) > reach
+            if event.kind is Pointer.PRESS or (event.kind is Pointer.RELEASE and dragged):
                 corners.append(snapped.point)
+                pressed = event.world
         area = abs(signed_area(corners))
         if area < AREA_MIN:
             raise CommandError(f"This triangle is too flat: {area:.4f} m², at least {AREA_MIN} m².")

@@ -90,6 +90,16 @@ def test_a_triangle_is_turned_counter_clockwise(session, hand, corners):
     assert body.position == pytest.approx((4 / 3, 4 / 3), abs=1e-5)
 
 
+def test_a_click_whose_corner_snaps_sets_one_corner():
+    session = a_session(Level(name="Empty"), snap_grid=True, grid_step=0.1)
+    hand = Hand(session)
+    hand.key("t")
+    for corner in ((1.46, 2.46), (2.96, 2.46), (2.16, 3.46)):
+        hand.move(corner)
+        hand.click(corner)
+    assert abs(signed_area(drawn(session).shape.vertices)) == pytest.approx(0.7, abs=0.1)
+
+
 def test_a_flat_triangle_is_refused_with_a_message(session, hand):
     hand.key("t")
     for corner in ((1, 1), (2, 1), (3, 1.0001)):
@@ -387,6 +397,15 @@ def test_a_circle_drawn_along_the_grid_has_exactly_its_radius(end):
     body = drawn(session)
     # As near as a level's single precision comes.
     assert (*body.position, body.shape.radius) == pytest.approx((4.2, 0.7, 0.3), abs=5e-7)
+
+
+@pytest.mark.parametrize("end", [(3.32, 3.06), (3.21, 3.22), (3.0, 2.72)])
+def test_the_grid_takes_a_circles_radius_in_any_direction(end):
+    session = a_session(Level(name="Empty"), snap_smart=False, snap_grid=True, grid_step=0.1)
+    hand = Hand(session)
+    hand.key("c")
+    hand.drag((3.01, 2.99), end)
+    assert drawn(session).shape.radius == pytest.approx(0.3, abs=5e-7)
 
 
 def test_a_circle_drawn_without_snapping_ends_at_the_pointer():
