@@ -268,6 +268,8 @@ class Workplace:
         if lower and imgui.is_item_clicked(0) and panel.id not in self._seen:
             # The last item is the tab. A click is meant, also while the layout settles.
             self._asked = panel.id
+            if self._row.folded():
+                self.canvas.framing.refit()
         self._give_height(panel, opened)
         if lower and opened:
             self._fold(panel)
@@ -287,7 +289,7 @@ class Workplace:
         if self._pressed_tab == panel.id and imgui.is_mouse_released(0):
             self._pressed_tab = ""
             if still and imgui.is_item_hovered():
-                self._row.toggle()
+                self._toggle_row()
         node = imgui.internal.get_window_dock_node()
         folded = self._row.folded()
         if node is None or not imgui.internal.dock_node_begin_amend_tab_bar(node):
@@ -299,7 +301,12 @@ class Workplace:
         widgets.tooltip("Open" if folded else "Fold", "A click on the tab in front does it too.")
         imgui.internal.dock_node_end_amend_tab_bar()
         if pressed:
-            self._row.toggle()
+            self._toggle_row()
+
+    def _toggle_row(self) -> None:
+        """Fold or open the row; an arena that was shown whole is so in the room that is left."""
+        self._row.toggle()
+        self.canvas.framing.refit()
 
     def _give_height(self, panel: Panel, opened: bool) -> None:
         """Make a panel that has just come to the front as high as it has to be."""
@@ -308,7 +315,7 @@ class Workplace:
         # Panels that come back are all open for a frame before they are docked.
         docked = imgui.get_frame_count() > self._put_up + 1
         asked = opened and docked and panel.id == self._asked
-        if asked or (fresh and self.session.view.settled):
+        if asked or (fresh and self.session.view.settled and not self._row.folded()):
             self._row.fit(panel.height)
         if opened:
             self._seen.add(panel.id)

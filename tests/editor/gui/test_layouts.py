@@ -278,6 +278,23 @@ def test_the_place_under_the_canvas_folds_by_its_arrow_and_by_its_tab(gui):
     assert height_of_canvas(gui) == pytest.approx(folded, abs=2)
 
 
+@pytest.mark.parametrize("size", [(1440, 900), (800, 600)])
+def test_a_level_shown_whole_is_so_whether_the_row_is_folded_or_open(make_gui, size):
+    gui = make_gui(session=a_session(), size=size)
+    gui.frames(40)
+    folded = arena(gui)
+    gui.click("lower.fold")
+    gui.frames(20)
+    assert seen_whole(gui)
+    gui.click("lower.fold")
+    gui.frames(20)
+    assert arena(gui) == pytest.approx(folded, abs=0.5)
+    tab = imgui.internal.find_window_by_name("###panel-log").dc.dock_tab_item_rect
+    gui.click_at((tab.min.x + tab.max.x) / 2, (tab.min.y + tab.max.y) / 2)
+    gui.frames(20)
+    assert seen_whole(gui)
+
+
 @pytest.mark.parametrize("frames", [10, 60])
 @pytest.mark.parametrize("panel", ["plots", "log", "evaluate"])
 def test_one_click_on_another_tab_opens_the_folded_row(make_gui, panel, frames):
