@@ -15,12 +15,14 @@ from editor.worker.recording import Action
 from editor.worker.requests import (
     BUILT_IN,
     PLANNER,
+    AgentSummary,
     LoadAgent,
     Rehearse,
 )
 from kinetix.agents.card import read_card
 from kinetix.bundled import named_agent
 from kinetix.errors import CheckpointError, CommandError
+from kinetix.level.model import Level
 from kinetix.paths import checkpoints_dir, user_agents_dir
 
 RECENT_AGENTS: Final = 8
@@ -120,7 +122,7 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
     if path not in BUILT_IN and not os.path.isdir(path):
         path = str(named_agent(path) or path)
     place = session.viewer.slots[slot]
-    place.path, place.error, place.loading = path, "", True
+    place.path, place.error, place.loading, place.passed_over = path, "", True, None
     place.job = session.worker.submit(
         LoadAgent(path=path),
         title="Loading the agent",
@@ -169,10 +171,30 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     if path not in BUILT_IN and run_of(Path(path)) is None:
         recents = [path, *(other for other in session.settings.recent_agents if other != path)]
         session.settings.recent_agents = recents[:RECENT_AGENTS]
-    use = "F6 lets it play." if slot == "a" else "It can be compared with agent A, or with you."
-    session.toast(f"Loaded {summary.name}. {use}", "success")
+    session.toast(f"Loaded {summary.name}. {_use(session, summary, slot)}", "success")
     if session.editing and slot == "a":
         _rehearse(session)
+
+
+def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
+    """Say what a loaded agent is good for."""
+    if slot != "a":
+        return "It can be compared with agent A, or with you."
+    if _unfit(summary, _level(session)):
+        return "It cannot play this level: here F6 lets the planner play."
+    return "F6 lets it play."
+
+
+def _level(session: Session) -> Level:
+    """The level in front: the one that is played, or edited."""
+    level = session.playback.level if session.playback.active else session.document.level
+    assert level is not None
+    return level
+
+
+def _unfit(summary: AgentSummary, level: Level) -> str:
+    """Return why an agent cannot play a level; empty where it can."""
+    return "" if summary.any_size else mismatch(summary, level)
 
 
 def _rehearse(session: Session) -> None:
@@ -258,17 +280,21 @@ def play_agent(session: Session) -> None:
     if viewer.slots["a"].loading:
         session.expected = viewer.slots["a"].job
         return
-    level = session.playback.level if session.playback.active else session.document.level
-    assert level is not None
-    casting, summary = viewer.casting("a"), viewer.slots["a"].summary
-    unfit = "" if summary is None or summary.any_size else mismatch(summary, level)
+    level, place = _level(session), viewer.slots["a"]
+    if place.passed_over is not None and not _unfit(place.passed_over, level):
+        load_agent(session, place.passed_over.ref.path, "a")
+        session.expected = place.job
+        return
+    casting, summary = viewer.casting("a"), place.summary
+    unfit = "" if summary is None else _unfit(summary, level)
     if casting is None or summary is None or unfit:
         if summary is not None:
             session.toast(f"{summary.name}: {unfit} The planner plays instead.")
         elif session.training.running:
             session.toast("The agent that is being trained is not there yet: the planner plays.")
         load_agent(session, PLANNER, "a")
-        session.expected = viewer.slots["a"].job
+        place.passed_over = summary
+        session.expected = place.job
         return
     session.leave_play()
     session.gallery.open = False

@@ -24,6 +24,7 @@ from editor.base.events import (
     TextEvent,
     WheelEvent,
 )
+from editor.base.prompts import MenuQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
 
@@ -251,8 +252,9 @@ def advance(session: Session, seconds: float) -> None:
     watched = watched or session.viewer.timeline_open
     session.playback.simulator.keep_contacts = watched
     session.playback.restart_automatically = session.settings.restart_automatically
-    # Two players begin together: the one that is ready waits.
-    passed = 0.0 if session.viewer.rival.preparing else seconds
+    # Two players begin together: the one that is ready waits. So does all play for an answer.
+    asked = any(not isinstance(prompt, MenuQuestion) for prompt in session.prompts)
+    passed = 0.0 if asked or session.viewer.rival.preparing else seconds
     with session.guard():
         session.playback.tick(passed, agents.action_now(session), session.hands.pull)
     # What is measured or compared is shown step by step, and so are the renderer's pictures.

@@ -38,6 +38,8 @@ class AgentSlot:
     loading: bool = False
     job: Job | None = None
     """Job that loads it, or has loaded it."""
+    passed_over: AgentSummary | None = None
+    """The agent in whose place the planner plays: it comes back where it can play."""
 
 
 class Viewer:

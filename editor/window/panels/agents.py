@@ -93,6 +93,9 @@ class AgentsPanel(Panel):
             session.queue(f"agent.choose_{slot}")
         if place.error:
             widgets.small(place.error, COLOURS.bad)
+        if place.passed_over is not None:
+            name = place.passed_over.name
+            widgets.small(f"It plays for {name}, which comes back where it can play.")
         if summary is not None:
             self._summary(session, summary, slot)
 

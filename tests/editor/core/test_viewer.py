@@ -281,6 +281,42 @@ def test_where_the_agent_cannot_play_the_level_the_planner_does(session, stage):
     assert any("Small: It cannot play this level" in text for text in texts(session))
 
 
+def test_an_agent_that_cannot_play_a_level_says_so_and_comes_back_where_it_can(
+    session, stage, tmp_path
+):
+    stage.agents["planner"] = a_planner()
+    small = a_summary("Small", ref=AgentRef(path="/agents/Small"), any_size=False)
+    stage.agents["/agents/Small"] = dataclasses.replace(small, capacity=(4, 0, 0, 0))
+    agents.load_agent(session, "/agents/Small")
+    settle(session)
+    assert "Loaded Small. It cannot play this level: here F6 lets the planner play." in texts(
+        session
+    )
+    actions.run(session, "run.play_agent")
+    settle(session)
+    session.leave_play()
+    place = session.viewer.slots["a"]
+    assert place.summary.name == "planner" and place.passed_over.name == "Small"
+    stage.agents["/agents/Small"] = place.passed_over = dataclasses.replace(small, any_size=True)
+    actions.run(session, "run.play_agent")
+    settle(session)
+    assert session.playback.player == "Small"
+    assert place.passed_over is None
+
+
+def test_an_episode_waits_while_a_question_is_open(with_agent):
+    actions.run(with_agent, "run.play_agent")
+    run(with_agent, 0.5)
+    actions.run(with_agent, "file.save_as")
+    run(with_agent, 0.1)
+    asked = with_agent.playback.snapshot.step
+    run(with_agent, 2.0)
+    assert with_agent.prompts and with_agent.playback.snapshot.step == asked
+    with_agent.answer(with_agent.prompts[-1], None)
+    run(with_agent, 0.5)
+    assert with_agent.playback.snapshot.step > asked
+
+
 def test_who_watches_an_agent_goes_on_watching_it_in_the_next_level(with_agent, tmp_path):
     for name in ("a", "b", "c"):
         save_level(a_level().replace(name=name), tmp_path / f"{name}.json")
