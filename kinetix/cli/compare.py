@@ -60,7 +60,7 @@ def run(command: Compare) -> int:
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.comparison_files import SUFFIXES, text_of
     from kinetix.agents.evaluate import Settings
-    from kinetix.files.atomic import write_atomically
+    from kinetix.files.atomic import check_target, write_atomically
 
     if not command.agents:
         raise KinetixError("--agents: expected an agent at least, got no word")
@@ -68,6 +68,9 @@ def run(command: Compare) -> int:
         raise KinetixError(f"--attempts {command.attempts}: expected at least 1")
     if command.out is not None and command.out.suffix.lower() not in SUFFIXES:
         raise KinetixError(f"{command.out}: expected a name that ends in {', '.join(SUFFIXES)}")
+    if command.out is not None:
+        made_folder(command.out.parent)
+        check_target(command.out)
     found = levels_to_measure(command.levels)
     settings = Settings(
         attempts=command.attempts,
@@ -81,7 +84,6 @@ def run(command: Compare) -> int:
     if command.out is not None:
         hashes = {level.name: level.sha256 for level in found}
         text = text_of(command.out.suffix.lower(), contenders, hashes, __version__)
-        made_folder(command.out.parent)
         write_atomically(command.out, text.encode())
         print(command.out, file=sys.stderr)
     failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)

@@ -46,6 +46,8 @@ def run(command: Convert) -> int:
             f"{command.target}: a level is a file that ends in .json; "
             "`kinetix render` draws its picture"
         )
+    if str(command.target) == "-":
+        raise KinetixError("-: a level is written to a file: name one that ends in .json")
     loaded = load_document(command.source)
     other: LevelFormat = "kinetix-env" if loaded.format == FORMAT else FORMAT
     target = command.format or other

@@ -53,23 +53,24 @@ def run(command: Validate) -> int:
     if not command.files:
         print("kinetix validate: expected at least one file", file=sys.stderr)
         return 2
-    ok, found = True, 0
+    ok = True
     for file in named_files(command.files):
         report = file_report(file)
-        ok, found = ok and report.ok, found + 1
+        ok = ok and report.ok
         print(_json_line(report) if command.json else _text(report), flush=True)
-    if not found:
-        raise LevelError(f"{', '.join(command.files)}: expected level files, found none")
     return 0 if ok else 1
 
 
 def named_files(files: tuple[str, ...]) -> Iterator[str]:
-    """The files that the command line means: folders stand for the JSON files below them."""
+    """The files that the command line means.
+
+    Folders stand for the JSON files below them; a folder without any stands for itself.
+    """
     for file in files:
         refuse_empty(file, "a level file or a folder")
         folder = Path(file) if os.path.exists(file) else named_levels(file)
         if folder is not None and os.path.isdir(folder):
-            yield from map(str, json_files(folder))
+            yield from map(str, json_files(folder) or [folder])
         else:
             yield file
 
@@ -77,6 +78,8 @@ def named_files(files: tuple[str, ...]) -> Iterator[str]:
 def file_report(file: str) -> FileReport:
     """The problems of one file, those of reading it included."""
     try:
+        if os.path.isdir(file):
+            raise LevelError(f"{file}: expected level files in this folder, found none")
         path = resolve_path(file)
         if is_set_file(path):
             return FileReport(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))

@@ -1,6 +1,7 @@
 """The one writer of files: a file always holds the old or the new content, whatever happens."""
 
 import contextlib
+import errno
 import itertools
 import os
 import secrets
@@ -17,6 +18,8 @@ _ENDING: Final = ".tmp"
 _BACKUP: Final = ".bak"
 _LONGEST_NAME: Final = 255
 """Longest name that file systems take [bytes]."""
+_MOST_LINKS: Final = 40
+"""Links that lead to links: systems follow no more."""
 _STALE: Final = 3600.0
 """Age at which a temporary file counts as left behind by a run that was killed [s]."""
 
@@ -37,6 +40,23 @@ def write_atomically(path: Path, data: bytes) -> None:
     """
     with replacing(path) as temporary:
         _write_new(temporary, data)
+
+
+def check_target(path: Path) -> None:
+    """Refuse what could not be written, before the work whose result it is.
+
+    Args:
+        path: The file; its folder must exist.
+
+    Raises:
+        LevelError: See `write_atomically`.
+    """
+    try:
+        target, _ = _regular(path)
+        if not os.access(target.parent, os.W_OK):
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
 
 
 def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> bool:
@@ -132,6 +152,8 @@ def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
         target = Path(os.path.realpath(path))
     except ValueError as error:
         raise OSError(0, str(error)) from error
+    if _is_open_already(path):
+        raise OSError(0, "it is where this program's own output goes; choose another name")
     try:
         found = target.stat()
     except FileNotFoundError:
@@ -142,6 +164,23 @@ def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
         kind = "a named pipe" if stat.S_ISFIFO(found.st_mode) else "a device or a socket"
         raise OSError(0, f"it is {kind}, not a file; choose another name")
     return target, found
+
+
+def _is_open_already(path: Path) -> bool:
+    """Return whether a name stands for an open file of a process, as `/dev/stdout` does.
+
+    Links there seem to lead to a file, or to one that is not there; what writes to it already would
+    lose it.
+    """
+    step = Path(os.path.abspath(path))
+    for _ in range(_MOST_LINKS):
+        if os.path.realpath(step.parent).startswith("/proc/"):
+            return True
+        try:
+            step = Path(os.path.abspath(step.parent / os.readlink(step)))
+        except OSError:
+            return False
+    return False
 
 
 def _write_new(path: Path, data: bytes) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from kinetix.agents.agent import Agent
@@ -80,7 +81,8 @@ def loop(
         view.pace.worked(trainer.work.taken())
         numbers |= view.averages.add(numbers)
         done = progress.updates + 1
-        progress = StoredProgress(updates=done, seconds=progress.seconds + took)
+        seconds = progress.seconds + took
+        progress = msgspec.structs.replace(progress, updates=done, seconds=seconds)
         last = done == config.num_updates
         agent = functools.partial(_agent, run.algorithm, trainer, state, progress, {})
         if config.eval_freq and (done % config.eval_freq == 0 or last):
@@ -203,7 +205,7 @@ def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[s
         return
 
     def beside(directory: Path) -> None:
-        write_state(directory, host, updates=progress.updates, seconds=progress.seconds)
+        write_state(directory, host, progress)
 
     target = checkpoint_of(run.out, run.trainer.setup.config, progress)
     write_checkpoint(target, agent.card, agent.params["params"], extra=beside)

@@ -30,18 +30,19 @@ class StoredProgress(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     digest: str = ""
     """SHA-256 of the state; empty in runs of older versions."""
+    levels: str = ""
+    """SHA-256 of the listed levels that were trained on; empty where levels are drawn."""
 
 
-def write_state(directory: Path, state: Any, *, updates: int, seconds: float) -> None:
+def write_state(directory: Path, state: Any, progress: StoredProgress) -> None:
     """Write a state and what it belongs to.
 
     Args:
         directory: The checkpoint.
         state: Any pytree of numpy arrays.
-        updates: How many updates are done.
-        seconds: How long they took.
+        progress: How far the run is; the state's digest is added.
     """
-    progress = StoredProgress(updates=updates, seconds=seconds, digest=save_state(directory, state))
+    progress = msgspec.structs.replace(progress, digest=save_state(directory, state))
     (directory / PROGRESS).write_bytes(msgspec.json.encode(progress))
 
 

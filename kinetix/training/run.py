@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import msgspec
 
 from kinetix.agents.agent import Agent
 from kinetix.errors import KinetixError
@@ -99,7 +100,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
         if is_leader():
             put_aside(damaged)
             clear_leftovers(out)
-            write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
+            _keep_config(out, algorithm, config, progress)
             keep_damaged_rows(out, progress.updates, say)
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
@@ -153,6 +154,22 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
         say(f"warning: {trainer.setup.cut_short()}")
 
 
+def _keep_config(out: Path, algorithm: str, config: PpoConfig, progress: StoredProgress) -> None:
+    """Write what is trained with, unless it is a length that is behind the run already."""
+    if progress.updates <= config.num_updates:
+        write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
+
+
+def _on_these_levels(progress: StoredProgress, levels: str, say: Say) -> StoredProgress:
+    """Progress that goes on on the levels of now; what differs is said."""
+    if progress.levels and progress.levels != levels:
+        say(
+            "warning: the files of the levels have changed since the last checkpoint: what has "
+            "been learnt so far was learnt on others"
+        )
+    return msgspec.structs.replace(progress, levels=levels)
+
+
 def _begin(
     trainer: Trainer, out: Path, say: Say, status: Say, *, taught: bool
 ) -> tuple[Any, StoredProgress, list[Path]]:
@@ -167,10 +184,15 @@ def _begin(
             refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
-        return trainer.start(), StoredProgress(updates=0, seconds=0.0), []
+        levels = trainer.setup.levels
+        return trainer.start(), StoredProgress(updates=0, seconds=0.0, levels=levels), []
     state, progress, damaged = found
+    progress = _on_these_levels(progress, trainer.setup.levels, say)
     if progress.updates > config.num_updates:
-        say(f"nothing is left to do: update {progress.updates} is done already")
+        say(
+            f"nothing is left to do: update {progress.updates} is done already; the length in "
+            f"{CONFIG} stays"
+        )
     elif progress.updates == config.num_updates:
         say(f"all {config.num_updates} updates are done; more total_timesteps go on from here")
     else:

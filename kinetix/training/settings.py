@@ -19,7 +19,7 @@ import msgspec
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.engine.spec import Capacity
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
 from kinetix.level.sets import gather_levels
@@ -83,9 +83,16 @@ def make_config(
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
-    _complete(
-        fields, may_grow="size" not in (values or {}) and fields.get("size") == size_of_preset
-    )
+    may_grow = "size" not in (values or {}) and fields.get("size") == size_of_preset
+    try:
+        _complete(fields, may_grow=may_grow)
+    except LevelError as error:
+        if not _of_elsewhere(fields, values or {}, run):
+            raise
+        raise KinetixError(
+            f"{error}; the run's {CONFIG} names it as seen from the folder in which the run was "
+            "started: go on there, or name the levels again"
+        ) from error
     _match(fields, network, values or {})
     try:
         fields[NETWORK] = msgspec.convert(network, NetworkConfig)
@@ -97,6 +104,14 @@ def make_config(
         raise KinetixError(f"{told}: {misfit(error)}") from None
     config.check()
     return config
+
+
+def _of_elsewhere(fields: dict[str, Any], flags: Mapping[str, Any], run: Path | None) -> bool:
+    """Return whether a run's configuration names a relative path that is not here."""
+    if run is None:
+        return False
+    named = [each for name in SOURCES if not flags.get(name) for each in fields.get(name) or ()]
+    return any(not os.path.isabs(each) and not os.path.exists(each) for each in named)
 
 
 def _match(fields: dict[str, Any], network: dict[str, Any], flags: Mapping[str, Any]) -> None:

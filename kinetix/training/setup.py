@@ -1,11 +1,13 @@
 """From a configuration to the parts that every algorithm uses."""
 
 import dataclasses
+import hashlib
 import json
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import msgspec
 import optax
 from jaxtyping import Array
 
@@ -63,6 +65,8 @@ class Setup:
     """Environment steps of the longest episode that a level allows."""
     ued: UEDParams
     """Options of random levels and mutations."""
+    levels: str
+    """SHA-256 of the listed levels, in their order; empty where levels are drawn."""
 
     @property
     def env(self) -> KinetixEnv:
@@ -260,7 +264,18 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
             [level.level.max_timesteps for level in listed], default=env_params.max_timesteps
         ),
         ued=ued,
+        levels=_digest(listed),
     )
+
+
+def _digest(listed: list[SetLevel]) -> str:
+    """Not of `level_hash`es, each of which takes a millisecond."""
+    if not listed:
+        return ""
+    found = hashlib.sha256()
+    for each in listed:
+        found.update(msgspec.json.encode(each.level))
+    return found.hexdigest()
 
 
 def _shuffled(config: PpoConfig, reset_fn: ResetFunction) -> ResetFunction:

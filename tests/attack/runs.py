@@ -26,11 +26,11 @@ def read_rows(data: bytes, folder: Path) -> None:
 @functools.cache
 def stored_state() -> tuple[bytes, ...]:
     """The files of a checkpoint with a state, each with its name in the first line."""
-    from kinetix.training.resume import write_state
+    from kinetix.training.resume import StoredProgress, write_state
 
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        write_state(folder, _STATE, updates=1, seconds=0.5)
+        write_state(folder, _STATE, StoredProgress(updates=1, seconds=0.5))
         files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
         return tuple(f"{p.relative_to(folder)}\n".encode() + p.read_bytes() for p in files)
 

@@ -62,3 +62,8 @@ def test_a_picture_is_not_written_as_a_level(tmp_path, capsys):
     assert main(["convert", "s/first_flight", str(picture)]) == 1
     assert "kinetix render" in capsys.readouterr().err
     assert not picture.exists()
+
+
+def test_the_standard_output_is_no_level_file(capsys):
+    assert main(["convert", "s/first_flight", "-"]) == 1
+    assert "a level is written to a file" in capsys.readouterr().err

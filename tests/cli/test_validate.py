@@ -65,3 +65,11 @@ def test_folders_and_sets(tmp_path, capsys):
     capsys.readouterr()
     assert main(["validate", str(tmp_path), "--json"]) == 0
     assert lines(capsys)[0]["format"] == "kinetix-levelset"
+
+
+def test_a_folder_without_levels_is_an_error_also_beside_others(tmp_path, capsys):
+    (tmp_path / "empty").mkdir()
+    assert main(["validate", str(CART), str(tmp_path / "empty"), "--json"]) == 1
+    good, empty = lines(capsys)
+    assert good["ok"] and not empty["ok"]
+    assert "found none" in empty["issues"][0]["message"]

@@ -192,3 +192,32 @@ def test_a_file_of_another_user_stays_that_users(file):
     os.chown(file, 12345, 12345)
     save_level(NEW, file)
     assert (file.stat().st_uid, file.stat().st_gid) == (12345, 12345)
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="needs /proc")
+@pytest.mark.parametrize("name", ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
+def test_where_a_programs_output_goes_is_no_file_to_replace(tmp_path, name):
+    log = tmp_path / "log.txt"
+    log.write_text("hello")
+    program = (
+        "import pathlib, sys\n"
+        "from kinetix.files.atomic import write_with_backup\n"
+        "write_with_backup(pathlib.Path(sys.argv[1]), b'level')\n"
+    )
+    with log.open("a") as output:
+        done = subprocess.run(
+            [sys.executable, "-c", program, name],
+            stdout=output,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert "choose another name" in done.stderr
+    assert log.read_text() == "hello"
+    assert not Path("/dev/stdout.bak").exists()
+
+
+def test_what_could_not_be_written_is_known_before(tmp_path):
+    atomic.check_target(tmp_path / "new.json")
+    with pytest.raises(LevelError, match="it is a folder; choose another name"):
+        atomic.check_target(tmp_path)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 import shutil
 
 import numpy as np
@@ -12,7 +13,7 @@ from kinetix.agents.agent import load_agent
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.cli import main
 from kinetix.errors import KinetixError
-from kinetix.level.codec import save_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
 from kinetix.training.curricula.pages import page_updates, read_page
 from kinetix.training.logging import read_metrics
@@ -70,6 +71,43 @@ def test_a_finished_run_can_be_made_longer(finished, tmp_path):
     longer = shutil.copytree(finished, tmp_path / "longer")
     train("ppo", _config("ppo", dummy_env=True, total_timesteps=8 * 4 * 8), longer)
     assert len(read_metrics(longer)) == 8
+
+
+def test_a_length_that_is_behind_a_run_changes_nothing(finished, tmp_path):
+    done, told = shutil.copytree(finished, tmp_path / "done"), []
+    before = (done / "config.toml").read_text()
+    train("ppo", _config("ppo", dummy_env=True, total_timesteps=8 * 4), done, say=told.append)
+    assert any("nothing is left to do" in words for words in told)
+    assert (done / "config.toml").read_text() == before
+
+
+def test_it_is_said_where_the_levels_of_a_run_have_changed(tmp_path, trainers):
+    level = load_level("s/first_flight")
+    save_level(level, tmp_path / "a.json")
+    small = {"dummy_env": True, "levels": (str(tmp_path / "a.json"),), "level_mode": "list"}
+    out, told = tmp_path / "run", []
+    train("ppo", _config("ppo", **small), out, say=told.append)
+    trainers.clear()
+    train("ppo", _config("ppo", **small, total_timesteps=8 * 4 * 7), out, say=told.append)
+    assert not any("have changed" in words for words in told)
+    save_level(level.replace(gravity=(0.0, -3.0)), tmp_path / "a.json")
+    trainers.clear()
+    train("ppo", _config("ppo", **small, total_timesteps=8 * 4 * 8), out, say=told.append)
+    assert sum("have changed" in words for words in told) == 1
+    trainers.clear()
+    train("ppo", _config("ppo", **small, total_timesteps=8 * 4 * 9), out, say=told.append)
+    assert sum("have changed" in words for words in told) == 1
+
+
+def test_a_run_that_is_continued_elsewhere_says_what_its_levels_are_relative_to(
+    finished, tmp_path, monkeypatch
+):
+    moved = shutil.copytree(finished, tmp_path / "moved")
+    config = moved / "config.toml"
+    config.write_text(re.sub("(?m)^levels = .*", 'levels = ["mine.json"]', config.read_text()))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(KinetixError, match="folder in which the run was started"):
+        make_config("ppo", run=moved)
 
 
 def test_a_run_that_lost_its_checkpoints_is_not_overwritten(finished, tmp_path):
