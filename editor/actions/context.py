@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Final
 
+from editor.base.camera import Point
 from editor.base.controls import key_caps
 from editor.base.events import PointerEvent
 from editor.base.prompts import Choice, MenuQuestion
@@ -73,7 +74,22 @@ def open_menu(session: Session, event: PointerEvent, table: Table) -> None:
         event: The click.
         table: The action table.
     """
-    under = under_pointer(session, event)
+    _open(session, under_pointer(session, event), event.screen, event.world, table)
+
+
+def open_menu_of(session: Session, entity: EntityId, at: Point, table: Table) -> None:
+    """Ask what to do with an entity.
+
+    Args:
+        session: The app.
+        entity: Its id, or the name of a part of the arena.
+        at: Where the menu opens [px].
+        table: The action table.
+    """
+    _open(session, (entity,), at, session.hands.cursor, table)
+
+
+def _open(session: Session, under: Selection, at: Point, place: Point | None, table: Table) -> None:
     runs: dict[str, Run] = {}
     choices: list[Choice] = []
 
@@ -96,10 +112,10 @@ def open_menu(session: Session, event: PointerEvent, table: Table) -> None:
     names = _names(target) if target else _EMPTY
     for number, action in enumerate(names):
         label, chord = table.words(action)
-        run = _running(session, target or session.selection, event, table, action)
+        run = _running(session, target or session.selection, place, table, action)
         add(action, label, run, chord=chord, gap=number == 0 and bool(choices))
     title = "Under the pointer" if under else "Here"
-    session.ask(MenuQuestion(title=title, choices=tuple(choices), at=event.screen, answer=answer))
+    session.ask(MenuQuestion(title=title, choices=tuple(choices), at=at, answer=answer))
 
 
 def ask_key(session: Session, entity: int, at: tuple[float, float]) -> None:
@@ -199,12 +215,12 @@ def _executing(session: Session, target: Selection, command: Command) -> Run:
 
 
 def _running(
-    session: Session, target: Selection, event: PointerEvent, table: Table, action: str
+    session: Session, target: Selection, place: Point | None, table: Table, action: str
 ) -> Run:
     def run() -> None:
         session.selection = target
         # The pointer is over the menu by now; the place that was clicked is meant.
-        session.hands.cursor = event.world
+        session.hands.cursor = place
         table.run(action)
 
     return run

@@ -5,11 +5,23 @@ import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions import address, agents, export, gallery, leave, outside, play, train, watch
+from editor.actions import (
+    address,
+    agents,
+    context,
+    export,
+    gallery,
+    leave,
+    outside,
+    play,
+    train,
+    watch,
+)
 from editor.actions.base import Action, Context, context_of, contexts, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
+from editor.base.camera import Point
 from editor.base.controls import PAD, PAD_ACTIONS
 from editor.base.events import (
     NO_MODIFIERS,
@@ -25,6 +37,7 @@ from editor.base.events import (
     WheelEvent,
 )
 from editor.base.prompts import MenuQuestion
+from editor.documents.commands.base import EntityId
 from editor.session import Session
 from kinetix.errors import CommandError
 
@@ -120,10 +133,7 @@ def handle(session: Session, event: InputEvent) -> bool:
             return session.editing and session.driver.text(text)
         case PointerEvent():
             with session.guard():
-                table = Table(
-                    words=functools.partial(_words, session), run=functools.partial(run, session)
-                )
-                use_pointer(session, event, table)
+                use_pointer(session, event, _table(session))
         case WheelEvent():
             move_wheel(session, event)
         case PinchEvent():
@@ -140,6 +150,21 @@ def handle(session: Session, event: InputEvent) -> bool:
         case _:
             return False
     return True
+
+
+def open_menu_of(session: Session, entity: EntityId, at: Point) -> None:
+    """Ask what to do with an entity, as a right click on it does.
+
+    Args:
+        session: The app.
+        entity: Its id, or the name of a part of the arena.
+        at: Where the menu opens [px].
+    """
+    context.open_menu_of(session, entity, at, _table(session))
+
+
+def _table(session: Session) -> Table:
+    return Table(words=functools.partial(_words, session), run=functools.partial(run, session))
 
 
 def _words(session: Session, action_id: str) -> tuple[str, str]:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _PATIENCE: Final = 0.2
 """Shortest wait that gets a card [s]."""
+_LONG: Final = 10.0
+"""Wait from which on its length is told: the last percents are a guess [s]."""
 _WIDTH: Final = 340.0
 _ROUND_SECONDS: Final = 1.6
 """Period of the light in a bar without a known fraction [s]."""
@@ -50,12 +52,15 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
     tall = 2 * pad + 2 * line + px(20)
     low = (x + (width - wide) / 2, y + (height - tall) * 0.4)
     high = (low[0] + wide, low[1] + tall)
-    draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 0.95)), px(10))
+    draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 1.0)), px(10))
     draw.add_rect(low, high, u32(COLOURS.accent), px(10), px(1.5))
     left, right = low[0] + pad, high[0] - pad
     with font(FONTS.bold, TEXT):
         draw.add_text((left, low[1] + pad), u32(COLOURS.text), title)
+    waited = time.monotonic() - job.since
     share = "" if job.fraction is None else f"{job.fraction:.0%}"
+    if waited >= _LONG:
+        share = f"{share}   {waited:.0f} s"
     with font(FONTS.regular, SMALL):
         top = low[1] + pad + px(2)
         draw.add_text((right - imgui.calc_text_size(share).x, top), u32(COLOURS.muted), share)

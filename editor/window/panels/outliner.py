@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor import actions
 from editor.base.controls import key_caps
 from editor.base.language import tr
 from editor.base.memory import remembers
@@ -122,6 +123,9 @@ class Outliner(Panel):
             self._choose(session, entity)
             if imgui.is_mouse_double_clicked(0):
                 session.queue("edit.rename")
+        if imgui.is_item_clicked(imgui.MouseButton_.right.value) and session.editing:
+            at = imgui.get_mouse_pos()
+            session.queue(lambda: actions.open_menu_of(session, entity, (at.x, at.y)))
         widgets.probe(session, f"outliner.{entity}")
         hovered = imgui.is_item_hovered()
         if hovered:

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import file
+from editor.actions.tab_menu import open_tab_menu
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
@@ -67,6 +68,9 @@ class DocumentTabs:
             widgets.probe(session, f"tabs.{index}")
             if document.path is not None:
                 widgets.tooltip(document.title, str(document.path))
+            if imgui.is_item_clicked(imgui.MouseButton_.right.value):
+                at = imgui.get_mouse_pos()
+                session.queue(lambda tab=tab, at=(at.x, at.y): open_tab_menu(session, tab, at))
             if opened:
                 if not brought:
                     front = index

@@ -63,6 +63,18 @@ def test_a_thing_is_renamed_by_a_double_click_in_the_outliner(make_gui):
     assert gui.session.document.history.undo_label == "Name → Chassis"
 
 
+def test_a_right_click_in_the_outliner_opens_the_menu_of_the_canvas(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click_at(*gui.probe("outliner.1").centre, button=3)
+    gui.frames(4)
+    (menu,) = gui.session.prompts
+    ids = [choice.id for choice in menu.choices]
+    assert "edit.delete" in ids and "change.make green" in ids
+    gui.session.answer(menu, "edit.delete")
+    gui.frames(3)
+    assert 1 not in [body.id for body in gui.level.bodies]
+
+
 def test_larger_text_makes_rows_higher_and_is_kept(make_gui, tmp_path):
     gui = make_gui(level=a_level())
     before = gui.probe("outliner.1")

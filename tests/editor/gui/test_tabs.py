@@ -52,3 +52,24 @@ def test_a_click_still_brings_a_tab_to_the_front(gui):
         gui.click(f"tabs.{number}")
         gui.frames(4)
         assert gui.session.tabs.index_in_front == number
+
+
+def test_a_right_click_on_a_tab_closes_the_others_or_copies_its_path(gui):
+    paths = [levels_dir() / "l" / f"{name}.json" for name in ("chimes", "cogs", "delivery")]
+    for path in paths:
+        gui.open(path)
+    gui.click_at(*gui.probe("tabs.1").centre, button=3)
+    gui.frames(6)
+    (menu,) = gui.session.prompts
+    assert [choice.label for choice in menu.choices] == [
+        "Close",
+        "Close the Others",
+        "Copy the Path",
+    ]
+    gui.session.answer(menu, "path")
+    assert gui.session.clipboard.get() == str(paths[1])
+    gui.click_at(*gui.probe("tabs.1").centre, button=3)
+    gui.frames(6)
+    gui.session.answer(gui.session.prompts[-1], "others")
+    gui.frames(6)
+    assert titles(gui) == ["cogs.json"]
