@@ -64,6 +64,24 @@ def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
     return words
 
 
+def checked_count(name: str, value: Any, *, optional: bool = False) -> Any:
+    """A number of things, from 1.
+
+    Args:
+        name: What the caller knows it as.
+        value: What the caller passed.
+        optional: Whether None will do.
+
+    Raises:
+        KinetixError: It is none.
+    """
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not (whole and value >= 1) and not (optional and value is None):
+        or_none = ", or None" if optional else ""
+        raise KinetixError(f"{name}={value!r}: expected a whole number from 1{or_none}")
+    return value
+
+
 def checked_seed(seed: Any) -> int:
     """A seed as a Python number.
 

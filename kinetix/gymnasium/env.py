@@ -59,6 +59,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         self.action_space = gymnasium_space(self.kinetix_env.action_space())
         self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self._state: Any = None
+        self._over = False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -84,6 +85,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             self.kinetix_env = dataclasses.replace(self.kinetix_env, static_env_params=static)
             override = level_state(level, static)
         observation, self._state = self.kinetix_env.reset(key, None, override)
+        self._over = False
         return numpy_observation(observation), {}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -91,10 +93,13 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         refuse_fork()
         if self._state is None:
             raise KinetixError("step: call reset first")
+        if self._over:
+            gymnasium.logger.warn("step: the episode is over, and rewards repeat; call reset")
         observation, self._state, reward, done, info = self.kinetix_env.step(
             _NO_KEY, self._state, numbers_of(action)
         )
         truncated = bool(info["truncated"])
+        self._over = bool(done)
         return (
             numpy_observation(observation),
             float(reward),

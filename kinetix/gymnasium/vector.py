@@ -16,6 +16,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     SEEDS,
+    checked_count,
     checked_options,
     checked_seed,
     checked_words,
@@ -68,13 +69,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
-        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
-            raise KinetixError(f"num_envs={num_envs!r}: expected a whole number from 1")
-        whole = isinstance(max_episode_steps, int | np.integer)
-        if max_episode_steps is not None and not (whole and max_episode_steps >= 1):
-            raise KinetixError(
-                f"max_episode_steps={max_episode_steps!r}: expected a whole number from 1, or None"
-            )
+        checked_count("num_envs", num_envs)
+        checked_count("max_episode_steps", max_episode_steps, optional=True)
         try:
             self.mode = AutoresetMode(autoreset_mode)
         except ValueError:
