@@ -298,7 +298,9 @@ class Workplace:
         trailing = imgui.TabItemFlags_.trailing.value | imgui.TabItemFlags_.no_tooltip.value
         pressed = imgui.tab_item_button(f"{icon}###fold", trailing)
         widgets.probe(self.session, "lower.fold")
-        widgets.tooltip("Open" if folded else "Fold", "A click on the tab in front does it too.")
+        if not (self.session.view.covered or self.session.view.palette or self.session.prompts):
+            words = "A click on the tab in front does it too."
+            widgets.tooltip("Open" if folded else "Fold", words)
         imgui.internal.dock_node_end_amend_tab_bar()
         if pressed:
             self._toggle_row()
