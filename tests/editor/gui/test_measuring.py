@@ -15,7 +15,7 @@ from editor.base.prompts import FileQuestion
 from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.toolkit import widgets
-from editor.window.browser import nothing_here
+from editor.window.file_choice import nothing_here
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
 from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews

@@ -132,7 +132,7 @@ def test_names_that_are_no_unicode_are_counted(drawn, tmp_path):
     drawn.session.settings.save_folder = str(tmp_path)
     drawn.key("ctrl+s")
     drawn.frames(4)
-    assert drawn.host.ui._dialogs._browser._hidden.startswith("2 here")
+    assert drawn.host.ui._dialogs._browser._choice.hidden.startswith("2 here")
     type_name(drawn, "mine")
     assert (tmp_path / "mine.json").is_file()
 

@@ -15,7 +15,7 @@ from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
 from editor.play.mode import Mode
 from editor.window import canvas, play_side
-from editor.window.browser import nothing_here
+from editor.window.file_choice import nothing_here
 from editor.window.panels import timeline
 from editor.window.panels.results_table import end_of
 from editor.window.panels.timeline import marks_of
