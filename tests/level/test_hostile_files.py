@@ -126,7 +126,7 @@ def test_a_fault_of_ours_in_one_file_hides_no_other(folder, tmp_path, monkeypatc
 
 def test_a_folder_without_levels_is_no_success(tmp_path, capsys):
     assert main(["validate", str(tmp_path)]) == 1
-    assert "expected level files, found none" in capsys.readouterr().err
+    assert "expected level files in this folder, found none" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_signals_end_a_scripted_run(begin, tmp_path, number):
     app = begin("--offscreen", "--replay", str(tmp_path / "events.jsonl"))
     until((tmp_path / "begun.json").exists)
     app.send_signal(number)
-    assert app.wait(10) == TERMINATED
+    assert app.wait(60) == TERMINATED
     assert app.stderr.read() == "terminated\n"
 
 
@@ -96,5 +96,5 @@ def test_sigterm_ends_the_measurements(begin):
     app = begin("--bench")
     until(lambda: app.poll() is not None or listens(app.pid))
     app.terminate()
-    assert app.wait(10) == TERMINATED
+    assert app.wait(60) == TERMINATED
     assert app.stderr.read() == "terminated\n"

@@ -120,7 +120,7 @@ def test_what_a_killed_test_run_started_ends_with_it():
         time.sleep(0.05)
     assert command().startswith("sleep")
     run.kill()
-    run.wait(10)
+    run.wait(60)
     run.stdout.close()
     while command() and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -174,7 +174,7 @@ def test_a_signal_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_p
         desktop.do("key", "Delete")
         desktop.until(lambda: desktop.title().startswith("●"))
         desktop.app.send_signal(number)
-        assert desktop.app.wait(10) == TERMINATED
+        assert desktop.app.wait(60) == TERMINATED
         assert desktop.app.stderr.read() == "terminated\n"
     copies = (tmp_path / "state" / "kinetix-editor" / "autosave").glob("*/*[0-9].json")
     assert len(list(copies)) == 1
