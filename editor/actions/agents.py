@@ -276,14 +276,13 @@ def play_agent(session: Session) -> None:
 
     Where there is none, or it sees one size only and that is not the level's, the planner does.
     """
-    viewer = session.viewer
-    if viewer.slots["a"].loading:
-        session.expected = viewer.slots["a"].job
-        return
-    level, place = _level(session), viewer.slots["a"]
-    if place.passed_over is not None and not _unfit(place.passed_over, level):
-        load_agent(session, place.passed_over.ref.path, "a")
+    viewer, place = session.viewer, session.viewer.slots["a"]
+    if place.loading:
         session.expected = place.job
+        return
+    level = _level(session)
+    if place.passed_over is not None and not _unfit(place.passed_over, level):
+        _play_once_loaded(session, place.passed_over.ref.path)
         return
     casting, summary = viewer.casting("a"), place.summary
     unfit = "" if summary is None else _unfit(summary, level)
@@ -292,9 +291,8 @@ def play_agent(session: Session) -> None:
             session.toast(f"{summary.name}: {unfit} The planner plays instead.")
         elif session.training.running:
             session.toast("The agent that is being trained is not there yet: the planner plays.")
-        load_agent(session, PLANNER, "a")
+        _play_once_loaded(session, PLANNER)
         place.passed_over = summary
-        session.expected = place.job
         return
     session.leave_play()
     session.gallery.open = False
@@ -302,6 +300,11 @@ def play_agent(session: Session) -> None:
     session.autosaves.keep(session.document)
     viewer.by_hand = False
     session.playback.play(level, casting, player=summary.name)
+
+
+def _play_once_loaded(session: Session, path: str) -> None:
+    load_agent(session, path, "a")
+    session.expected = session.viewer.slots["a"].job
 
 
 def change_attempt(step: int) -> Callable[[Session], None]:

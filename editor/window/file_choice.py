@@ -1,4 +1,4 @@
-"""What is chosen in the file browser, and whether it will do: folder, name, answers to both."""
+"""The folder and the name that are chosen in the file browser, and whether they can be used."""
 
 import os
 from pathlib import Path
@@ -24,7 +24,7 @@ class FileChoice:
         self.hidden = ""
         """A line about the files that are not listed because their names are not text; or empty."""
         self.overwrite: Path | None = None
-        """What would be replaced: the next answer does."""
+        """A file that has this name already: accepting once more replaces it."""
         self.to_name = True
         """True if the keyboard goes to the name in the next frame."""
 

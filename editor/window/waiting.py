@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 
 from editor.base.camera import Point
 from editor.base.language import tr
-from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, alpha, u32
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TEXT, u32
 from editor.toolkit.widgets import font, px
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
     tall = 2 * pad + 2 * line + px(20)
     low = (x + (width - wide) / 2, y + (height - tall) * 0.4)
     high = (low[0] + wide, low[1] + tall)
-    draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 1.0)), px(10))
+    draw.add_rect_filled(low, high, u32(COLOURS.backdrop), px(10))
     draw.add_rect(low, high, u32(COLOURS.accent), px(10), px(1.5))
     left, right = low[0] + pad, high[0] - pad
     with font(FONTS.bold, TEXT):

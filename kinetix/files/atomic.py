@@ -51,12 +51,10 @@ def check_target(path: Path) -> None:
     Raises:
         LevelError: See `write_atomically`.
     """
-    try:
+    with _naming(path):
         target, _ = _regular(path)
         if not os.access(target.parent, os.W_OK):
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
-    except OSError as error:
-        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
 
 
 def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> bool:
@@ -73,11 +71,9 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
     Raises:
         LevelError: See `write_atomically`; also when the old content cannot be read.
     """
-    try:
+    with _naming(path):
         target, before = _regular(path)
         previous = data if before is None else target.read_bytes()
-    except OSError as error:
-        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
     if previous != data:
         if keep_all:
             _make_room(backup_of(path), previous)
@@ -118,12 +114,12 @@ def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
     Raises:
         LevelError: See `write_atomically`.
     """
-    try:
+    with _naming(told or path):
         target, before = _regular(path)
         temporary = target.with_name(f"{_PREFIX}{secrets.token_hex(8)}{_ENDING}")
         try:
             yield temporary
-            _sync_file(temporary)
+            _sync(temporary, os.O_RDWR)
             if before is not None:
                 temporary.chmod(stat.S_IMODE(before.st_mode))
                 _give_to_owner(temporary, before)
@@ -132,14 +128,21 @@ def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
             with contextlib.suppress(OSError):
                 temporary.unlink(missing_ok=True)
             raise
-    except OSError as error:
-        raise LevelError(f"{told or path}: cannot be saved: {error.strerror or error}") from error
     # The new content has the name by now. Some file systems cannot sync a folder, which makes the
     # change of name a little less durable, but is no failure.
     with contextlib.suppress(OSError):
         _sync_folder(target.parent)
     with contextlib.suppress(OSError):
         _sweep(target.parent)
+
+
+@contextlib.contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turn what the system refuses into a sentence that names the file."""
+    try:
+        yield
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
 
 
 def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
@@ -197,18 +200,14 @@ def _give_to_owner(path: Path, before: os.stat_result) -> None:
             os.chown(path, before.st_uid, before.st_gid)
 
 
-def _sync_file(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDWR)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
 def _sync_folder(folder: Path) -> None:
-    if os.name != "posix":
-        return
-    descriptor = os.open(folder, os.O_RDONLY)
+    if os.name == "posix":
+        _sync(folder, os.O_RDONLY)
+
+
+def _sync(path: Path, flags: int) -> None:
+    """Have a file or a folder reach the disk; the flags open it."""
+    descriptor = os.open(path, flags)
     try:
         os.fsync(descriptor)
     finally:

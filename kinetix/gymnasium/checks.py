@@ -64,8 +64,8 @@ def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
     return words
 
 
-def checked_count(name: str, value: Any, *, optional: bool = False) -> Any:
-    """A number of things, from 1.
+def check_count(name: str, value: Any, *, optional: bool = False) -> None:
+    """Refuse what is no number of things, from 1.
 
     Args:
         name: What the caller knows it as.
@@ -75,11 +75,13 @@ def checked_count(name: str, value: Any, *, optional: bool = False) -> Any:
     Raises:
         KinetixError: It is none.
     """
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not (whole and value >= 1) and not (optional and value is None):
+    if not (_is_whole(value) and value >= 1) and not (optional and value is None):
         or_none = ", or None" if optional else ""
         raise KinetixError(f"{name}={value!r}: expected a whole number from 1{or_none}")
-    return value
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
 
 
 def checked_seed(seed: Any) -> int:
@@ -88,8 +90,7 @@ def checked_seed(seed: Any) -> int:
     Raises:
         KinetixError: It is no whole number, or too large.
     """
-    whole = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
-    if not whole or not 0 <= seed <= LAST_SEED:
+    if not _is_whole(seed) or not 0 <= seed <= LAST_SEED:
         raise KinetixError(f"seed={seed!r}: expected a whole number from 0 to {LAST_SEED}")
     return int(seed)
 

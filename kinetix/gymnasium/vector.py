@@ -16,7 +16,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     SEEDS,
-    checked_count,
+    check_count,
     checked_options,
     checked_seed,
     checked_words,
@@ -69,8 +69,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
-        checked_count("num_envs", num_envs)
-        checked_count("max_episode_steps", max_episode_steps, optional=True)
+        check_count("num_envs", num_envs)
+        check_count("max_episode_steps", max_episode_steps, optional=True)
         try:
             self.mode = AutoresetMode(autoreset_mode)
         except ValueError:

@@ -1,4 +1,4 @@
-"""How episodes end on the default device and on the processor, and whether random play has NaN.
+"""Compare how episodes end on a GPU and on the processor, and count NaN in random play.
 
 Usage: .venv/bin/python scripts/gpu/outcomes.py [--sizes s m l] [--physics balanced] [--million 100]
 Every bundled level is played 16 times with random actions that are held for eight steps, the same

@@ -37,7 +37,7 @@ class BatchProgram:
         return self.typed(done, leaves)
 
     def typed(self, done: Tree, leaves: Sequence[Any]) -> list[Array]:
-        """What the kernel returned as a list, of the types that are promised."""
+        """The kernel's results as a list of arrays, converted to the types of `results`."""
         shapes = self.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 

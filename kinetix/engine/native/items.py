@@ -29,9 +29,9 @@ class Item:
     target: Target | None = None
     """Of a store."""
     overwrites_own: bool = False
-    """Whether it reads other entries of the array into which it stores."""
+    """True if it writes an array of which it reads other entries."""
     is_copied: bool = False
-    """Whether the source is a copy, which frees the original to be overwritten."""
+    """True if it reads a copy, so that the original may be overwritten."""
     seen: set[tuple[Value, Number]] = dataclasses.field(default_factory=set)
     """Loads from memory, as (value, flat index)."""
 
