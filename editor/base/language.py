@@ -9,7 +9,6 @@ translated too: `"{0} selected": "{0} ausgewählt"`; `{0!}` stands for a name, w
 
 import functools
 import heapq
-import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -193,9 +192,3 @@ def _same_holes(english: str, other: str) -> bool:
 
 def _content(path: Path) -> dict[str, Any]:
     return read_state(path)
-
-
-def write_words(path: Path, name: str, words: Mapping[str, str]) -> None:
-    """Write a language's file, its words in the order of the English ones."""
-    content = {"name": name, "words": dict(sorted(words.items()))}
-    path.write_text(json.dumps(content, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")

@@ -266,7 +266,6 @@ def _readers(template: dict[str, Any]) -> dict[str, Reader]:
     return {name: _BY_NAME.get(name) or _BY_TYPE[type(value)] for name, value in template.items()}
 
 
-_Record = KinetixBody | KinetixJoint | KinetixThruster | KinetixContact
 _RECORDS: dict[type[Any], tuple[dict[str, Reader], frozenset[str]]] = {
     cls: (_readers(msgspec.structs.asdict(cls())), frozenset(optional))
     for cls, optional in (
