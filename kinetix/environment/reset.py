@@ -30,7 +30,7 @@ from kinetix.environment.sharing import digest, shared, shared_partial
 from kinetix.environment.state import EnvState, stack_states, state_of
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
-from kinetix.level.codec import LoadedLevel, explaining, load_document
+from kinetix.level.codec import LoadedLevel, check_computable, load_document
 from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
@@ -132,6 +132,7 @@ def _loaded(
     """`load_from_json_file`, as numpy arrays: many levels are stacked without a device."""
     if isinstance(path, Level):
         loaded, name = LoadedLevel(level=path, format="kinetix-level"), f"level {path.name!r}"
+        check_computable(path)
     else:
         loaded, name = load_document(path), str(path)
     for option, word in (("gravity", gravity), ("time_limit", time_limit)):
@@ -139,8 +140,7 @@ def _loaded(
             raise KinetixError(f"{option}={word!r}: expected 'file' or 'fixed'")
     if parity is not None:
         gravity = time_limit = "fixed"
-    with explaining(loaded.level):
-        static = static_env_params or _static_of(loaded)
+    static = static_env_params or _static_of(loaded)
     if physics is not None:
         static = dataclasses.replace(static, physics=physics)
     static = with_parity(static, parity)
@@ -169,9 +169,9 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         state = expand_state(level, static_env_params)
     elif isinstance(level, Level):
         name = f"level {level.name!r}"
+        check_computable(level)
         engine = physics_engine_of(static_env_params)
-        with explaining(level):
-            state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+        state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     else:
         name = str(level)
         state, _, _ = _loaded(level, static_env_params)
@@ -375,8 +375,7 @@ def _compiled(
         level = msgspec.structs.replace(level, gravity=STANDARD_GRAVITY)
     if time_limit == "fixed":
         level = msgspec.structs.replace(level, max_timesteps=EnvParams().max_timesteps)
-    with explaining(level):
-        return state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+    return state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
 
 
 def _permuted(state: EnvState, path: str | Path) -> EnvState:

@@ -24,7 +24,7 @@ from kinetix.environment.actions import ContinuousActions, MultiDiscreteActions
 from kinetix.environment.bounds import as_number
 from kinetix.errors import KinetixError
 from kinetix.forks import SPAWN, refuse_forked_process
-from kinetix.level.codec import explaining, load_level
+from kinetix.level.codec import check_computable, load_level
 from kinetix.level.compile import Labels, compile_level
 from kinetix.level.features import features_of
 from kinetix.level.model import Level, Solution
@@ -137,7 +137,8 @@ def simulate(
     rows = _action_rows(actions, steps)
     # There is no step for no body at all.
     specialised = specialised and bool(level.bodies)
-    with explaining(level), usual_promotion():
+    check_computable(level)
+    with usual_promotion():
         spec = SceneSpec(capacity=needed_capacity(level) if specialised else capacity_of(level))
         if specialised:
             features = features_of(level, capacity=spec.capacity)
@@ -257,6 +258,11 @@ def _action_rows(actions: Any, steps: int) -> Float[np.ndarray, "s u"]:
         return np.zeros((steps, channels), np.float32)
     if isinstance(actions, Solution):
         return _solution_rows(actions, steps)
+    if isinstance(actions, str):
+        raise KinetixError(
+            f"actions {actions!r:.60}: expected finite numbers, a row per step; those that a level "
+            "records are its .solution"
+        )
     try:
         rows = np.asarray(actions, np.float32)
     except (TypeError, ValueError):

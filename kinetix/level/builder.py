@@ -5,7 +5,10 @@ import typing
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
+import numpy as np
+
 from kinetix.errors import LevelError, plain
+from kinetix.level.codec import check_computable
 from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
@@ -258,8 +261,12 @@ class LevelBuilder:
         return thruster.id
 
     def build(self) -> Level:
-        """Return the level as it is now; the builder can be used further."""
-        return Level(
+        """Return the level as it is now; the builder can be used further.
+
+        Raises:
+            LevelError: Something in it cannot be; one sentence with its JSON path.
+        """
+        level = Level(
             name=self._name,
             gravity=self._gravity,
             arena=self._arena,
@@ -267,6 +274,8 @@ class LevelBuilder:
             joints=tuple(self._joints),
             thrusters=tuple(self._thrusters),
         )
+        check_computable(level)
+        return level
 
     def _join(
         self,
@@ -358,6 +367,8 @@ def _check_fields(fields: dict[str, Any]) -> None:
     if "density" in fields:
         fields["density"] = _size("density", fields["density"])
     if "fixed" in fields:
+        if not isinstance(fields["fixed"], bool | np.bool_):
+            raise LevelError(f"fixed {fields['fixed']!r}: expected True or False")
         fields["fixed"] = bool(fields["fixed"])
 
 

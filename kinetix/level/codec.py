@@ -6,7 +6,6 @@ import hashlib
 import os
 import re
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -272,6 +271,8 @@ def save_level(
     """
     if isinstance(path, Level):
         raise LevelError("the order is save_level(level, path)")
+    if not isinstance(path, str | os.PathLike):
+        raise LevelError(f"path {path!r:.60}: expected the name of a file")
     path = Path(path)
     if not isinstance(level, Level):
         raise LevelError(
@@ -293,31 +294,41 @@ def check_level(level: Level, name: str) -> None:
     Raises:
         LevelError: It has a fault; one sentence with the JSON path of what is wrong.
     """
+    level_from_tree(_sayable_tree(level, name), name)
+
+
+def check_computable(level: Level) -> None:
+    """Refuse a level that nothing can be computed of; it may be larger than files allow.
+
+    Args:
+        level: A level that was made in Python, where anything can be.
+
+    Raises:
+        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+    """
+    name = f"level {level.name!r}"
+    tree = _sayable_tree(level, name)
+    del tree["format"], tree["version"]
+    faults = FaultCollector(beyond_files=True)
+    with contextlib.suppress(EnoughFaults):
+        check_tree(tree, Level, "$", faults)
+    if faults.faults:
+        fail(name, faults.faults)
+    broken = tuple(level_faults(level))
+    if broken:
+        fail(name, broken)
+
+
+def _sayable_tree(level: Level, name: str) -> dict[str, Any]:
+    """A level as JSON, where each of its values has one."""
     for kind in ("bodies", "joints", "thrusters"):
         parts = getattr(level, kind)
         if not (isinstance(parts, tuple) and all(isinstance(part, Record) for part in parts)):
             raise LevelError(f"{name}: $.{kind}: expected a sequence of Kinetix's {kind}")
     tree = level_tree(level)
     for path in unsayable_paths(tree):
-        raise LevelError(f"{name}: {path} is no JSON value (not finite, or no Unicode)")
-    level_from_tree(tree, name)
-
-
-@contextlib.contextmanager
-def explaining(level: Level) -> Iterator[None]:
-    """Say what is wrong with a level where computing it fails.
-
-    Raises:
-        LevelError: It failed, and the level has a fault; or a number is not finite.
-    """
-    name = f"level {level.name!r}"
-    for path in unsayable_paths(level_tree(level)):
-        raise LevelError(f"{name}: {path}: expected a finite number")
-    try:
-        yield
-    except (ArithmeticError, LookupError, TypeError, ValueError):
-        check_level(level, name)
-        raise
+        raise LevelError(f"{name}: {path}: expected a finite number, or text that is Unicode")
+    return tree
 
 
 def level_hash(level: Level) -> str:

@@ -37,8 +37,14 @@ class EnoughFaults(Exception):
 class FaultCollector:
     """Gathers faults while a tree is checked."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, beyond_files: bool = False) -> None:
+        """Begin without any.
+
+        Args:
+            beyond_files: Whether reals may be larger than a file's, as what is made in Python may.
+        """
         self.faults: list[Fault] = []
+        self.beyond_files = beyond_files
 
     def add(self, code: str, path: str, message: str) -> None:
         """Note a fault.

@@ -184,8 +184,20 @@ def _check_real(value: Any, kind: Any, path: str, faults: FaultCollector) -> Non
         faults.expect("E006", path, "a number", value)
     elif not abs(value) <= _LARGEST_REAL:
         faults.expect("E007", path, "a finite 32-bit number", value)
-    elif (kind.ge is not None and value < kind.ge) or (kind.le is not None and value > kind.le):
+    elif not (_is_possible if faults.beyond_files else _is_within)(value, kind.ge, kind.le):
         faults.expect("E007", path, bounds_text(kind.ge, kind.le), value)
+
+
+def _is_within(value: float, low: float | None, high: float | None) -> bool:
+    return (low is None or value >= low) and (high is None or value <= high)
+
+
+def _is_possible(value: float, low: float | None, high: float | None) -> bool:
+    """Whether physics can do with it: the sign is right, and a share of one is one."""
+    if low is None or high is None or low < 0:
+        return True
+    is_share = (low, high) == (0, 1)
+    return (value > 0 if low else value >= 0) and (value <= high or not is_share)
 
 
 def _check_integer(value: Any, kind: Any, path: str, faults: FaultCollector) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import kinetix
 from kinetix.environment import runs
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.level.model import Motor
 
 
@@ -137,6 +137,7 @@ WRONG = {
     "long": ((falling(), 1e9), {}, "at most 10000000 steps"),
     "dt": ((falling(), 1.0), {"dt": 0}, "dt 0: expected a finite number above 0"),
     "physics": ((falling(), 1.0), {"physics": "slow"}, "unknown physics 'slow'"),
+    "word": ((falling(), 1.0), {"actions": "solution"}, r"actions 'solution': .* its \.solution"),
     "actions": ((falling(), 1.0), {"actions": [1, 2]}, r"expected finite numbers of shape \(6,\)"),
     "rows": ((falling(), 1.0), {"actions": np.zeros((59, 6))}, r"\(60, 6\), a row per step"),
     "nan": ((falling(), 1.0), {"actions": [math.nan] * 6}, "expected finite numbers"),
@@ -193,3 +194,35 @@ def test_a_fork_of_what_has_simulated_is_refused_rather_than_waiting_for_ever(wh
 def test_inside_of_a_transformation_it_says_that_it_cannot_stand_there(run, transform):
     with pytest.raises(KinetixError, match="takes numbers, no tracers"):
         transform(run)(0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"density": -1.0}, "density: expected 0.001 ≤ x"),
+        ({"density": 0.0}, "density: expected 0.001 ≤ x"),
+        ({"restitution": 5.0}, "restitution: expected 0 ≤ x ≤ 1"),
+        ({"friction": -3.0}, "friction: expected 0 ≤ x"),
+        ({"id": 99}, "expected x < next_id"),
+    ],
+)
+def test_a_level_that_was_changed_is_looked_at_before_it_is_computed(change, text):
+    level = falling()
+    bad = level.replace(bodies=(*level.bodies[:-1], level.bodies[-1].replace(**change)))
+    with pytest.raises(LevelError, match=text):
+        kinetix.simulate(bad, 0.1)
+    with pytest.raises(LevelError, match=text):
+        kinetix.load_from_json_file(bad)
+
+
+def test_a_level_that_was_made_in_python_may_be_larger_than_a_file():
+    b = kinetix.LevelBuilder(arena=False, gravity=(0, -2000))
+    b.rectangle(1e4, -0.5, 2e3, 1, fixed=True, friction=50)
+    b.circle(1e4, 30, 3, velocity=(400, 0), density=1e5)
+    assert kinetix.simulate(b.build(), 0.05).position[-1, 1, 1] < 30
+
+
+def test_limits_of_time_must_be_possible_too():
+    for limit in (0, -1, 1.5):
+        with pytest.raises(LevelError, match="max_timesteps: expected"):
+            kinetix.load_from_json_file(falling().replace(max_timesteps=limit))
