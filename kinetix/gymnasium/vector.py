@@ -1,5 +1,6 @@
 """A batch of levels in one compiled step, for Gymnasium."""
 
+import functools
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -12,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 from jaxtyping import Array, Bool
 
 from kinetix.bounds import LAST_SEED
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
@@ -88,26 +90,6 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._state: Any = None
         self._ended = np.zeros(num_envs, bool)
-        self._compile()
-
-    def _compile(self) -> None:
-        self._reset = jax.jit(jax.vmap(self.kinetix_env.reset))
-        self._advance = jax.jit(self._step)
-        params, static = self.kinetix_env.env_params, self.kinetix_env.static_env_params
-        self._draw = jax.jit(jax.vmap(make_render_pixels(params, static)))
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Everything but what is compiled."""
-        return {
-            name: value
-            for name, value in self.__dict__.items()
-            if name not in ("_reset", "_advance", "_draw")
-        }
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Compile anew."""
-        self.__dict__.update(state)
-        self._compile()
 
     def reset(
         self,
@@ -127,7 +109,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         refuse_fork()
         mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
-        observation, state = self._reset(self._first_keys(seed))
+        observation, state = _begin(self.kinetix_env, self._first_keys(seed))
         if mask is not None and self._state is not None:
             chosen = jnp.asarray(mask)
             observation, state = _select(
@@ -152,8 +134,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             )
         self._check_choices(actions)
         keys = self._keys()
-        self._observation, self._state, told, final = self._advance(
-            keys, self._state, actions, jnp.asarray(self._ended)
+        self._observation, self._state, told, final = _advance(
+            (self.kinetix_env, self.mode, self._most_steps),
+            (keys, self._state, actions, jnp.asarray(self._ended)),
         )
         reward, terminated, truncated, solved, distance, nan = map(np.asarray, told)
         told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
@@ -182,7 +165,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Return one picture per environment, (height, width, 3); None without a render mode."""
         if self.render_mode is None or self._state is None:
             return None
-        pixels = np.asarray(self._draw(self._state).astype(jnp.uint8))
+        pixels = np.asarray(_draw(self.kinetix_env, self._state).astype(jnp.uint8))
         return tuple(pixels.transpose(0, 2, 1, 3)[:, ::-1])
 
     def _mask(self, mask: Any) -> np.ndarray | None:
@@ -214,36 +197,56 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         chosen = [own if one is None else one for own, one in zip(drawn, given, strict=True)]
         return jax.vmap(jax.random.key)(jnp.array(chosen, jnp.uint32))
 
-    def _step(
-        self, keys: Array, state: Any, actions: Array, ended: Bool[Array, " n"]
-    ) -> tuple[Any, Any, tuple[Array, ...], Any]:
-        """Step all; start anew where the mode says so."""
-        step = jax.vmap(self.kinetix_env.step)
-        final, played, reward, done, info = step(keys, state, actions)
-        truncated = info["truncated"]
-        if self._most_steps is not None:
-            truncated = truncated | (~done & (played.timestep >= self._most_steps))
-            done = done | truncated
-        same = self.mode is AutoresetMode.SAME_STEP
-        renew = done if same else ended
-        if self.mode is AutoresetMode.DISABLED:
-            observation, after = final, played
-        else:
-            observation, after = jax.lax.cond(
-                jnp.any(renew),
-                lambda: _select(renew, jax.vmap(self.kinetix_env.reset)(keys), (final, played)),
-                lambda: (final, played),
-            )
-        silent = jnp.zeros_like(renew) if same else ended
-        told = (
-            jnp.where(silent, 0.0, reward),
-            done & ~truncated & ~silent,
-            truncated & ~silent,
-            info["GoalR"] & ~silent,
-            info["distance"],
-            info["nan"] & ~silent,
+
+# Batches of equal environments share what is compiled, so nothing here belongs to one of them.
+@functools.partial(jax.jit, static_argnums=0)
+def _begin(env: KinetixEnv, keys: Array) -> tuple[Any, Any]:
+    return jax.vmap(env.reset)(keys)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _draw(env: KinetixEnv, states: Any) -> Array:
+    return jax.vmap(make_render_pixels(env.env_params, env.static_env_params))(states)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _advance(
+    how: tuple[KinetixEnv, AutoresetMode, int | None],
+    played: tuple[Array, Any, Array, Bool[Array, " n"]],
+) -> tuple[Any, Any, tuple[Array, ...], Any]:
+    """Step all; start anew where the mode says so.
+
+    Args:
+        how: The environment, when an episode starts anew, and after how many steps it ends.
+        played: Keys, states and actions, and which environments had ended.
+    """
+    env, mode, most_steps = how
+    keys, state, actions, ended = played
+    final, stepped, reward, done, info = jax.vmap(env.step)(keys, state, actions)
+    truncated = info["truncated"]
+    if most_steps is not None:
+        truncated = truncated | (~done & (stepped.timestep >= most_steps))
+        done = done | truncated
+    same = mode is AutoresetMode.SAME_STEP
+    renew = done if same else ended
+    if mode is AutoresetMode.DISABLED:
+        observation, after = final, stepped
+    else:
+        observation, after = jax.lax.cond(
+            jnp.any(renew),
+            lambda: _select(renew, jax.vmap(env.reset)(keys), (final, stepped)),
+            lambda: (final, stepped),
         )
-        return observation, after, told, final if same else None
+    silent = jnp.zeros_like(renew) if same else ended
+    told = (
+        jnp.where(silent, 0.0, reward),
+        done & ~truncated & ~silent,
+        truncated & ~silent,
+        info["GoalR"] & ~silent,
+        info["distance"],
+        info["nan"] & ~silent,
+    )
+    return observation, after, told, final if same else None
 
 
 def _masks(info: Mapping[str, Any], mask: np.ndarray) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode
 
 import kinetix
 from kinetix.errors import KinetixError
-from kinetix.gymnasium import KinetixGymEnv, KinetixVectorEnv
+from kinetix.gymnasium import KinetixGymEnv, KinetixVectorEnv, vector
 from tests.isolated import python_with, run_with
 
 LEVEL = {"level": "s/goalkeeper", "physics": "jax2d"}
@@ -254,6 +254,16 @@ def test_a_batch_can_be_pickled(same):
     first, _ = same.reset(seed=4)
     again, _ = pickle.loads(pickle.dumps(same)).reset(seed=4)
     np.testing.assert_array_equal(first, again)
+
+
+def test_equal_batches_share_what_is_compiled(same):
+    same.reset(seed=1)
+    same.step(np.zeros((3, 6), int))
+    again = KinetixVectorEnv(3, **LEVEL, autoreset_mode=same.mode)
+    compiled = vector._advance._cache_size()
+    again.reset(seed=1)
+    again.step(np.zeros((3, 6), int))
+    assert vector._advance._cache_size() == compiled
 
 
 FORK = """
