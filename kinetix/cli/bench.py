@@ -249,6 +249,8 @@ def _scaling(command: MeasureScaling) -> Iterable[dict[str, Any]]:
     bodies = _integers("--bodies", command.bodies)
     worlds = _integers("--worlds", command.worlds)
     devices = _integers("--devices", command.devices)
+    if not (bodies or worlds or devices):
+        raise KinetixError("--bodies, --worlds and --devices are none: there is nothing to measure")
     from kinetix.bench.scaling import ScalingSettings, measure_scaling
 
     return measure_scaling(

@@ -1,15 +1,17 @@
 """Record episodes of people, agents and the search as one data set, for imitation learning."""
 
+import contextlib
 import dataclasses
 import json as json_module
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.terminal import Terminal, counted
 from kinetix.command_line.paths import NamedPath
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
@@ -17,6 +19,8 @@ from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.datasets.episode import RecordedEpisode
+
+_FIRST: Final = "compiling the step"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -95,32 +99,35 @@ def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset
     """
     match command:
         case RecordEpisodes():
-            return _add(command.out, _recorded(command))
+            with contextlib.closing(Terminal()) as terminal:
+                return _add(command.out, _recorded(command, terminal), terminal)
         case GatherEpisodes():
             _check(command.sources)
-            return _add(command.out, _gathered(command.sources))
+            with contextlib.closing(Terminal()) as terminal:
+                return _add(command.out, _gathered(command.sources, terminal), terminal)
         case VerifyDataset():
             return _verify(command)
         case ExportDataset():
             return _export(command)
 
 
-def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
+def _add(out: Path, episodes: "Iterator[RecordedEpisode]", terminal: Terminal) -> int:
     from kinetix.datasets.folder import add_episodes, read_manifest
 
     untold = 0
 
-    def counted() -> "Iterator[RecordedEpisode]":
+    def noticed() -> "Iterator[RecordedEpisode]":
         nonlocal untold
-        for episode in episodes:
+        for episode in counted(episodes, _FIRST, _so_many, terminal):
             untold += not episode.replays
             yield episode
 
     try:
-        told = add_episodes(out, counted())
+        told = add_episodes(out, noticed())
     except KeyboardInterrupt:
         print(f"{out}: keeps the episodes that were there until now", file=sys.stderr)
         raise
+    terminal.close()
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
@@ -135,6 +142,10 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]") -> int:
     return 0
 
 
+def _so_many(episodes: int) -> str:
+    return f"{plural(episodes, 'episode')} played"
+
+
 def _tell_untold(folder: Path, count: int) -> None:
     """Say how many episodes of a data set no export can take."""
     if count:
@@ -145,7 +156,7 @@ def _tell_untold(folder: Path, count: int) -> None:
         )
 
 
-def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
+def _recorded(command: RecordEpisodes, terminal: Terminal) -> "Iterator[RecordedEpisode]":
     from kinetix.agents.evaluate import NamedLevel, Settings
     from kinetix.agents.named import load_player
     from kinetix.agents.recording import recorded_attempts
@@ -170,9 +181,9 @@ def _recorded(command: RecordEpisodes) -> "Iterator[RecordedEpisode]":
                 if episode is not None:
                     count += 1
                     yield episode
-            print(f"{level.name}: {plural(count, 'episode')}", file=sys.stderr)
+            terminal.say(f"{level.name}: {plural(count, 'episode')}")
         except KinetixError as error:
-            print(f"{level.name}: left out: {error}", file=sys.stderr)
+            terminal.say(f"{level.name}: left out: {error}")
 
 
 def _check(sources: tuple[str, ...]) -> None:
@@ -183,7 +194,7 @@ def _check(sources: tuple[str, ...]) -> None:
         check_source(source)
 
 
-def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
+def _gathered(sources: tuple[str, ...], terminal: Terminal) -> "Iterator[RecordedEpisode]":
     from kinetix.datasets.replays import checked, up_to_the_win
     from kinetix.datasets.sources import episodes_of
 
@@ -195,10 +206,9 @@ def _gathered(sources: tuple[str, ...]) -> "Iterator[RecordedEpisode]":
             told = up_to_the_win if found.place == "solution" else checked
             episode = told(found.episode)
             if found.place == "trace" and not episode.replays:
-                print(
+                terminal.say(
                     f"{found.name}: left out: a body was pulled at, or it was played in a step "
-                    "that rounds differently; its controls alone do not tell it",
-                    file=sys.stderr,
+                    "that rounds differently; its controls alone do not tell it"
                 )
                 continue
             yield episode
@@ -217,15 +227,14 @@ def _verify(command: VerifyDataset) -> int:
     levels: set[str] = set()
     differ: list[str] = []
     untold = 0
-    for episode in read_dataset(command.folder):
-        for name, counter in counts.items():
-            counter[getattr(episode, name)] += 1
-        levels.add(episode.level.name)
-        untold += not episode.replays
-        if not command.no_replay and episode.replays:
-            from kinetix.datasets.replays import checked
-
-            if not checked(episode).replays:
+    with contextlib.closing(Terminal()) as terminal:
+        played = (_played_again(one, command) for one in read_dataset(command.folder))
+        for episode, same in counted(played, _FIRST, _so_many, terminal):
+            for name, counter in counts.items():
+                counter[getattr(episode, name)] += 1
+            levels.add(episode.level.name)
+            untold += not episode.replays
+            if not same:
                 differ.append(episode.identity)
     told: dict[str, Any] = {
         "episodes": manifest.episodes,
@@ -253,6 +262,17 @@ def _verify(command: VerifyDataset) -> int:
     return 1 if differ or unlisted else 0
 
 
+def _played_again(
+    episode: "RecordedEpisode", command: VerifyDataset
+) -> tuple["RecordedEpisode", bool]:
+    """An episode, and whether it ends as it did, as far as that is asked for."""
+    if command.no_replay or not episode.replays:
+        return episode, True
+    from kinetix.datasets.replays import checked
+
+    return episode, checked(episode).replays
+
+
 def _briefly(value: Any) -> Any:
     if value is None:
         return "not checked"
@@ -260,9 +280,10 @@ def _briefly(value: Any) -> Any:
 
 
 def _export(command: ExportDataset) -> int:
-    from kinetix.datasets.folder import read_dataset
+    from kinetix.datasets.folder import read_dataset, read_manifest
     from kinetix.datasets.offline import write_offline
 
+    read_manifest(command.folder)  # what is no data set is told before a folder is made
     told = write_offline(
         command.out,
         (one for one in read_dataset(command.folder) if one.outcome in command.outcomes),

@@ -5,6 +5,7 @@ import itertools
 import json as json_module
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,6 +14,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
+from kinetix.cli.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import LevelError
@@ -108,9 +110,22 @@ def _build(command: Build) -> int:
     made_folder(command.out.parent)
     _save(made, command.out, inline=command.inline)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
-    if not command.inline:
-        print("It names the levels by their paths; --inline puts them into the file.")
+    print(_where_levels_are(made, inline=command.inline))
     return 0
+
+
+def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
+    """Whether a set's file names its levels or holds them: those out of its reach stand in it."""
+    named = 0 if inline else sum(entry.path is not None for entry in made.manifest.levels)
+    held = len(made.levels) - named
+    if not held:
+        return "It names the levels by their paths; --inline puts them into the file."
+    if not named:
+        return "The levels themselves are in the file."
+    return (
+        f"It names {plural(named, 'level')} by path and holds {held} that are out of its reach; "
+        "--inline puts all into the file."
+    )
 
 
 def _split(command: Split) -> int:
@@ -174,17 +189,24 @@ class Verdict:
 
 
 def _verify(command: Verify) -> int:
-    import jax  # only playing needs it
-
     levels, unreadable = read_levels([command.source])
     ok = True
+    unread = itertools.starmap(_unreadable, unreadable.items())
+    for verdict in itertools.chain(unread, _verdicts(levels)):
+        ok = ok and verdict.ok
+        print(_json_line(verdict) if command.json else _text(verdict), flush=True)
+    return 0 if ok else 1
+
+
+def _verdicts(levels: Sequence[SetLevel]) -> Iterator[Verdict]:
+    import jax  # only playing needs it
+
     # A level is one world, which keeps one core busy.
     with ThreadPoolExecutor(jax.local_device_count()) as threads:
-        played = threads.map(verdict_on, levels)
-        for verdict in itertools.chain(itertools.starmap(_unreadable, unreadable.items()), played):
-            ok = ok and verdict.ok
-            print(_json_line(verdict) if command.json else _text(verdict), flush=True)
-    return 0 if ok else 1
+        found = threads.map(verdict_on, levels)
+        with announced("compiling the step"):
+            yield from itertools.islice(found, 1)
+        yield from found
 
 
 def _unreadable(name: str, error: LevelError) -> Verdict:

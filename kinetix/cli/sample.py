@@ -4,22 +4,17 @@ import contextlib
 import dataclasses
 import os
 import sys
-import time
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.terminal import PATIENCE, Terminal, announced
+from kinetix.cli.terminal import Terminal, counted
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.wording import plural
-
-if TYPE_CHECKING:
-    from kinetix.level.model import Level
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -71,27 +66,21 @@ def run(command: Sample) -> int:
     made_folder(command.target)
     width = max(4, len(str(command.count - 1)))
     decided = 0
-    for index, level in enumerate(_announced(levels, command.count)):
-        name = f"{kind}_{label}_{command.seed}_{index:0{width}d}.json"
-        _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
-        decided += has_errors(validate(level))
+    with contextlib.closing(Terminal()) as terminal:
+
+        def told_so_far(number: int) -> str:
+            return f"{number} of {plural(command.count, 'level')}"
+
+        made = counted(levels, "compiling the generator", told_so_far, terminal)
+        for index, level in enumerate(made):
+            name = f"{kind}_{label}_{command.seed}_{index:0{width}d}.json"
+            _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
+            decided += has_errors(validate(level))
     told = f"{command.target}: {plural(command.count, 'level')}"
     if decided:
         told += f", {decided} of them over as they begin (`kinetix validate` names them)"
     print(told, file=sys.stderr)
     return 0
-
-
-def _announced(levels: Iterator["Level"], count: int) -> Iterator["Level"]:
-    """Yield levels; tell of the wait for the first and how many there are by now."""
-    with announced("compiling the generator"):
-        yield next(levels)
-    began = time.monotonic()
-    with contextlib.closing(Terminal()) as terminal:
-        for number, level in enumerate(levels, start=2):
-            if time.monotonic() - began > PATIENCE:
-                terminal.status(f"{number} of {plural(count, 'level')}")
-            yield level
 
 
 def _write(path: Path, data: bytes, *, overwrite: bool) -> None:

@@ -1,14 +1,17 @@
 """The terminal as a long command uses it: lines that stay, and one that tells what is under way."""
 
 import contextlib
+import itertools
 import sys
 import threading
-from collections.abc import Iterator
-from typing import Final
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import Final, TypeVar
 
 from kinetix.failures import mute
 from kinetix.training.telling import Say, now_and_then
 
+_T = TypeVar("_T")
 _BACK_AND_CLEAR = "\r\x1b[K"
 PATIENCE: Final = 3.0
 """Time after which somebody who waits wants to know for what [s]."""
@@ -70,3 +73,25 @@ def _write(text: str) -> None:
         print(text, end="", file=sys.stderr, flush=True)
     except OSError:
         mute(sys.stderr)
+
+
+def counted(
+    items: Iterable[_T], first: str, told: Callable[[int], str], terminal: Terminal
+) -> Iterator[_T]:
+    """Yield what takes long to make; tell of the wait for the first one, then how many there are.
+
+    Args:
+        items: Made one by one as they are taken.
+        first: Words for the wait for the first one.
+        told: Words for so many.
+        terminal: Where it is told.
+    """
+    making = iter(items)
+    with announced(first, say=terminal.status):
+        beginning = list(itertools.islice(making, 1))
+    yield from beginning
+    began = time.monotonic()
+    for number, item in enumerate(making, start=2):
+        if time.monotonic() - began > PATIENCE:
+            terminal.status(told(number))
+        yield item

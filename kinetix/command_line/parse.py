@@ -10,8 +10,8 @@ import tyro
 from kinetix.command_line.options import OPTIONS
 from kinetix.command_line.program import Program
 
-_FEWEST_COLUMNS: Final = 20
-"""Tyro's layout of the help never ends in fewer columns than some six."""
+_FEWEST_COLUMNS: Final = 40
+"""In fewer, tyro sets the help one letter a line; in less than some six it never ends."""
 
 _Command = TypeVar("_Command")
 

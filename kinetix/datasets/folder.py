@@ -15,7 +15,7 @@ from kinetix.datasets.episode import Origin, RecordedEpisode
 from kinetix.datasets.shard import FORMAT, VERSION, pack, read_ids, read_shard
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
-from kinetix.files.folders import made_folder
+from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_json
 from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_bytes
@@ -246,8 +246,7 @@ def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
 @contextlib.contextmanager
 def _opened(folder: Path) -> Iterator[Manifest]:
     """Make the folder where there is none, and hold its lock."""
-    made_folder(folder)
-    with locked_folder(folder, "another recording"):
+    with begun_folder(folder), locked_folder(folder, "another recording"):
         if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)
             return

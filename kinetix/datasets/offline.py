@@ -19,11 +19,12 @@ import numpy as np
 
 from kinetix.datasets.episode import CONTROLS, RecordedEpisode, Source
 from kinetix.engine.pairs import pair_counts
+from kinetix.engine.spec import Capacity
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError
 from kinetix.files.arrays import read_npz
 from kinetix.files.atomic import write_atomically
-from kinetix.files.folders import made_folder
+from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_object
 from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
@@ -101,8 +102,13 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
     Raises:
         KinetixError: The folder is not empty, or cannot be written.
     """
-    _claim(out)
     capacity = parse_capacity(size)
+    with begun_folder(out):
+        _refuse_filled(out)
+        return _written(out, episodes, capacity)
+
+
+def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity) -> Written:
     rows: list[dict[str, np.ndarray]] = []
     left: list[str] = []
     origins: list[_Origin] = []
@@ -313,9 +319,9 @@ def _keyed(value: Any) -> Any:
     return value
 
 
-def _claim(out: Path) -> None:
+def _refuse_filled(out: Path) -> None:
     try:
-        filled = any(made_folder(out).iterdir())
+        filled = any(out.iterdir())
     except OSError as error:
         raise KinetixError(f"{out}: cannot be read: {error.strerror or error}") from error
     if filled:

@@ -1,6 +1,8 @@
 """Folders that commands write into, made where there are none."""
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from kinetix.errors import KinetixError
@@ -26,3 +28,23 @@ def made_folder(folder: Path) -> Path:
             raise KinetixError(f"{file}: expected a folder, got a file") from None
         raise KinetixError(f"{folder}: cannot be made: {error.strerror or error}") from None
     return folder
+
+
+@contextlib.contextmanager
+def begun_folder(folder: Path) -> Iterator[None]:
+    """Make a folder for what is written in the block; where that is nothing it is gone again.
+
+    Args:
+        folder: The folder; one that is there stays.
+
+    Raises:
+        KinetixError: There is a file in its place, or it cannot be made.
+    """
+    is_new = not os.path.isdir(folder)
+    made_folder(folder)
+    try:
+        yield
+    finally:
+        if is_new:
+            with contextlib.suppress(OSError):  # it holds something
+                folder.rmdir()

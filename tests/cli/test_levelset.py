@@ -37,6 +37,21 @@ def test_build_and_split(folder, capsys):
     assert load_set(out).manifest.seed == 1
 
 
+def test_where_the_levels_of_a_set_are_is_told_as_it_is(folder, tmp_path_factory, capsys):
+    def told(out, *more):
+        assert main(["levelset", "build", str(out), "--levels", str(folder), *more]) == 0
+        return capsys.readouterr().out
+
+    assert "names the levels by their paths" in told(folder / "set.json")
+    assert "The levels themselves are in the file" in told(folder / "inline.json", "--inline")
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "far" / "away"
+    elsewhere.mkdir(parents=True)
+    assert "The levels themselves are in the file" in told(elsewhere / "set.json")
+    save_level(load_level(folder / "c0.json").replace(max_timesteps=300), elsewhere / "own.json")
+    mixed = told(elsewhere / "mixed.json", str(elsewhere / "own.json"))
+    assert "names 1 level by path and holds 5 that are out of its reach" in mixed
+
+
 def test_a_set_is_built_in_a_new_folder_and_a_bundled_one_stays(folder, capsys):
     out = folder / "new" / "deep" / "set.json"
     assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0

@@ -4,7 +4,8 @@ import subprocess
 import sys
 import time
 
-from kinetix.cli.terminal import Terminal, announced
+from kinetix.cli import terminal as terminals
+from kinetix.cli.terminal import Terminal, announced, counted
 from kinetix.training import telling
 from kinetix.training.telling import now_and_then
 
@@ -31,6 +32,16 @@ def test_in_a_file_they_are_lines_without_escapes(capsys):
     terminal.say("done")
     terminal.close()
     assert capsys.readouterr().err == "compiling: update\ndone\n"
+
+
+def test_what_takes_long_is_counted(capsys, monkeypatch):
+    monkeypatch.setattr(terminals, "PATIENCE", -1.0)
+    terminal = Terminal()
+    made = counted(iter("abc"), "compiling", lambda number: f"{number} letters", terminal)
+    assert list(made) == ["a", "b", "c"]
+    terminal.close()
+    assert "2 letters\n" in capsys.readouterr().err
+    assert list(counted(iter(""), "compiling", str, terminal)) == []
 
 
 def test_each_kind_of_work_is_said_at_once_and_then_now_and_then(monkeypatch):

@@ -9,7 +9,7 @@ import pytest
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.recording import recorded_attempts
 from kinetix.agents.scripted import ScriptedPlayer
-from kinetix.cli.dataset import ExportDataset, GatherEpisodes, VerifyDataset, run
+from kinetix.cli.dataset import ExportDataset, GatherEpisodes, RecordEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.folder import add_episodes, read_dataset
 from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
@@ -79,6 +79,18 @@ def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
     assert run(GatherEpisodes(out=out, sources=(LEVEL, str(out)))) == 0
     assert len(list(read_dataset(out))) == 1
     assert run(VerifyDataset(folder=out)) == 0
+
+
+def test_a_refused_command_leaves_no_folder_behind(tmp_path: Path) -> None:
+    """Where nothing came of it, the folder that was to take it is not there."""
+    out, unsolved = tmp_path / "out", tmp_path / "unsolved.json"
+    with pytest.raises(KinetixError, match="expected a data set"):
+        run(ExportDataset(folder=tmp_path / "nix", out=out))
+    with pytest.raises(KinetixError, match="nope"):
+        run(RecordEpisodes(out=out, agent="nope", levels=(LEVEL,)))
+    save_level(load_level(LEVEL).replace(solution=None), unsolved)
+    assert run(GatherEpisodes(out=out, sources=(str(unsolved),))) == 1
+    assert not out.exists()
 
 
 def test_a_solution_that_wins_early_is_cut_there(tmp_path: Path) -> None:

@@ -61,6 +61,17 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
     assert stored["yield"]["won"] == told.won
 
 
+def test_a_search_without_hope_ends(monkeypatch, tmp_path):
+    with pytest.raises(KinetixError, match="no joints and no thrusters"):
+        teach.teach(teach.TeachConfig(size="4,0,0,0", batch=8), 1, tmp_path / "still")
+    nothing = ([], {"trivial": 0, "won": 0})
+    monkeypatch.setattr(teach._Search, "__init__", lambda self, config, status: None)
+    monkeypatch.setattr(teach._Search, "shard", lambda self, number: nothing)
+    monkeypatch.setattr(teach, "SHARD", 256)
+    with pytest.raises(KinetixError, match="none of 1,024 levels was won"):
+        teach.teach(teach.TeachConfig(size="s"), 1, tmp_path / "hopeless")
+
+
 @pytest.mark.slow
 def test_the_teacher_wins_random_machines_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(teach, "SHARD", 8)

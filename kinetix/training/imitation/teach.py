@@ -45,6 +45,8 @@ from kinetix.wording import misfit
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
 """Levels that are drawn, searched and written together."""
+_HOPELESS: Final = 4
+"""Shards of levels without one that is won, after which none is expected any more."""
 _COPIES: Final = 2**20
 """Number of the draws for perturbed starts; those of the turns of a search are less."""
 
@@ -77,13 +79,17 @@ class TeachConfig:
         Raises:
             KinetixError: One sentence that names the field.
         """
-        parse_capacity(self.size)
+        sizes = parse_capacity(self.size)
         solver_named(self.physics)
         for name, least in (("rounds", 1), ("batch", 1), ("copies", 0)):
             if getattr(self, name) < least:
                 raise KinetixError(f"{name}: expected at least {least}, got {getattr(self, name)}")
         if SHARD % self.batch:
             raise KinetixError(f"batch: expected a divisor of {SHARD}, got {self.batch}")
+        if not (sizes.joints or sizes.thrusters):
+            raise KinetixError(
+                f"size {self.size!r}: has no joints and no thrusters: none of its levels can be won"
+            )
         if self.machines:
             random_machine(random.Random(0), self.size)  # refuses sizes that have none
 
@@ -142,7 +148,13 @@ def teach(
         if so_far.won >= count:
             return so_far
         search = _Search(config, status)
+        first = so_far.shards
         while so_far.won < count:
+            if not so_far.won and so_far.shards - first >= _HOPELESS:
+                raise KinetixError(
+                    f"size {config.size!r}: none of {so_far.levels:,} levels was won; choose a "
+                    "larger size, or more --rounds"
+                )
             began = time.monotonic()
             found, told = search.shard(so_far.shards)
             # Of a stop between the two writes only this comes twice, and is known then.
