@@ -179,6 +179,7 @@ def _show(options: Options, session: Session, host: "PygameHost") -> None:
         )
     else:
         host.ui.warm_up = True
+        _tell_of_settings(session)
         if options.record is None:
             session.play_quickly()
         else:
@@ -235,9 +236,24 @@ def _open_files(options: Options, session: Session) -> None:
     mark = session.log.serial
     opened = [address.open_any(session, words) for words in options.files]
     if not any(opened):
-        raise KinetixError("\n".join(session.log.since(mark)))
+        *others, last = session.log.since(mark)
+        for fault in others:
+            sys.stderr.write(f"{fault}\n")
+        raise KinetixError(last)
     if options.replay is None:
         recover.offer(session)
+
+
+def _tell_of_settings(session: Session) -> None:
+    """Say that the settings could not be read: the first change of one writes the file anew."""
+    from editor.actions import file
+
+    if session.keeper.fault:
+        told = (
+            f"{session.keeper.fault}. The app starts with the usual settings. Mend the file now: "
+            "it will be written anew, and then the old one is a .bak file beside it"
+        )
+        file.tell(session, "Preferences cannot be read", told)
 
 
 def _stand_somewhere() -> None:

@@ -44,8 +44,6 @@ def open_path(
         document = files.open_document(path, session.old_names)
     except LevelError as error:
         other = Path(path).suffix not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path)
-        if other:
-            session.log.add(str(error))
         told = f"{path}: this is no level; a level is a file that ends in .json" if other else error
         tell(session, "This cannot be opened", str(told))
         return False

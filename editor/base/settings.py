@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from editor.base.physics import PHYSICS
-from editor.base.state_file import read_state, write_state
+from editor.base.state_file import read_state, state_fault, write_state
 from kinetix.files.names import is_text
 from kinetix.paths import config_dir
 from kinetix.render.palette import PALETTES
@@ -162,6 +162,8 @@ class SettingsKeeper:
         self._path = path
         self._stored = stored
         self._written = dataclasses.asdict(settings)
+        self.fault = state_fault(path or settings_path()) if stored else ""
+        """Why the file could not be read; empty where it could, or there was none."""
 
     def save(self) -> None:
         """Write what has changed since it was read or written last.
@@ -175,7 +177,8 @@ class SettingsKeeper:
             return
         before, self._written = self._written, now
         path = self._path or settings_path()
-        there = read_state(path)
+        # Of a file that was broken meanwhile this window knows what it held.
+        there = now if state_fault(path) else read_state(path)
         for name in ("recents", "recent_agents"):
             others = there.get(name)
             if name in changed and isinstance(others, list):

@@ -1,12 +1,13 @@
 """One JSON object in the user's state folder: what the editor keeps from one run to the next."""
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from kinetix.errors import LevelError
-from kinetix.files.atomic import write_atomically
+from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.json_text import parse
 from kinetix.files.regular import FileError, read_text
 
@@ -14,14 +15,29 @@ from kinetix.files.regular import FileError, read_text
 def read_state(path: Path) -> dict[str, Any]:
     """Return the content of a file; nothing where it is absent, broken or no JSON object."""
     try:
-        tree = parse(read_text(path, "kept"), path)
+        return _object(path)
     except FileError:
         return {}
-    return tree if isinstance(tree, dict) else {}
+
+
+def state_fault(path: Path) -> str:
+    """Return why a file cannot be read; empty where it can, or where there is none."""
+    try:
+        _object(path)
+    except FileError as error:
+        return str(error) if os.path.lexists(path) else ""
+    return ""
+
+
+def _object(path: Path) -> dict[str, Any]:
+    tree = parse(read_text(path, "kept"), path)
+    if not isinstance(tree, dict):
+        raise FileError(path, "expected one JSON object")
+    return tree
 
 
 def write_state(path: Path, tree: Mapping[str, Any]) -> None:
-    """Write a file whole, making its folder where there is none.
+    """Write a file whole, making its folder where there is none; a broken one stays as a backup.
 
     Raises:
         LevelError: It cannot be written.
@@ -30,4 +46,8 @@ def write_state(path: Path, tree: Mapping[str, Any]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
-    write_atomically(path, json.dumps(tree, indent=1).encode())
+    data = json.dumps(tree, indent=1).encode()
+    if state_fault(path):
+        write_with_backup(path, data, keep_all=True)
+    else:
+        write_atomically(path, data)

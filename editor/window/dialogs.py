@@ -6,7 +6,6 @@ from imgui_bundle import imgui
 
 from editor.base.language import tr
 from editor.base.prompts import (
-    Choice,
     FileQuestion,
     MenuQuestion,
     Prompt,
@@ -15,9 +14,9 @@ from editor.base.prompts import (
 )
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS
-from editor.toolkit.keys import label as chord_label
 from editor.toolkit.widgets import px
 from editor.window.browser import FileBrowser, thumbnail
+from editor.window.choice_list import ChoiceList
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -39,6 +38,7 @@ class Dialogs:
         self._browser: FileBrowser | None = None
         self._shown: object = None
         self._text = ""
+        self._rows: ChoiceList | None = None
 
     def draw(self, session: "Session") -> None:
         """Draw it, if there is one."""
@@ -193,8 +193,9 @@ class Dialogs:
 
     def _list(self, session: "Session", prompt: MenuQuestion, fresh: bool) -> None:
         name = "###list"
-        if fresh:
+        if fresh or self._rows is None:
             imgui.open_popup(name)
+            self._rows = ChoiceList(prompt.choices)
         viewport = imgui.get_main_viewport()
         if prompt.at is not None:
             imgui.set_next_window_pos(prompt.at, imgui.Cond_.appearing.value)
@@ -202,7 +203,7 @@ class Dialogs:
             centre = (viewport.pos.x + viewport.size.x / 2, viewport.pos.y + viewport.size.y / 2)
             imgui.set_next_window_pos(centre, imgui.Cond_.appearing.value, (0.5, 0.5))
         imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(8), px(8)))
-        opened = imgui.begin_popup(name)
+        opened = imgui.begin_popup(name, imgui.WindowFlags_.no_nav.value)
         imgui.pop_style_var()
         if not opened:
             if not fresh:
@@ -210,26 +211,10 @@ class Dialogs:
             return
         widgets.small(prompt.title)
         imgui.separator()
-        for choice in prompt.choices:
-            self._choice(session, prompt, choice)
-        entered = imgui.is_key_pressed(imgui.Key.enter, False)
-        if entered and not fresh and not imgui.is_any_item_focused():
-            # Nothing is pointed at with the keys: Return takes the first one.
+        taken = self._rows.draw(session, fresh=fresh)
+        if taken is not None:
             imgui.close_current_popup()
-            session.queue(lambda: session.answer(prompt, prompt.choices[0].id))
+            session.queue(lambda: session.answer(prompt, taken))
         if imgui.is_key_pressed(imgui.Key.escape, False) and not fresh:
             imgui.close_current_popup()
         imgui.end_popup()
-
-    def _choice(self, session: "Session", prompt: MenuQuestion, choice: Choice) -> None:
-        if choice.separated:
-            imgui.separator()
-        beside = chord_label(choice.chord) if choice.chord else choice.detail
-        pressed = imgui.menu_item_simple(
-            f"{tr(choice.label)}###{choice.id}", tr(beside) if beside else None
-        )
-        widgets.probe(session, f"list.{choice.id}")
-        if imgui.is_item_hovered() and choice.ids:
-            session.highlighted = tuple(choice.ids)
-        if pressed:
-            session.queue(lambda: session.answer(prompt, choice.id))

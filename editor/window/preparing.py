@@ -123,7 +123,7 @@ class Preparation:
 
     def _candidates(self) -> Iterator[_Task]:
         session = self._session
-        if session.playback.waiting:
+        if session.playback.waiting or session.viewer.rival.preparing:
             return
         level, (size, physics) = session.document.level, self._own()
         settled = time.monotonic() - self._since >= SETTLED_SECONDS

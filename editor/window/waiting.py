@@ -29,6 +29,10 @@ def awaited(session: "Session") -> tuple[str, "Job"] | None:
     job = getattr(playback.simulator, "job", None)
     if playback.waiting and job is not None:
         return (f"Preparing {playback.player}" if playback.player else "Preparing Play"), job
+    rival = session.viewer.rival
+    job = getattr(rival.simulator, "job", None)
+    if rival.preparing and job is not None:
+        return f"Preparing {rival.player}", job
     if expected is not None and not expected.finished:
         return expected.title, expected
     return None

@@ -321,6 +321,29 @@ def test_what_only_a_later_version_offers_is_passed_over(tmp_path):
     assert json.loads(file.read_text())["physics"] == "quantum"  # which has it still
 
 
+@pytest.mark.parametrize(
+    "broken", [b'{"theme": "light", "keys": {},}', b"\xff\xfe no text", b"[1, 2]"]
+)
+def test_settings_that_cannot_be_read_are_told_and_stay_beside_the_new_ones(tmp_path, broken):
+    path = tmp_path / "settings.json"
+    path.write_bytes(broken)
+    loaded = Settings.load(path)
+    keeper = SettingsKeeper(loaded, path)
+    assert keeper.fault.startswith(f"{path}: ")
+    keeper.save()
+    assert path.read_bytes() == broken  # nothing has changed yet
+    loaded.minimap = not loaded.minimap
+    keeper.save()
+    assert (tmp_path / "settings.json.bak").read_bytes() == broken
+    again = Settings.load(path)
+    assert again == loaded and not SettingsKeeper(again, path).fault
+    path.write_text("{")  # while the app runs
+    loaded.volume = 0.25
+    keeper.save()
+    assert Settings.load(path) == loaded
+    assert not SettingsKeeper(Settings(), tmp_path / "none.json").fault
+
+
 @pytest.mark.parametrize("name", ["recents", "recent_agents"])
 def test_what_is_forgotten_does_not_come_back_and_what_another_window_adds_stays(tmp_path, name):
     file = tmp_path / "settings.json"

@@ -15,7 +15,7 @@ from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.window.waiting import awaited
-from editor.worker.jobs import JobState, Worker
+from editor.worker.jobs import Job, JobState, Worker
 from editor.worker.requests import (
     Advance,
     AgentRef,
@@ -161,6 +161,17 @@ def test_the_recorded_solution_is_waited_for_on_the_canvas_and_esc_calls_it_off(
     actions.run(session, "edit.cancel")
     frames(session, lambda: job.finished)
     assert job.state is JobState.CANCELLED
+
+
+def test_what_a_second_player_waits_for_is_told_too(session):
+    rival, job = session.viewer.rival, Job(StartEpisode(run=1, level=LEVEL, physics="fast"), "")
+    rival.simulator = FakeSimulator()
+    rival.simulator.job, rival.simulator.take = job, list
+    assert awaited(session) is None
+    rival.start(LEVEL, "fast", None, player="Planner")
+    assert awaited(session) == ("Preparing Planner", job)
+    rival.failure = "No memory."
+    assert awaited(session) is None
 
 
 def test_play_tells_who_is_prepared_and_stopping_frees_the_worker(held):

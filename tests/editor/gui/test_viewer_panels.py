@@ -10,7 +10,7 @@ from editor import actions
 from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan
-from editor.base.prompts import FileQuestion
+from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
 from editor.play.mode import Mode
@@ -458,6 +458,56 @@ def test_return_takes_the_first_agent_of_the_list(gui):
     gui.key("return")
     gui.frames(4)
     assert chosen == [prompt.choices[0].id]
+
+
+def an_open_list(gui, at=None):
+    """A list with three rows, and the ids that were answered."""
+    chosen = []
+    rows = (("general", "General"), ("noop", "Does nothing (noop)"), ("planner", "Planner"))
+    choices = tuple(Choice(id=name, label=label) for name, label in rows)
+    gui.session.ask(MenuQuestion(title="Agents", choices=choices, at=at, answer=chosen.append))
+    gui.frames(4)
+    return chosen
+
+
+@pytest.mark.parametrize(
+    ("keys", "words", "taken"),
+    [
+        ((), "", "general"),
+        (("down",), "", "noop"),
+        (("up",), "", "planner"),
+        (("end", "down", "down"), "", "noop"),
+        ((), "pl", "planner"),
+        ((), "noop", "noop"),
+        (("down",), "xyz", "noop"),
+    ],
+)
+def test_return_takes_the_row_of_a_list_that_keys_have_chosen(gui, keys, words, taken):
+    chosen = an_open_list(gui)
+    for key in keys:
+        gui.key(key)
+    for letter in words:
+        gui.text(letter)
+    gui.key("return")
+    gui.frames(4)
+    assert chosen == [taken]
+
+
+def test_a_pointer_chooses_a_row_where_it_moves_and_not_where_it_lies(gui):
+    chosen = an_open_list(gui)
+    x, y = gui.probe("list.planner").centre
+    gui.key("escape")
+    gui.move(x, y)
+    gui.frames(3)
+    again = an_open_list(gui)  # under the pointer
+    gui.key("return")
+    gui.frames(4)
+    assert (chosen, again) == ([None], ["general"])
+    once_more = an_open_list(gui)
+    gui.move(x + 3, y)
+    gui.key("return")
+    gui.frames(4)
+    assert once_more == ["planner"]
 
 
 def test_only_the_folder_of_an_agent_can_be_used(gui, tmp_path):
