@@ -1,8 +1,6 @@
 """Settings of all tests: strict JAX, quick compilation and a persistent compile cache."""
 
 import collections
-import contextlib
-import ctypes
 import gc
 import os
 import signal
@@ -13,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.compiler import quick_options
+from kinetix.memory import give_back_memory
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault(
@@ -96,10 +95,4 @@ def _bounded_memory():
         sys.modules["jax"].clear_caches()
         gc.unfreeze()  # the editor exempts what it compiles from collections
         gc.collect()
-        _give_back()
-
-
-def _give_back() -> None:
-    """Let the system have what is free: else the process stays large, and is cleared ever anew."""
-    with contextlib.suppress(OSError, AttributeError):  # another system's C library
-        ctypes.CDLL("libc.so.6").malloc_trim(0)
+        give_back_memory()  # else the process stays large, and is cleared ever anew

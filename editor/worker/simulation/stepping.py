@@ -31,6 +31,7 @@ from kinetix.files.caches import tidy_caches
 from kinetix.level.features import features_of
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
+from kinetix.memory import give_back_memory
 from kinetix.pytree import on_device
 
 MOVING: Final = ("physics", "timestep", "last_distance")
@@ -270,11 +271,12 @@ def tailor(request: Tailor, progress: Progress) -> None:
 
 
 def keep_programs() -> None:
-    """Write the steps that were compiled to disk, and make room there."""
+    """Write the steps that were compiled to disk, make room there and in memory."""
     for key, program in PROGRAMS.taken_fresh():
         if isinstance(key, StepKey):
             disk.save(key, program)
     tidy_caches()
+    give_back_memory()
 
 
 def _no_action() -> Array:
