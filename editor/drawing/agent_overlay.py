@@ -39,8 +39,6 @@ _WIDTH: Final = 214.0
 _APART: Final = "    "
 _LEAST: Final = 128.0
 """In less room beside the arena the plate stands over it [px at 100 %]."""
-_COVERED: Final = 0.4
-"""Share of the canvas's height that the plate may take where it stands over an arena."""
 
 
 def lean_colour(value: float) -> Rgba:
@@ -135,18 +133,28 @@ def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snaps
     painter.opacity = before
 
 
-def paint_numbers(
-    session: "Session", draw: imgui.ImDrawList, corner: Point, *, room: Point
-) -> None:
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Room:
+    """Room for the plate around the arena that is nearest to it."""
+
+    beside: float
+    """Width between the arena and the canvas's right edge [px]."""
+    above: float
+    """Height between the arena and the plate's upper edge, negative where it begins lower [px]."""
+    over: float
+    """Height of a plate that stands over the arena [px]."""
+
+
+def paint_numbers(session: "Session", draw: imgui.ImDrawList, corner: Point, *, room: Room) -> None:
     """A plate with who plays, what it expects, how sure it is, and the other player beside it.
 
     Args:
         session: The app.
         draw: Where to draw.
         corner: Upper right corner of the plate [px].
-        room: Width that is free beside the arena, and height of the canvas below the corner [px].
-            The plate is made narrower for the width, within reason; where it has to stand over an
-            arena it has fewer bars, so that it covers a part of it alone, or is left out.
+        room: The plate is made narrower for the width beside the arena, within reason, else lower
+            for the height above it; where it has to stand over an arena it has fewer bars, so that
+            it covers a part of it alone, or is left out.
     """
     playback = session.playback
     snapshot = playback.snapshot
@@ -211,7 +219,7 @@ def _plate(
     snapshot: Snapshot,
     facts: _Facts,
     corner: Point,
-    room: Point,
+    room: Room,
 ) -> None:
     mind = snapshot.mind
     thinks = mind is not None and not mind.scripted
@@ -225,12 +233,14 @@ def _plate(
     with font(FONTS.regular, SMALL):
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
-        beside = room[0] >= px(_LEAST)
+        beside = room.beside >= px(_LEAST)
         if beside:
-            wide = min(wide, room[0])
+            wide = min(wide, room.beside)
         lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
         if not beside:
-            spare = int((_COVERED * room[1] - px(14)) / step) - len(lines)
+            fits_above = len(lines) * step + px(14) <= room.above
+            tall = room.above if fits_above else room.over
+            spare = int((tall - px(14)) / step) - len(lines)
             if spare < 0:
                 return
             bars = min(bars, spare)

@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 from editor.base.camera import ARENA, Camera
 from editor.base.language import tr
 from editor.documents.commands.bodies import posed
-from editor.drawing.agent_overlay import paint_ghost, paint_heat, paint_numbers, paint_reason
+from editor.drawing.agent_overlay import Room, paint_ghost, paint_heat, paint_numbers, paint_reason
 from editor.drawing.confetti import paint_confetti
 from editor.drawing.debug_draw import paint_debug
 from editor.drawing.futures_overlay import paint_futures
@@ -43,6 +43,8 @@ from kinetix.render.style import STYLE
 if TYPE_CHECKING:
     from editor.session import Session
 
+_COVERED: Final = 0.4
+"""Share of the canvas's height that the agent's plate may take where it stands over an arena."""
 _EDGE: Final = 12.0
 """Between the canvas's edge and what is written there [px at 100 %]."""
 
@@ -324,9 +326,13 @@ class Canvas:
             draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
         paint_side(session, draw, self.area, split=self.framing.split)
         if "numbers" in session.settings.agent_overlay and width >= px(_ROOM_FOR_PLATE):
-            right = x + width - px(_EDGE)
-            room = right - session.camera.to_screen(ARENA[1])[0] - px(_EDGE)
-            paint_numbers(session, draw, (right, y + px(_EDGE)), room=(room, height - px(_EDGE)))
+            right, top = x + width - px(_EDGE), y + px(_EDGE)
+            arena, upper = session.camera.to_screen(ARENA[1])
+            tall = height - px(_EDGE)
+            if self.framing.split:  # the second player's arena, which is half as large
+                arena, tall = arena + width / 2, tall / 2
+            room = Room(beside=right - arena - px(_EDGE), above=upper - top, over=_COVERED * tall)
+            paint_numbers(session, draw, (right, top), room=room)
         self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)

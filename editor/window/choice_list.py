@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _WORD_SECONDS: Final = 1.0
 """A letter that comes later than so long after another begins a new word [s]."""
-_APART: Final = 28.0
+_APART: Final = 32.0
 """Between a row's words and what stands beside them [px at 100 %]."""
 _STEPS: Final = {imgui.Key.down_arrow: 1, imgui.Key.up_arrow: -1}
 
@@ -74,7 +74,8 @@ class ChoiceList:
             imgui.pop_style_color()
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         if beside:
-            place = (high.x - imgui.calc_text_size(beside).x, low.y)
+            size = imgui.calc_text_size(beside)
+            place = (high.x - size.x - px(4), (low.y + high.y - size.y) / 2)
             imgui.get_window_draw_list().add_text(place, u32(COLOURS.muted), beside)
         widgets.probe(session, f"list.{choice.id}")
         moved = imgui.get_io().mouse_delta

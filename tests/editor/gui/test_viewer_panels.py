@@ -214,6 +214,25 @@ def test_the_plate_covers_no_narrow_canvas(with_agent, monkeypatch, size, shown)
     assert bool(drawn) is shown
 
 
+@pytest.mark.parametrize("compare", ["off", "side"])
+def test_the_plate_knows_the_room_around_the_arena_that_is_nearest(
+    with_agent, monkeypatch, compare
+):
+    session, rooms = with_agent.session, []
+    monkeypatch.setattr(canvas, "paint_numbers", lambda *_, room: rooms.append(room))
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = compare
+    with_agent.key("f6")
+    with_agent.frames(20)
+    left, width = session.camera.origin[0], session.camera.size[0]
+    shift = width if compare == "side" else 0.0
+    edge = left + shift + width  # of the canvas
+    nearest = session.camera.to_screen((5.0, 5.0))
+    room = rooms[-1]
+    assert 0 < edge - (nearest[0] + shift) - room.beside < 30
+    assert abs(session.camera.origin[1] + room.above - nearest[1]) < 15
+
+
 def test_the_plate_says_what_the_plan_leads_to():
     assert outlook(a_fan("won", "lost")) == "plans: a win 20 steps ahead"
     assert "no win" in outlook(a_fan("", "won"))
