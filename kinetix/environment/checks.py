@@ -17,10 +17,10 @@ import numpy as np
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity, Features
 from kinetix.engine.types import World
-from kinetix.environment.actions import AbstractAction
+from kinetix.environment.actions.checks import check_choice
+from kinetix.environment.arguments import NUMBERS, is_array, kind_of
 from kinetix.environment.bounds import check_numbers
 from kinetix.environment.params import EnvParams, PhysicsEngine
-from kinetix.environment.spaces import Box
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.features import capacity_of_world, features_of
@@ -40,7 +40,6 @@ _PARTS: Final = {
     "thrusters": "thrusters",
 }
 """Words for the fields of `Features`, for error messages."""
-_NUMBERS = int | np.generic | np.ndarray | jax.Array
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -57,7 +56,7 @@ def check_params(env_params: Any, order: str = _ORDER) -> None:
     if env_params is None:
         return
     if not hasattr(env_params, "dense_reward_scale"):
-        raise KinetixError(f"env_params: expected EnvParams, got {_kind(env_params)}; {order}")
+        raise KinetixError(f"env_params: expected EnvParams, got {kind_of(env_params)}; {order}")
     if isinstance(env_params, EnvParams):
         for name, value in vars(env_params).items():
             if shape := getattr(value, "shape", ()):
@@ -75,7 +74,7 @@ def check_env(env: Any) -> None:
         KinetixError: It has no `step`.
     """
     if not callable(getattr(env, "step", None)):
-        raise KinetixError(f"env: expected an environment, got {_kind(env)}")
+        raise KinetixError(f"env: expected an environment, got {kind_of(env)}")
 
 
 def check_worlds(arguments: Mapping[str, Any], devices: int) -> None:
@@ -123,7 +122,7 @@ def check_static_params(static_env_params: Any, order: str) -> None:
         KinetixError: It is something else.
     """
     if not hasattr(static_env_params, "frame_skip"):
-        kind = _kind(static_env_params)
+        kind = kind_of(static_env_params)
         raise KinetixError(f"static_env_params: expected StaticEnvParams, got {kind}; {order}")
 
 
@@ -136,7 +135,7 @@ def check_parts(reset_fn: Any, env_params: Any, static_env_params: Any) -> None:
     """
     if reset_fn is not None and not callable(reset_fn):
         raise KinetixError(
-            f"reset_fn: expected a function, got {_kind(reset_fn)}; levels become one by "
+            f"reset_fn: expected a function, got {kind_of(reset_fn)}; levels become one by "
             "make_reset_fn_list_of_levels([…], static_env_params)"
         )
     order = "make_kinetix_env(action_type, observation_type, reset_fn, env_params, "
@@ -173,7 +172,7 @@ def check_key(key: Any, order: str = _ORDER) -> None:
     typed = kind is not None and jnp.issubdtype(kind, jax.dtypes.prng_key)
     raw = kind is not None and kind == jnp.uint32
     if not typed and not raw:
-        raise KinetixError(f"key: expected jax.random.key(seed), got {_kind(key)}; {order}")
+        raise KinetixError(f"key: expected jax.random.key(seed), got {kind_of(key)}; {order}")
     if jnp.ndim(key) != (0 if typed else 1):
         raise KinetixError(
             f"key: expected one key, got an array of shape {jnp.shape(key)}: use jax.vmap(env.step)"
@@ -192,7 +191,7 @@ def check_is_state(state: Any, order: str = _ORDER) -> None:
     """
     if not isinstance(state, EnvState):
         inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
-        raise KinetixError(f"state: expected an EnvState, got {_kind(state)}{inside}; {order}")
+        raise KinetixError(f"state: expected an EnvState, got {kind_of(state)}{inside}; {order}")
 
 
 def check_state(state: Any, engine: PhysicsEngine) -> None:
@@ -222,32 +221,6 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
         )
 
 
-def check_action(action: Any, actions: AbstractAction) -> None:
-    """Refuse an action of another shape or type.
-
-    Raises:
-        KinetixError: It is one; the sentence says what is expected.
-    """
-    space: Any = actions.action_space
-    if not _is_array(action):
-        raise KinetixError(
-            f"action: expected an array of shape {space.shape} ({actions.name}), got "
-            f"{_kind(action)}; a list becomes one by jnp.array"
-        )
-    if jnp.shape(action) != space.shape:
-        batch = jnp.shape(action)[1:] == space.shape
-        why = "use jax.vmap(env.step) for a batch" if batch else "see env.action_space()"
-        raise KinetixError(
-            f"action of shape {jnp.shape(action)}: expected {space.shape} ({actions.name}); {why}"
-        )
-    real = jnp.issubdtype(jnp.result_type(action), jnp.inexact)
-    if real and not isinstance(space, Box):
-        raise KinetixError(
-            f"action of type {jnp.result_type(action).name}: expected integers ({actions.name}); "
-            "for reals make the environment with ActionType.CONTINUOUS"
-        )
-
-
 def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
     """Refuse values that a compiled step cannot see, where it is called from Python.
 
@@ -270,26 +243,8 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
         if isinstance(start, EnvState):
             check_features(start.world, env.static_env_params.features)
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
-    if isinstance(action, _NUMBERS):
-        _check_choice(action, env.actions)
-
-
-def with_usual_action(
-    arguments: tuple[Any, ...], named: Mapping[str, Any]
-) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """The arguments of a method, choices of an action as int32: each other type compiles anew."""
-    if "action" in named:
-        return arguments, {**named, "action": _usual(named["action"])}
-    if len(arguments) > 2:
-        arguments = (*arguments[:2], _usual(arguments[2]), *arguments[3:])
-    return arguments, dict(named)
-
-
-def _usual(action: Any) -> Any:
-    if not isinstance(action, _NUMBERS) or getattr(action, "dtype", None) == np.int32:
-        return action
-    array = np.asarray(action)
-    return array.astype(np.int32) if array.dtype.kind in "biu" else action
+    if isinstance(action, NUMBERS):
+        check_choice(action, env.actions)
 
 
 def check_features(world: World, features: Features, name: str = "the level") -> None:
@@ -313,27 +268,6 @@ def check_features(world: World, features: Features, name: str = "the level") ->
         )
 
 
-def _check_choice(action: Any, actions: AbstractAction) -> None:
-    space: Any = actions.action_space
-    chosen = np.asarray(action)
-    if isinstance(space, Box):  # reals are clipped, as agents that draw them expect
-        if np.isnan(chosen.astype(float)).any():
-            raise KinetixError(
-                f"action {chosen.tolist()}: holds a NaN, expected numbers ({actions.name}); under "
-                "jit it drives nothing"
-            )
-        return
-    if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
-        return  # `check_action` says so
-    choices = getattr(space, "number_of_dims_per_distribution", None)
-    if (chosen < 0).any() or (chosen >= np.array(choices or space.n)).any():
-        known = f"below {', '.join(map(str, choices))}" if choices else f"up to {space.n - 1}"
-        raise KinetixError(
-            f"action {chosen.tolist()}: expected whole numbers from 0 and {known} "
-            f"({actions.name}); under jit a choice that does not exist drives nothing"
-        )
-
-
 def refuse_what_is_no_array(name: str, arguments: Any) -> None:
     """Refuse texts and other things that JAX cannot take.
 
@@ -345,7 +279,7 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
         KinetixError: One of them is no array and no number.
     """
     for leaf in jax.tree.leaves(arguments):
-        if not _is_array(leaf):
+        if not is_array(leaf):
             foreign = hasattr(leaf, "__dlpack__") and not isinstance(leaf, np.ndarray)
             how = "; jax.numpy.from_dlpack takes it" if foreign else ""
             if isinstance(leaf, Level | str):
@@ -366,7 +300,7 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
     """
     if not isinstance(state, EnvState):
         raise KinetixError(
-            f"expected the EnvState that an episode starts in, got {_kind(state)}: a reset "
+            f"expected the EnvState that an episode starts in, got {kind_of(state)}: a reset "
             "function returns one, and so does level_state"
         )
     have, need = capacity_of_world(state.world), engine.spec.capacity
@@ -384,17 +318,6 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
 
 def _is_one_raw_key(value: Any) -> bool:
     return getattr(value, "dtype", None) == jnp.uint32 and jnp.ndim(value) == 1
-
-
-def _is_array(value: Any) -> bool:
-    if isinstance(value, np.ndarray | np.generic):
-        return value.dtype == bool or jnp.issubdtype(value.dtype, jnp.number)
-    return isinstance(value, int | float | jax.Array | jax.ShapeDtypeStruct)
-
-
-def _kind(value: Any) -> str:
-    shape = jnp.shape(value) if hasattr(value, "dtype") else None
-    return type(value).__name__ if shape is None else f"an array of shape {shape}"
 
 
 def _form(tree: Any) -> Any:

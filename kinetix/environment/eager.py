@@ -15,7 +15,8 @@ from jax.extend.core import get_opaque_trace_state
 
 from kinetix.compiler import quick_options
 from kinetix.engine.promotion import usual_promotion
-from kinetix.environment.checks import check_values, refuse_what_is_no_array, with_usual_action
+from kinetix.environment.actions.checks import with_usual_action
+from kinetix.environment.checks import check_values, refuse_what_is_no_array
 from kinetix.environment.meshes import refuse_mesh
 from kinetix.forks import refuse_forked_process
 

@@ -11,9 +11,9 @@ from jaxtyping import Array, Int
 from kinetix.engine.batch import where_marked, worlds_last
 from kinetix.engine.solvers.room import worlds_at_once
 from kinetix.environment.actions import ACTIONS, AbstractAction
+from kinetix.environment.actions.checks import check_action
 from kinetix.environment.advance import Advanced, advance
 from kinetix.environment.checks import (
-    check_action,
     check_is_state,
     check_key,
     check_params,

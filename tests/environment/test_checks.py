@@ -21,7 +21,7 @@ from kinetix import (
     vectorize,
 )
 from kinetix.engine.presets import solver_named
-from kinetix.environment.checks import with_usual_action
+from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.params import physics_engine, static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import stack_states

@@ -1,0 +1,86 @@
+"""Checks of an action: shape and type while a step is traced, values where they are known."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from kinetix.environment.actions.base import AbstractAction
+from kinetix.environment.arguments import NUMBERS, is_array, kind_of
+from kinetix.environment.spaces import Box
+from kinetix.errors import KinetixError
+
+
+def check_action(action: Any, actions: AbstractAction) -> None:
+    """Refuse an action of another shape or type.
+
+    Raises:
+        KinetixError: It is one; the sentence says what is expected.
+    """
+    space: Any = actions.action_space
+    if not is_array(action):
+        raise KinetixError(
+            f"action: expected an array of shape {space.shape} ({actions.name}), got "
+            f"{kind_of(action)}; a list becomes one by jnp.array"
+        )
+    if jnp.shape(action) != space.shape:
+        batch = jnp.shape(action)[1:] == space.shape
+        why = "use jax.vmap(env.step) for a batch" if batch else "see env.action_space()"
+        raise KinetixError(
+            f"action of shape {jnp.shape(action)}: expected {space.shape} ({actions.name}); {why}"
+        )
+    real = jnp.issubdtype(jnp.result_type(action), jnp.inexact)
+    if real and not isinstance(space, Box):
+        raise KinetixError(
+            f"action of type {jnp.result_type(action).name}: expected integers ({actions.name}); "
+            "for reals make the environment with ActionType.CONTINUOUS"
+        )
+
+
+def check_choice(action: Any, actions: AbstractAction) -> None:
+    """Refuse an action whose values mean nothing, where they are known.
+
+    Args:
+        action: Of any shape; another one than the space's is left to `check_action`.
+        actions: What it is an action of.
+
+    Raises:
+        KinetixError: It holds a choice that does not exist, or a NaN.
+    """
+    space: Any = actions.action_space
+    chosen = np.asarray(action)
+    if isinstance(space, Box):  # reals are clipped, as agents that draw them expect
+        if np.isnan(chosen.astype(float)).any():
+            raise KinetixError(
+                f"action {chosen.tolist()}: holds a NaN, expected numbers ({actions.name}); under "
+                "jit it drives nothing"
+            )
+        return
+    if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
+        return  # `check_action` says so
+    choices = getattr(space, "number_of_dims_per_distribution", None)
+    if (chosen < 0).any() or (chosen >= np.array(choices or space.n)).any():
+        known = f"below {', '.join(map(str, choices))}" if choices else f"up to {space.n - 1}"
+        raise KinetixError(
+            f"action {chosen.tolist()}: expected whole numbers from 0 and {known} "
+            f"({actions.name}); under jit a choice that does not exist drives nothing"
+        )
+
+
+def with_usual_action(
+    arguments: tuple[Any, ...], named: Mapping[str, Any]
+) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The arguments of a method, choices of an action as int32: each other type compiles anew."""
+    if "action" in named:
+        return arguments, {**named, "action": _usual(named["action"])}
+    if len(arguments) > 2:
+        arguments = (*arguments[:2], _usual(arguments[2]), *arguments[3:])
+    return arguments, dict(named)
+
+
+def _usual(action: Any) -> Any:
+    if not isinstance(action, NUMBERS) or getattr(action, "dtype", None) == np.int32:
+        return action
+    array = np.asarray(action)
+    return array.astype(np.int32) if array.dtype.kind in "biu" else action
