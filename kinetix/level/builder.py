@@ -1,21 +1,17 @@
 """Builds a level from Python: bodies by their place in the world. No JAX."""
 
-import math
 import typing
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-import numpy as np
-
-from kinetix.errors import LevelError, plain
+from kinetix.errors import LevelError
+from kinetix.level.body_fields import BodyFields, check_fields, pair, real, size
 from kinetix.level.codec import check_computable
 from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
-    COLLISIONS,
     MAX_ENTITIES,
     MOTOR_BINDINGS,
-    ROLES,
     THRUSTER_BINDINGS,
     Arena,
     ArenaBody,
@@ -23,7 +19,6 @@ from kinetix.level.model import (
     Body,
     BodyReference,
     Circle,
-    Collision,
     Joint,
     JointKind,
     Level,
@@ -31,7 +26,6 @@ from kinetix.level.model import (
     Motor,
     Point,
     Polygon,
-    Role,
     Shape,
     Thruster,
 )
@@ -39,27 +33,6 @@ from kinetix.level.model import (
 _GHOST = ArenaBody(collision="ghost")
 EMPTY_ARENA: Final = Arena(floor=_GHOST, left_wall=_GHOST, right_wall=_GHOST, ceiling=_GHOST)
 """An arena that nothing touches."""
-
-
-class BodyFields(typing.TypedDict, total=False):
-    """Options of every shape besides its place and size."""
-
-    angle: float
-    """Turn around the centre of mass [rad]."""
-    velocity: Point
-    """[m/s]."""
-    angular_velocity: float
-    """[rad/s]."""
-    density: float
-    """Mass per area [kg/m²]."""
-    friction: float
-    """A pair of bodies has the coefficient 0.4·√(f_a² + f_b²)."""
-    restitution: float
-    """0 … 1; a pair has the smaller of the two."""
-    fixed: bool
-    """Nothing moves it."""
-    role: Role
-    collision: Collision
 
 
 class LevelBuilder:
@@ -84,7 +57,7 @@ class LevelBuilder:
             LevelError: The gravity is not two finite numbers.
         """
         self._name = name or "Untitled"
-        self._gravity = _pair("gravity", gravity)
+        self._gravity = pair("gravity", gravity)
         self._arena = arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA
         self._bodies: dict[int, Body] = {}
         self._joints: list[Joint] = []
@@ -133,7 +106,7 @@ class LevelBuilder:
         Raises:
             LevelError: A value cannot be.
         """
-        shape = Polygon(vertices=rectangle(_size("width", width), _size("height", height)))
+        shape = Polygon(vertices=rectangle(size("width", width), size("height", height)))
         return self.body(shape, x, y, **more)
 
     def circle(self, x: float, y: float, radius: float, **more: typing.Unpack[BodyFields]) -> int:
@@ -142,7 +115,7 @@ class LevelBuilder:
         Raises:
             LevelError: A value cannot be.
         """
-        return self.body(Circle(radius=_size("radius", radius)), x, y, **more)
+        return self.body(Circle(radius=size("radius", radius)), x, y, **more)
 
     def polygon(self, points: Iterable[Sequence[float]], **more: typing.Unpack[BodyFields]) -> int:
         """Add a convex polygon by its 3 or 4 corners in the world.
@@ -154,7 +127,7 @@ class LevelBuilder:
         Raises:
             LevelError: The corners are no such polygon, or a value cannot be.
         """
-        corners = tuple(_pair("points", point) for point in points)
+        corners = tuple(pair("points", point) for point in points)
         fault = polygon_fault(corners)
         if fault is not None:
             raise LevelError(f"polygon {_short(corners)}: {fault}")
@@ -169,10 +142,10 @@ class LevelBuilder:
             LevelError: A value cannot be.
         """
         fields: dict[str, Any] = dict(more)
-        _check_fields(fields)
+        check_fields(fields)
         body_id = self._next("bodies", len(self._bodies))
         self._bodies[body_id] = Body(
-            id=body_id, shape=shape, position=(_real("x", x), _real("y", y)), **fields
+            id=body_id, shape=shape, position=(real("x", x), real("y", y)), **fields
         )
         return body_id
 
@@ -203,7 +176,7 @@ class LevelBuilder:
             LevelError: A body is missing, or a value cannot be.
         """
         if limits is not None and not isinstance(limits, Limits):
-            low, high = _pair("limits", limits)
+            low, high = pair("limits", limits)
             limits = Limits(min=low, max=high)
         if limits is not None and limits.min > limits.max:
             raise LevelError(f"limits ({limits.min:g}, {limits.max:g}): expected min ≤ max")
@@ -252,9 +225,9 @@ class LevelBuilder:
         thruster = Thruster(
             id=self._next("thrusters", len(self._thrusters)),
             body=body,
-            position=to_local(pushed, _pair("at", at)),
-            angle=_real("angle", angle) - pushed.angle,
-            power=_real("power", power, low=0.0),
+            position=to_local(pushed, pair("at", at)),
+            angle=real("angle", angle) - pushed.angle,
+            power=real("power", power, low=0.0),
             binding=binding,
         )
         self._thrusters.append(thruster)
@@ -290,7 +263,7 @@ class LevelBuilder:
         first, second = (self._find(end) for end in ends)
         if ends[0] == ends[1] or (isinstance(ends[0], str) and isinstance(ends[1], str)):
             raise LevelError(f"joint between {ends[0]} and {ends[1]}: expected two bodies")
-        place = _pair("at", at)
+        place = pair("at", at)
         if reference_angle is None:
             reference_angle = second.angle - first.angle
         joint = Joint(
@@ -300,7 +273,7 @@ class LevelBuilder:
             b=ends[1],
             anchor_a=to_local(first, place),
             anchor_b=to_local(second, place),
-            reference_angle=_real("reference_angle", reference_angle),
+            reference_angle=real("reference_angle", reference_angle),
             motor=motor,
             limits=limits,
         )
@@ -337,72 +310,6 @@ def rectangle(width: float, height: float) -> tuple[Point, ...]:
     """Return the corners of a rectangle around its centre, counter-clockwise [m]."""
     x, y = width / 2, height / 2
     return ((x, y), (-x, y), (-x, -y), (x, -y))
-
-
-_LARGEST: Final = 1e18
-"""Of any number; squares of it and their sums are finite in 32 bits."""
-_CHOICES: Final[dict[str, tuple[str, ...]]] = {"role": ROLES, "collision": COLLISIONS}
-_RANGES: Final[dict[str, tuple[float, float]]] = {
-    "angle": (-math.inf, math.inf),
-    "angular_velocity": (-math.inf, math.inf),
-    "friction": (0.0, math.inf),
-    "restitution": (0.0, 1.0),
-}
-
-
-def _check_fields(fields: dict[str, Any]) -> None:
-    """Refuse unknown names and values that no body can have; numbers become floats."""
-    unknown = [name for name in fields if name not in BodyFields.__annotations__]
-    if unknown:
-        raise TypeError(
-            f"unexpected argument {unknown[0]!r}: expected {', '.join(BodyFields.__annotations__)}"
-        )
-    for name, value in fields.items():
-        if name in _CHOICES and value not in _CHOICES[name]:
-            raise LevelError(f"{name} {value!r}: expected one of {', '.join(_CHOICES[name])}")
-        if name in _RANGES:
-            fields[name] = _real(name, value, *_RANGES[name])
-    if "velocity" in fields:
-        fields["velocity"] = _pair("velocity", fields["velocity"])
-    if "density" in fields:
-        fields["density"] = _size("density", fields["density"])
-    if "fixed" in fields:
-        if not isinstance(fields["fixed"], bool | np.bool_):
-            raise LevelError(f"fixed {fields['fixed']!r}: expected True or False")
-        fields["fixed"] = bool(fields["fixed"])
-
-
-def _real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
-    """A finite number within bounds."""
-    try:
-        real = float(value)
-    except (TypeError, ValueError):
-        raise LevelError(f"{name} {value!r}: expected a number") from None
-    except OverflowError:  # an integer of hundreds of digits
-        real = math.inf
-    if not math.isfinite(real):
-        raise LevelError(f"{name} {plain(repr(value), 80)}: expected a finite number")
-    if abs(real) > _LARGEST:
-        raise LevelError(f"{name} {value!r}: expected at most {_LARGEST:g} in size")
-    if not low <= real <= high:
-        bound = f"at least {low:g}" if math.isinf(high) else f"{low:g} … {high:g}"
-        raise LevelError(f"{name} {value!r}: expected {bound}")
-    return real
-
-
-def _size(name: str, value: Any) -> float:
-    real = _real(name, value)
-    if real <= 0:
-        raise LevelError(f"{name} {value!r}: expected more than 0")
-    return real
-
-
-def _pair(name: str, values: Any) -> Point:
-    try:
-        x, y = values
-    except (TypeError, ValueError):
-        raise LevelError(f"{name} {values!r}: expected two numbers, x and y") from None
-    return _real(name, x), _real(name, y)
 
 
 def _short(corners: Sequence[Point]) -> str:

@@ -1,0 +1,125 @@
+"""What Python says of a body that is to be built: its options, and numbers that are numbers."""
+
+import math
+import typing
+from typing import Any, Final
+
+import numpy as np
+
+from kinetix.errors import LevelError, plain
+from kinetix.level.model import COLLISIONS, ROLES, Collision, Point, Role
+
+
+class BodyFields(typing.TypedDict, total=False):
+    """Options of every shape besides its place and size."""
+
+    angle: float
+    """Turn around the centre of mass [rad]."""
+    velocity: Point
+    """[m/s]."""
+    angular_velocity: float
+    """[rad/s]."""
+    density: float
+    """Mass per area [kg/m²]."""
+    friction: float
+    """A pair of bodies has the coefficient 0.4·√(f_a² + f_b²)."""
+    restitution: float
+    """0 … 1; a pair has the smaller of the two."""
+    fixed: bool
+    """Nothing moves it."""
+    role: Role
+    collision: Collision
+
+
+_LARGEST: Final = 1e18
+"""Of any number; squares of it and their sums are finite in 32 bits."""
+_CHOICES: Final[dict[str, tuple[str, ...]]] = {"role": ROLES, "collision": COLLISIONS}
+_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "angle": (-math.inf, math.inf),
+    "angular_velocity": (-math.inf, math.inf),
+    "friction": (0.0, math.inf),
+    "restitution": (0.0, 1.0),
+}
+
+
+def check_fields(fields: dict[str, Any]) -> None:
+    """Refuse unknown names and values that no body can have; numbers become floats.
+
+    Args:
+        fields: Options by name, changed in place.
+
+    Raises:
+        TypeError: A name is unknown.
+        LevelError: A value cannot be.
+    """
+    unknown = [name for name in fields if name not in BodyFields.__annotations__]
+    if unknown:
+        raise TypeError(
+            f"unexpected argument {unknown[0]!r}: expected {', '.join(BodyFields.__annotations__)}"
+        )
+    for name, value in fields.items():
+        if name in _CHOICES and value not in _CHOICES[name]:
+            raise LevelError(f"{name} {value!r}: expected one of {', '.join(_CHOICES[name])}")
+        if name in _RANGES:
+            fields[name] = real(name, value, *_RANGES[name])
+    if "velocity" in fields:
+        fields["velocity"] = pair("velocity", fields["velocity"])
+    if "density" in fields:
+        fields["density"] = size("density", fields["density"])
+    if "fixed" in fields:
+        if not isinstance(fields["fixed"], bool | np.bool_):
+            raise LevelError(f"fixed {fields['fixed']!r}: expected True or False")
+        fields["fixed"] = bool(fields["fixed"])
+
+
+def real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+    """Return a value as a number.
+
+    Args:
+        name: What the caller knows it as.
+        value: What the caller passed.
+        low: Least number that will do.
+        high: Greatest one.
+
+    Raises:
+        LevelError: It is none, not finite, or out of these bounds.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise LevelError(f"{name} {value!r}: expected a number") from None
+    except OverflowError:  # an integer of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise LevelError(f"{name} {plain(repr(value), 80)}: expected a finite number")
+    if abs(number) > _LARGEST:
+        raise LevelError(f"{name} {value!r}: expected at most {_LARGEST:g} in size")
+    if not low <= number <= high:
+        bound = f"at least {low:g}" if math.isinf(high) else f"{low:g} … {high:g}"
+        raise LevelError(f"{name} {value!r}: expected {bound}")
+    return number
+
+
+def size(name: str, value: Any) -> float:
+    """Return a value as a number above 0.
+
+    Raises:
+        LevelError: It is none.
+    """
+    number = real(name, value)
+    if number <= 0:
+        raise LevelError(f"{name} {value!r}: expected more than 0")
+    return number
+
+
+def pair(name: str, values: Any) -> Point:
+    """Return two values as numbers, x and y.
+
+    Raises:
+        LevelError: They are not two, or no numbers.
+    """
+    try:
+        x, y = values
+    except (TypeError, ValueError):
+        raise LevelError(f"{name} {values!r}: expected two numbers, x and y") from None
+    return real(name, x), real(name, y)
