@@ -6,7 +6,6 @@ from typing import Any, Final
 
 from kinetix.errors import LevelError
 from kinetix.level.body_fields import BodyFields, check_fields, pair, real, size
-from kinetix.level.codec import check_computable
 from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
@@ -54,8 +53,10 @@ class LevelBuilder:
                 y = 5; or an arena of one's own.
 
         Raises:
-            LevelError: The gravity is not two finite numbers.
+            LevelError: The name is no string, or the gravity is not two finite numbers.
         """
+        if not isinstance(name, str):
+            raise LevelError(f"name {name!r:.60}: expected a string")
         self._name = name or "Untitled"
         self._gravity = pair("gravity", gravity)
         self._arena = arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA
@@ -182,6 +183,9 @@ class LevelBuilder:
             raise LevelError(f"limits ({limits.min:g}, {limits.max:g}): expected min ≤ max")
         if motor is not None and not isinstance(motor, Motor):
             raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
+        if motor is not None:
+            real("motor: speed", motor.speed)
+            real("motor: power", motor.power, low=0.0)
         if motor is not None and motor.binding not in range(MOTOR_BINDINGS):
             raise LevelError(f"motor: binding {motor.binding}: expected 0 … {MOTOR_BINDINGS - 1}")
         return self._join(
@@ -234,12 +238,8 @@ class LevelBuilder:
         return thruster.id
 
     def build(self) -> Level:
-        """Return the level as it is now; the builder can be used further.
-
-        Raises:
-            LevelError: Something in it cannot be; one sentence with its JSON path.
-        """
-        level = Level(
+        """Return the level as it is now; the builder can be used further."""
+        return Level(
             name=self._name,
             gravity=self._gravity,
             arena=self._arena,
@@ -247,8 +247,6 @@ class LevelBuilder:
             joints=tuple(self._joints),
             thrusters=tuple(self._thrusters),
         )
-        check_computable(level)
-        return level
 
     def _join(
         self,
