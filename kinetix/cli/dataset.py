@@ -97,18 +97,17 @@ def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset
     Returns:
         0 done, 1 nothing was added, or an episode does not replay.
     """
-    match command:
-        case RecordEpisodes():
-            with contextlib.closing(Terminal()) as terminal:
+    with contextlib.closing(Terminal()) as terminal:
+        match command:
+            case RecordEpisodes():
                 return _add(command.out, _recorded(command, terminal), terminal)
-        case GatherEpisodes():
-            _check(command.sources)
-            with contextlib.closing(Terminal()) as terminal:
+            case GatherEpisodes():
+                _check(command.sources)
                 return _add(command.out, _gathered(command.sources, terminal), terminal)
-        case VerifyDataset():
-            return _verify(command)
-        case ExportDataset():
-            return _export(command)
+            case VerifyDataset():
+                return _verify(command, terminal)
+            case ExportDataset():
+                return _export(command)
 
 
 def _add(out: Path, episodes: "Iterator[RecordedEpisode]", terminal: Terminal) -> int:
@@ -214,7 +213,7 @@ def _gathered(sources: tuple[str, ...], terminal: Terminal) -> "Iterator[Recorde
             yield episode
 
 
-def _verify(command: VerifyDataset) -> int:
+def _verify(command: VerifyDataset, terminal: Terminal) -> int:
     from collections import Counter
 
     from kinetix.datasets.folder import read_dataset, read_manifest, unlisted_shards
@@ -227,15 +226,15 @@ def _verify(command: VerifyDataset) -> int:
     levels: set[str] = set()
     differ: list[str] = []
     untold = 0
-    with contextlib.closing(Terminal()) as terminal:
-        played = (_played_again(one, command) for one in read_dataset(command.folder))
-        for episode, same in counted(played, _FIRST, _so_many, terminal):
-            for name, counter in counts.items():
-                counter[getattr(episode, name)] += 1
-            levels.add(episode.level.name)
-            untold += not episode.replays
-            if not same:
-                differ.append(episode.identity)
+    played = (_played_again(one, command) for one in read_dataset(command.folder))
+    for episode, same in counted(played, _FIRST, _so_many, terminal):
+        for name, counter in counts.items():
+            counter[getattr(episode, name)] += 1
+        levels.add(episode.level.name)
+        untold += not episode.replays
+        if not same:
+            differ.append(episode.identity)
+    terminal.close()
     told: dict[str, Any] = {
         "episodes": manifest.episodes,
         "steps": manifest.steps,

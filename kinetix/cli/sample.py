@@ -66,12 +66,11 @@ def run(command: Sample) -> int:
     made_folder(command.target)
     width = max(4, len(str(command.count - 1)))
     decided = 0
+    of_all = f"of {plural(command.count, 'level')}"
     with contextlib.closing(Terminal()) as terminal:
-
-        def told_so_far(number: int) -> str:
-            return f"{number} of {plural(command.count, 'level')}"
-
-        made = counted(levels, "compiling the generator", told_so_far, terminal)
+        made = counted(
+            levels, "compiling the generator", lambda number: f"{number} {of_all}", terminal
+        )
         for index, level in enumerate(made):
             name = f"{kind}_{label}_{command.seed}_{index:0{width}d}.json"
             _write(command.target / name, dumps(level).encode(), overwrite=command.overwrite)
