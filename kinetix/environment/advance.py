@@ -51,7 +51,8 @@ def advance(
     world, labels = state.world, state.labels
     distance = goal_distance(played.scored_position, world, labels)
     touched = played.reward != 0
-    nan = _has_nan(played.physics) | jnp.isnan(world.gravity).any()
+    # Some solvers bring no body to NaN by a motor's, and the action would count as none.
+    nan = _has_nan((played.physics, control)) | jnp.isnan(world.gravity).any()
     timestep = state.timestep + 1
     done = touched | nan | (timestep >= _time_limit(labels.max_timesteps, params))
     reward = played.reward + dense_reward(distance, state.last_distance, params.dense_reward_scale)
@@ -103,9 +104,9 @@ def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEn
     return jax.lax.scan(substep, played, length=static.frame_skip)[0]
 
 
-def _has_nan(physics: State) -> Bool[Array, ""]:
-    """Return whether any number that a step changes is NaN."""
-    reals = [x for x in jax.tree.leaves(physics) if jnp.issubdtype(x.dtype, jnp.floating)]
+def _has_nan(tree: tuple[State, Control]) -> Bool[Array, ""]:
+    """Return whether any number that a step changes, or is driven by, is NaN."""
+    reals = [x for x in jax.tree.leaves(tree) if jnp.issubdtype(x.dtype, jnp.floating)]
     return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
 
 

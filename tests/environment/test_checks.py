@@ -231,12 +231,6 @@ def test_choices_that_do_not_exist(small_env, small_state, small_static):
     jax.jit(small_env.step)(KEY, small_state, ACTION + 7)
 
 
-def test_an_action_that_holds_a_nan(small_state, small_static):
-    env = make_kinetix_env("continuous", "blind", lambda key: small_state, None, small_static)
-    for bad in (jnp.full(6, jnp.nan), np.array([0, 0, 0, 0, 0, np.nan])):
-        assert "holds a NaN, expected numbers (continuous)" in sentence(env, KEY, small_state, bad)
-
-
 def test_wrappers_around_nothing_and_other_things_in_the_place_of_a_state(small_static):
     for wrap in (LogWrapper, vectorize):
         with pytest.raises(KinetixError, match="env: expected an environment, got NoneType"):

@@ -12,7 +12,11 @@ import pytest
 
 from kinetix.environment.env import DummyEnv, KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
-from kinetix.environment.reset import level_state, make_reset_fn_list_of_levels
+from kinetix.environment.reset import (
+    level_state,
+    load_from_json_file,
+    make_reset_fn_list_of_levels,
+)
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import LogWrapper
 from kinetix.errors import KinetixError
@@ -165,6 +169,17 @@ def test_nan_action_is_caught(small_static: StaticEnvParams, small_state: EnvSta
     assert done
     assert info["nan"]
     assert np.isfinite(reward)
+
+
+@pytest.mark.parametrize("physics", ["balanced", "jax2d"])
+def test_a_nan_action_is_caught_where_no_body_feels_it(physics: str) -> None:
+    level, static, params = load_from_json_file("s/goalkeeper", physics=physics)
+    env = make_kinetix_env("continuous", "blind", None, params, static, False)
+    step = jax.jit(env.step)
+    for action, caught in ((jnp.full(6, jnp.nan), True), (jnp.full(6, jnp.inf), False)):
+        _, _, reward, done, info = step(jax.random.key(0), level, action, params)
+        assert (bool(done), bool(info["nan"])) == (caught, caught)
+        assert np.isfinite(reward)
 
 
 def test_time_limits_of_the_level_and_of_the_parameters(

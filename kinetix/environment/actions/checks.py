@@ -46,17 +46,12 @@ def check_choice(action: Any, actions: AbstractAction) -> None:
         actions: What it is an action of.
 
     Raises:
-        KinetixError: It holds a choice that does not exist, or a NaN.
+        KinetixError: It holds a choice that does not exist.
     """
     space: Any = actions.action_space
+    if isinstance(space, Box):
+        return  # reals are clipped, as agents that draw them expect
     chosen = np.asarray(action)
-    if isinstance(space, Box):  # reals are clipped, as agents that draw them expect
-        if np.isnan(chosen.astype(float)).any():
-            raise KinetixError(
-                f"action {chosen.tolist()}: holds a NaN, expected numbers ({actions.name}); under "
-                "jit it drives nothing"
-            )
-        return
     if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
         return  # `check_action` says so
     choices = getattr(space, "number_of_dims_per_distribution", None)
