@@ -5,9 +5,9 @@ import ctypes
 
 
 def give_back_memory() -> None:
-    """Let the system have what is free: compiling leaves a third of a large process so.
+    """Return free memory to the system: after compiling it was a quarter of an idle editor.
 
-    Only the C library of Linux distributions (glibc) keeps it and can be asked.
+    Does something where the C library is glibc alone.
     """
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)

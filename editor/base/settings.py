@@ -177,8 +177,8 @@ class SettingsKeeper:
             return
         before, self._written = self._written, now
         path = self._path or settings_path()
-        # Of a file that was broken meanwhile this window knows what it held.
-        there = now if state_fault(path) else read_state(path)
+        # This window knows what the file held before it was broken.
+        there = read_state(path, broken=now)
         for name in ("recents", "recent_agents"):
             others = there.get(name)
             if name in changed and isinstance(others, list):

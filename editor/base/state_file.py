@@ -12,12 +12,17 @@ from kinetix.files.json_text import parse
 from kinetix.files.regular import FileError, read_text
 
 
-def read_state(path: Path) -> dict[str, Any]:
-    """Return the content of a file; nothing where it is absent, broken or no JSON object."""
+def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return the content of a file; nothing where it is absent.
+
+    Args:
+        path: The file.
+        broken: What counts as its content where it is no JSON object; nothing by default.
+    """
     try:
         return _object(path)
     except FileError:
-        return {}
+        return dict(broken or {}) if os.path.lexists(path) else {}
 
 
 def state_fault(path: Path) -> str:

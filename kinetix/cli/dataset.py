@@ -126,7 +126,6 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]", terminal: Terminal) -
     except KeyboardInterrupt:
         print(f"{out}: keeps the episodes that were there until now", file=sys.stderr)
         raise
-    terminal.close()
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
@@ -234,7 +233,6 @@ def _verify(command: VerifyDataset, terminal: Terminal) -> int:
         untold += not episode.replays
         if not same:
             differ.append(episode.identity)
-    terminal.close()
     told: dict[str, Any] = {
         "episodes": manifest.episodes,
         "steps": manifest.steps,
@@ -279,10 +277,9 @@ def _briefly(value: Any) -> Any:
 
 
 def _export(command: ExportDataset) -> int:
-    from kinetix.datasets.folder import read_dataset, read_manifest
+    from kinetix.datasets.folder import read_dataset
     from kinetix.datasets.offline import write_offline
 
-    read_manifest(command.folder)  # what is no data set is told before a folder is made
     told = write_offline(
         command.out,
         (one for one in read_dataset(command.folder) if one.outcome in command.outcomes),

@@ -115,7 +115,7 @@ def _build(command: Build) -> int:
 
 
 def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
-    """Whether a set's file names its levels or holds them: those out of its reach stand in it."""
+    """Say which levels the file of a set names by path, and which it contains."""
     named = 0 if inline else sum(entry.path is not None for entry in made.manifest.levels)
     held = len(made.levels) - named
     if not held:

@@ -84,7 +84,7 @@ def counted(
         items: Made one by one as they are taken.
         first: Words for the wait for the first one.
         told: Words for so many.
-        terminal: Where it is told.
+        terminal: Where it is told; the line is empty again after the last one.
     """
     making = iter(items)
     with announced(first, say=terminal.status):
@@ -95,3 +95,4 @@ def counted(
         if time.monotonic() - began > PATIENCE:
             terminal.status(told(number))
         yield item
+    terminal.close()

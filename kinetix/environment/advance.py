@@ -51,7 +51,7 @@ def advance(
     world, labels = state.world, state.labels
     distance = goal_distance(played.scored_position, world, labels)
     touched = played.reward != 0
-    # Some solvers bring no body to NaN by a motor's, and the action would count as none.
+    # A solver that clamps impulses swallows a motor's NaN, which would then count as no action.
     nan = _has_nan((played.physics, control)) | jnp.isnan(world.gravity).any()
     timestep = state.timestep + 1
     done = touched | nan | (timestep >= _time_limit(labels.max_timesteps, params))

@@ -1,4 +1,4 @@
-"""What an argument is, for checks and their sentences."""
+"""Types of arguments: which ones JAX takes, and how error messages name them."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 NUMBERS = int | np.generic | np.ndarray | jax.Array
-"""Types of numbers whose values can be looked at, but for tracers."""
+"""Types whose values a check can read; of these only a tracer has none."""
 
 
 def is_array(value: Any) -> bool:

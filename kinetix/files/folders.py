@@ -32,7 +32,7 @@ def made_folder(folder: Path) -> Path:
 
 @contextlib.contextmanager
 def begun_folder(folder: Path) -> Iterator[None]:
-    """Make a folder for what is written in the block; where that is nothing it is gone again.
+    """Make a folder that the block writes to; remove it if it was new and is still empty.
 
     Args:
         folder: The folder; one that is there stays.

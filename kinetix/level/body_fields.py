@@ -1,4 +1,4 @@
-"""What Python says of a body that is to be built: its options, and numbers that are numbers."""
+"""Checks of the arguments of `LevelBuilder`: the options of a body, and single numbers."""
 
 import math
 import typing

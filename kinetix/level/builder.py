@@ -181,13 +181,8 @@ class LevelBuilder:
             limits = Limits(min=low, max=high)
         if limits is not None and limits.min > limits.max:
             raise LevelError(f"limits ({limits.min:g}, {limits.max:g}): expected min ≤ max")
-        if motor is not None and not isinstance(motor, Motor):
-            raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
         if motor is not None:
-            real("motor: speed", motor.speed)
-            real("motor: power", motor.power, low=0.0)
-        if motor is not None and motor.binding not in range(MOTOR_BINDINGS):
-            raise LevelError(f"motor: binding {motor.binding}: expected 0 … {MOTOR_BINDINGS - 1}")
+            _check_motor(motor)
         return self._join(
             "revolute", (a, b), at, motor=motor, limits=limits, reference_angle=reference_angle
         )
@@ -308,6 +303,15 @@ def rectangle(width: float, height: float) -> tuple[Point, ...]:
     """Return the corners of a rectangle around its centre, counter-clockwise [m]."""
     x, y = width / 2, height / 2
     return ((x, y), (-x, y), (-x, -y), (x, -y))
+
+
+def _check_motor(motor: Any) -> None:
+    if not isinstance(motor, Motor):
+        raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
+    real("motor: speed", motor.speed)
+    real("motor: power", motor.power, low=0.0)
+    if motor.binding not in range(MOTOR_BINDINGS):
+        raise LevelError(f"motor: binding {motor.binding}: expected 0 … {MOTOR_BINDINGS - 1}")
 
 
 def _short(corners: Sequence[Point]) -> str:

@@ -312,9 +312,7 @@ def check_computable(level: Level) -> None:
     faults = FaultCollector(beyond_files=True)
     with contextlib.suppress(EnoughFaults):
         check_tree(tree, Level, "$", faults)
-    if faults.faults:
-        fail(name, faults.faults)
-    broken = tuple(level_faults(level))
+    broken = faults.faults or tuple(level_faults(level))
     if broken:
         fail(name, broken)
 

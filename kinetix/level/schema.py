@@ -193,7 +193,7 @@ def _is_within(value: float, low: float | None, high: float | None) -> bool:
 
 
 def _is_possible(value: float, low: float | None, high: float | None) -> bool:
-    """Whether physics can do with it: the sign is right, and a share of one is one."""
+    """Return whether it can be computed with, however large: its sign, and a share of 0 to 1."""
     if low is None or high is None or low < 0:
         return True
     is_share = (low, high) == (0, 1)

@@ -82,7 +82,7 @@ def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
 
 
 def test_a_refused_command_leaves_no_folder_behind(tmp_path: Path) -> None:
-    """Where nothing came of it, the folder that was to take it is not there."""
+    """An output folder that the command made is removed when nothing was written to it."""
     out, unsolved = tmp_path / "out", tmp_path / "unsolved.json"
     with pytest.raises(KinetixError, match="expected a data set"):
         run(ExportDataset(folder=tmp_path / "nix", out=out))
