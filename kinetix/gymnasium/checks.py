@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from kinetix.bounds import LAST_SEED
 from kinetix.environment.named import make_named_env
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
-
-SEEDS: Final = 2**31
-"""Keys are drawn from so many."""
 
 
 def refuse_fork() -> None:

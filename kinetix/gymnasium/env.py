@@ -11,13 +11,13 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
-    SEEDS,
     checked_options,
     checked_words,
     numbers_of,
     refuse_fork,
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
+from kinetix.gymnasium.draws import SEEDS
 
 RENDER_FPS = 30
 """Environment steps a second, at two physics steps each."""

@@ -17,7 +17,6 @@ from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
-    SEEDS,
     check_count,
     checked_options,
     checked_seed,
@@ -26,6 +25,7 @@ from kinetix.gymnasium.checks import (
     refuse_fork,
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
+from kinetix.gymnasium.draws import Draws
 from kinetix.gymnasium.env import RENDER_FPS
 from kinetix.render.pixels import make_render_pixels
 
@@ -90,6 +90,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._state: Any = None
         self._ended = np.zeros(num_envs, bool)
+        self._draws: Draws | None = None
 
     def reset(
         self,
@@ -100,7 +101,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Start episodes, all or those of a mask.
 
         Args:
-            seed: One for all (environment i gets seed + i), or one each.
+            seed: One for all (environment i gets seed + i), or one each. Each environment draws
+                its levels as a `KinetixGymEnv` with its seed does.
             options: `{"reset_mask": mask}`: which environments start anew.
 
         Raises:
@@ -109,8 +111,12 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         refuse_fork()
         mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
-        observation, state = _begin(self.kinetix_env, self._first_keys(seed))
-        if mask is not None and self._state is not None:
+        if self._state is None:
+            mask = None  # All of them begin.
+        draws = self._seeded(seed, mask)
+        observation, state = _begin(self.kinetix_env, draws.keys())
+        draws.use(np.ones(self.num_envs, bool) if mask is None else mask)
+        if mask is not None:
             chosen = jnp.asarray(mask)
             observation, state = _select(
                 chosen, (observation, state), (self._observation, self._state)
@@ -133,7 +139,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 "environment"
             )
         self._check_choices(actions)
-        keys = self._keys()
+        assert self._draws is not None
+        keys, before = self._draws.keys(), self._ended
         self._observation, self._state, told, final = _advance(
             (self.kinetix_env, self.mode, self._most_steps),
             (keys, self._state, actions, jnp.asarray(self._ended)),
@@ -147,7 +154,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 final = {"final_obs": numpy_observation(final), "final_info": told}
                 info |= final | _masks(final, ended)
                 info["final_info"] = told | _masks(told, ended)
+            self._draws.use(ended)
         elif self.mode is AutoresetMode.NEXT_STEP:
+            self._draws.use(before)
             self._ended = ended
         return numpy_observation(self._observation), reward, terminated, truncated, info
 
@@ -175,27 +184,25 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             )
         return None if mask is None else np.asarray(mask, bool)
 
-    def _first_keys(self, seed: Any) -> Array:
-        """The keys of a reset; what is drawn later hangs on the seeds too."""
+    def _seeded(self, seed: Any, mask: np.ndarray | None) -> Draws:
+        """The draws, those of a mask or all begun anew with seeds where there are any."""
+        seeds = self._seeds(seed)
+        if self._draws is None:
+            self._draws = Draws.of(self.np_random, self.num_envs)
+        self._draws.seed(seeds, np.ones(self.num_envs, bool) if mask is None else mask)
+        return self._draws
+
+    def _seeds(self, seed: Any) -> list[int | None]:
+        """A seed for each environment, or None."""
         if seed is None:
-            return self._keys()
+            return [None] * self.num_envs
         if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str):
             if len(seed) != self.num_envs:
                 raise KinetixError(f"{len(seed)} seeds: expected {self.num_envs}, or one for all")
-            own = [None if one is None else checked_seed(one) for one in seed]
-            known = [one for one in own if one is not None]
-            if len(known) == len(own):
-                self._np_random = np.random.default_rng(known)
-            return self._keys(own)
+            return [None if one is None else checked_seed(one) for one in seed]
         first = checked_seed(seed)
         super().reset(seed=first)
-        return self._keys([(first + index) % (LAST_SEED + 1) for index in range(self.num_envs)])
-
-    def _keys(self, seeds: Sequence[int | None] | None = None) -> Array:
-        drawn = self.np_random.integers(SEEDS, size=self.num_envs).tolist()
-        given = [None] * self.num_envs if seeds is None else seeds
-        chosen = [own if one is None else one for own, one in zip(drawn, given, strict=True)]
-        return jax.vmap(jax.random.key)(jnp.array(chosen, jnp.uint32))
+        return [(first + index) % (LAST_SEED + 1) for index in range(self.num_envs)]
 
 
 # Batches of equal environments share what is compiled, so nothing here belongs to one of them.

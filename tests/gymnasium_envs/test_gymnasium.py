@@ -204,12 +204,54 @@ def test_several_levels_are_played(tmp_path):
             KinetixGymEnv(wrong)
 
 
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_each_of_a_batch_plays_the_levels_that_one_alone_with_its_seed_plays(mode):
+    options = {
+        "level": ["s/goalkeeper", "s/first_flight", "s/wheelie"],
+        "physics": "jax2d",
+    }
+    alone = KinetixGymEnv(**options)
+    batch = KinetixVectorEnv(3, **options, autoreset_mode=mode, max_episode_steps=2)
+    firsts = []
+    observation, _ = batch.reset(seed=7)
+    firsts.append(observation.copy())
+    still = noop(batch)
+    for _ in range(2):
+        for _ in range(2):
+            told = batch.step(still)
+        assert told[3].all()
+        if mode == "NextStep":
+            told = batch.step(still)
+        elif mode == "Disabled":
+            told = batch.reset(options={"reset_mask": np.ones(3, bool)})
+        firsts.append(told[0].copy())
+    for row in range(3):
+        seeds = (7 + row, None, None)
+        for k, seed in enumerate(seeds):
+            expected, _ = alone.reset(seed=seed)
+            np.testing.assert_array_equal(firsts[k][row], expected)
+
+
+def test_those_that_are_left_alone_keep_their_draws():
+    options = {"level": ["s/goalkeeper", "s/first_flight", "s/wheelie"], "physics": "jax2d"}
+    one = KinetixVectorEnv(2, **options, autoreset_mode="Disabled")
+    other = KinetixVectorEnv(2, **options, autoreset_mode="Disabled")
+    one.reset(seed=3)
+    other.reset(seed=3)
+    for _ in range(3):
+        one.reset(options={"reset_mask": np.array([True, False])})
+    for _ in range(4):
+        left, _ = one.reset(options={"reset_mask": np.array([False, True])})
+        right, _ = other.reset(options={"reset_mask": np.array([False, True])})
+        np.testing.assert_array_equal(left[1], right[1])
+
+
 def test_a_seed_each_decides_what_comes_later_too():
     runs = []
     for _ in range(2):
         env = KinetixVectorEnv(2, "s-random", physics="jax2d")
         env.reset(seed=[1, 2])
-        runs.append(env._keys())
+        runs.append(env._draws.keys())
     assert (runs[0] == runs[1]).all()
 
 
