@@ -129,9 +129,17 @@ _Density = Annotated[
     float, _real("Mass per area", "kg/m²", (1e-3, 1000.0), slider=(0.05, 10.0), step=0.05)
 ]
 _Friction = Annotated[
-    float, _real("Friction value of the surface", "", (0.0, 10.0), slider=(0.0, 1.0))
+    float,
+    _real(
+        "Friction value of the surface; a pair has the coefficient 0.4·√(f₁² + f₂²)",
+        "",
+        (0.0, 10.0),
+        slider=(0.0, 1.0),
+    ),
 ]
-_Restitution = Annotated[float, _real("Bounciness of the surface", "", (0.0, 1.0))]
+_Restitution = Annotated[
+    float, _real("Bounciness of the surface; of two the smaller counts", "", (0.0, 1.0))
+]
 _Vertices = Annotated[tuple[Point, ...], Meta(min_length=3, max_length=4)]
 _Id = Annotated[int, Meta(ge=1, le=2**53)]
 _Role = Annotated[Role, _note("Part in the game: green must reach blue and shun red")]
