@@ -17,7 +17,7 @@ from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
-from kinetix.training.settings import SOURCES, field_notes
+from kinetix.training.settings import CONFIG, SOURCES, field_notes
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 from kinetix.wording import plural
 
@@ -161,7 +161,16 @@ def _values(command: Common) -> dict[str, Any]:
 def _runs(
     algorithm: str, command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
 ) -> dict[Path, dict[str, Any]]:
-    """The directory of every run, and its hyper-parameters."""
+    """The directory of every run, and its hyper-parameters.
+
+    Raises:
+        KinetixError: There are several, and theirs is one run's own.
+    """
+    if os.path.isfile(command.out / CONFIG) and (sweep is not None or command.seeds > 1):
+        raise KinetixError(
+            f"{command.out}: holds a training run, and several runs would mix with it; choose "
+            "another directory"
+        )
     runs = {command.out: values}
     if sweep is not None:
         for name in sorted({name for run in sweep for name in run.values} & set(values)):
@@ -196,8 +205,6 @@ def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Pa
 
 def _default_preset(command: Common, out: Path) -> str | None:
     """The small preset for a new run where nothing is chosen."""
-    from kinetix.training.settings import CONFIG
-
     chosen = command.preset or command.config or os.path.isfile(out / CONFIG)
     return None if chosen else _SMALL
 

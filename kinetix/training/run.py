@@ -35,6 +35,7 @@ from kinetix.training.setup import Setup
 from kinetix.training.stopping import stop_requests
 from kinetix.training.telling import Say, now_and_then, say_nothing
 from kinetix.training.trainer import Trainer, make_trainer
+from kinetix.training.wandb import check_package
 
 
 def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
@@ -76,6 +77,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     say = say if say is not None and is_leader() else say_nothing
     status = status if status is not None and is_leader() else now_and_then(say)
     if is_leader():
+        check_package(config)
         made_folder(out)
     wait_for_all("the directory is there")
     check_same_run(out, algorithm, config, say)

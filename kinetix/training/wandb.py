@@ -17,6 +17,28 @@ RUN_ID: Final = "wandb.id"
 """File in the run's directory that names the run there, so that it goes on as the same one."""
 
 
+def check_package(config: PpoConfig) -> None:
+    """Refuse a project where the package is not installed.
+
+    Args:
+        config: Names the project, or none.
+
+    Raises:
+        KinetixError: It names one that nothing could be sent to.
+    """
+    if config.wandb_project:
+        _package()
+
+
+def _package() -> Any:
+    try:
+        return importlib.import_module("wandb")
+    except ImportError:
+        raise KinetixError(
+            "wandb_project: the package wandb is missing; pip install 'kinetix-editor[wandb]'"
+        ) from None
+
+
 class WandbSink:
     """Sends one row an update; nothing of the run depends on it."""
 
@@ -31,12 +53,7 @@ class WandbSink:
         Raises:
             KinetixError: The package is not installed.
         """
-        try:
-            wandb: Any = importlib.import_module("wandb")
-        except ImportError:
-            raise KinetixError(
-                "wandb_project: the package wandb is missing; pip install 'kinetix-editor[wandb]'"
-            ) from None
+        wandb = _package()
         known = run / RUN_ID
         if not os.path.isfile(known):
             known.write_text(uuid.uuid4().hex[:12], encoding="utf-8")

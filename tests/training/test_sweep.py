@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 
 import pytest
 
@@ -171,3 +172,23 @@ def test_evaluation_levels_without_room_are_refused_at_once(tmp_path, capsys):
     assert main([*words, "--eval-levels", "l/rover_ridge"]) == 1
     assert "eval_levels: l/rover_ridge has l (polygons" in capsys.readouterr().err
     assert not (tmp_path / "out" / "checkpoints").exists()
+
+
+@pytest.mark.parametrize("several", ["--seeds", "--sweep"])
+def test_several_runs_do_not_mix_with_one(tmp_path, capsys, several):
+    (tmp_path / "sweep.toml").write_text("[grid]\ngamma = [0.9, 0.95]\n")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "config.toml").write_text('algorithm = "ppo"\n')
+    value = "2" if several == "--seeds" else str(tmp_path / "sweep.toml")
+    assert main(["train", "ppo", "--out", str(out), *_TINY, several, value]) == 1
+    assert "holds a training run, and several runs would mix" in capsys.readouterr().err
+    assert [path.name for path in out.iterdir()] == ["config.toml"]
+
+
+def test_a_package_that_is_missing_is_told_before_anything_is_made(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "wandb", None)
+    out = tmp_path / "out"
+    assert main(["train", "ppo", "--out", str(out), *_TINY, "--wandb-project", "mine"]) == 1
+    assert "the package wandb is missing" in capsys.readouterr().err
+    assert not out.exists()
