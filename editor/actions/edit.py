@@ -79,6 +79,7 @@ def paste(session: Session) -> None:
     found = clip.loads(text)
     at = session.hands.cursor
     shift = PASTE_SHIFT if at is None else clip.shift_to(found, at)
+    shift = clip.free_shift(found, shift, session.document.level, PASTE_SHIFT)
     session.execute(clip.Paste(clip=found, shift=shift))
 
 

@@ -164,6 +164,28 @@ def _on_arena(level: Level, joint: Joint) -> Joint:
     return joint.replace(**{f"anchor_{arena}": local})
 
 
+def free_shift(clip: Clip, shift: Point, level: Level, step: Point) -> Point:
+    """The shift that covers nothing exactly: what was pasted at the same place stays in sight.
+
+    Args:
+        clip: What is pasted.
+        shift: The first choice [m].
+        level: Where.
+        step: What is added as long as a shape of the level lies where one of the clip would [m].
+    """
+    taken = {_rounded(body.position) for body in level.bodies}
+    wanted = [body.position for body in clip.bodies]
+    for _ in range(len(level.bodies)):
+        if not any(_rounded((x + shift[0], y + shift[1])) in taken for x, y in wanted):
+            break
+        shift = shift[0] + step[0], shift[1] + step[1]
+    return shift
+
+
+def _rounded(at: Point) -> Point:
+    return round(at[0], 4), round(at[1], 4)
+
+
 def shift_to(clip: Clip, at: Point) -> Point:
     """The shift that puts the middle of a clip at a point [m]."""
     if not clip.bodies:

@@ -302,6 +302,18 @@ def test_cut_and_paste_at_the_pointer(session, hand):
     assert session.selection == (body.id,)
 
 
+def test_what_is_pasted_twice_at_one_place_lies_beside_itself(session, hand):
+    session.selection = (3,)
+    actions.run(session, "edit.copy")
+    hand.move((1.5, 1.25))
+    for _ in range(3):
+        actions.run(session, "edit.paste")
+    places = [body.position for body in session.document.level.bodies[-3:]]
+    assert len(set(places)) == 3
+    assert places[0] == pytest.approx((1.5, 1.25), abs=1e-5)
+    assert places[2] == pytest.approx((1.7, 1.45), abs=1e-5)
+
+
 def test_the_text_of_a_level_file_is_pasted_as_a_level(session, hand):
     theirs = a_level().replace(name="From a chat")
     session.clipboard.set(f"\n{dumps(theirs)}")
