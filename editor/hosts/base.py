@@ -66,6 +66,7 @@ class Host(abc.ABC):
         io.display_size = imgui.ImVec2(*size)
         io.config_flags |= imgui.ConfigFlags_.docking_enable.value
         io.config_windows_move_from_title_bar_only = True
+        io.config_drag_click_to_input_text = True  # as our own number fields do
         # A failing panel must not end the app: Dear ImGui closes what it left open.
         io.config_error_recovery = True
         io.config_error_recovery_enable_assert = False

@@ -231,3 +231,20 @@ def test_levels_are_filtered_by_who_solved_them(gallery):
         gallery.frames(4)
         assert cards(gallery) == shown
     assert not [toast for toast in session.toasts if toast.kind == "error"]
+
+
+def test_a_weight_is_typed_after_one_click_and_stays_within_its_limits(gallery):
+    gallery.click("gallery.card.rocket")
+    gallery.key("ctrl+shift+a")
+    gallery.click("gallery.tab.set")
+    tray = gallery.session.gallery.tray
+    (path,) = tray
+    (name,) = (name for name in gallery.session.probe if name.startswith("gallery.weight."))
+    for typed, weight in (("2.5", 2.5), ("1e30", 100.0), ("0", 0.01)):
+        gallery.click(name)
+        gallery.frames(2)
+        gallery.key("ctrl+a")
+        gallery.text(typed)
+        gallery.key("return")
+        gallery.frames(2)
+        assert tray[path] == pytest.approx(weight)

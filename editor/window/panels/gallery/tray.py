@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _AUTOMATIC: Final = "auto"
+_WEIGHTS: Final = (0.01, 100.0)
+"""The least and the greatest weight of a level."""
+_CLAMPED: Final = imgui.SliderFlags_.always_clamp.value
 _SIZES: Final[dict[str, SizeName | None]] = {
     _AUTOMATIC: None,
     "s": "s",
@@ -83,11 +86,11 @@ class SetTray:
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         changed, weight = imgui.drag_float(
-            f"###weight-{path}", tray[path], 0.05, 0.01, 100.0, "%.4g"
+            f"###weight-{path}", tray[path], 0.05, *_WEIGHTS, "%.4g", _CLAMPED
         )
         widgets.probe(session, f"gallery.weight.{name}")
         widgets.tooltip("Weight", "How often training draws it, compared with the others.")
-        if changed and weight > 0:
+        if changed:
             tray[path] = weight
         imgui.table_next_column()
         if widgets.icon_button(session, f"gallery.drop.{path}", Icons.close):
