@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor.actions import file
-from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
 from editor.documents.files import lost_on_save
+from editor.play.mode import Mode
 from editor.play.recording import Recording
 from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
@@ -19,7 +20,7 @@ from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError
-from kinetix.files.atomic import write_atomically, write_with_backup
+from kinetix.files.atomic import check_target, write_atomically, write_with_backup
 from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of
@@ -41,6 +42,7 @@ EPISODES: Final = (
 
 def ask_export(session: Session) -> None:
     """Choose what to export, then where to."""
+    _rest(session)
     trace = session.playback.trace
     episodes = EPISODES if trace is not None else ()
 
@@ -166,7 +168,12 @@ def ask_trace(session: Session) -> None:
 
 
 def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
-    """Ask the worker for a film of a trace."""
+    """Ask the worker for a film of a trace.
+
+    Raises:
+        LevelError: Nothing can be written there.
+    """
+    check_target(path)
     request = ExportFilm(
         level=level,
         trace=trace,
@@ -210,6 +217,7 @@ def has_clip(session: Session) -> bool:
 
 def ask_clip(session: Session) -> None:
     """Film the looped part of the episode, or all of it; asks where to."""
+    _rest(session)
     playback = session.playback
     trace, level = playback.trace, playback.level
     if trace is None or level is None:
@@ -234,6 +242,7 @@ def ask_clip(session: Session) -> None:
 
 def ask_page(session: Session) -> None:
     """Ask where the episode shall go as a page that any browser plays."""
+    _rest(session)
     playback = session.playback
     trace, level = playback.trace, playback.level
     if trace is None or level is None:
@@ -281,8 +290,48 @@ def told(session: Session) -> Callable[[Job], None]:
             session.toast(f"Wrote {job.result}", "success")
         elif job.state is JobState.FAILED:
             session.toast(job.error, "error")
+        elif job.state is JobState.CANCELLED and isinstance(job.request, _WRITTEN):
+            session.toast(f"{job.request.path.name} was not written.")
 
     return done
+
+
+_WRITTEN: Final = (ExportFilm, ExportPicture)
+"""Requests that write a file of the user's."""
+
+
+def writing(session: Session) -> tuple[Job, ...]:
+    """Return the jobs that write pictures and films, or wait for it, the first of them first."""
+    jobs = session.worker.jobs
+    return tuple(job for job in jobs if isinstance(job.request, _WRITTEN) and not job.cancelled)
+
+
+def stop(session: Session) -> None:
+    """Leave out what is being written, after asking."""
+    jobs = writing(session)
+
+    def answer(choice: str) -> None:
+        if choice == "stop":
+            for job in jobs:
+                job.cancel()
+
+    names = "\n".join(job.request.path.name for job in jobs if isinstance(job.request, _WRITTEN))
+    session.ask(
+        Question(
+            title="Stop the export?",
+            message=f"These are not complete yet:\n{names}",
+            choices=(Choice(id="stop", label="Stop"), Choice(id="go_on", label="Go On")),
+            default="go_on",
+            cancel="go_on",
+            answer=answer,
+        )
+    )
+
+
+def _rest(session: Session) -> None:
+    """Pause what is played, so that all of it is exported that was seen."""
+    if session.mode is Mode.PLAYING:
+        session.playback.pause()
 
 
 def screenshot(session: Session) -> None:
@@ -296,6 +345,7 @@ def record(session: Session) -> None:
         session.recording = Recording.of(session.playback)
         session.toast("Recording: play, then press Ctrl+Shift+R again.")
         return
+    check_target(free_name(session, ".gif"))  # Where that cannot be, the recording goes on.
     films, session.recording = session.recording.films(), None
     if not films:
         raise CommandError("Nothing was played while recording.")
@@ -312,11 +362,7 @@ def update_recording(session: Session) -> None:
 def free_name(session: Session, suffix: str) -> Path:
     """A file name in the level's folder that nothing has yet: `title-001.png`."""
     folder, stem, number = _folder(session), Path(session.document.title).stem, 1
-    awaited = {
-        job.request.path
-        for job in session.worker.jobs
-        if isinstance(job.request, ExportFilm | ExportPicture)
-    }
+    awaited = {job.request.path for job in writing(session) if isinstance(job.request, _WRITTEN)}
     while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1
     return path

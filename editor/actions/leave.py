@@ -12,7 +12,7 @@ from kinetix.level.model import Level
 MOST_NAMES: Final = 12
 """So many are listed in a question."""
 _UNSAVED: Final = "Save before closing?"
-_WRITING: Final = "Wait for what is being written?"
+_UNDER_WAY: Final = "Wait for what is under way?"
 
 
 def quit_app(session: Session) -> None:
@@ -24,7 +24,7 @@ def quit_app(session: Session) -> None:
         return
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
     titles = [prompt.title for prompt in session.prompts if isinstance(prompt, Question)]
-    if _UNSAVED in titles or _WRITING in titles:
+    if _UNSAVED in titles or _UNDER_WAY in titles:
         return
     if len(unsaved) < 2:
         if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
@@ -60,7 +60,7 @@ def update_leaving(session: Session) -> None:
 
     What was changed during the wait is asked about.
     """
-    if session.closing is None or _written(session):
+    if session.closing is None or _going_on(session):
         return
     unchanged, session.closing = session.closing == _levels(session), None
     if unchanged:
@@ -89,11 +89,11 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
 
 
 def _quit(session: Session) -> None:
-    """Close the app; a film under way is ended, and what is being written is asked about."""
+    """Close the app; a film under way is ended, and what is not complete is asked about."""
     if session.recording is not None and session.recording.films():
         export.record(session)
-    written = _written(session)
-    if not written:
+    going_on = _going_on(session)
+    if not going_on:
         _leave(session)
         return
 
@@ -106,8 +106,8 @@ def _quit(session: Session) -> None:
 
     session.ask(
         Question(
-            title=_WRITING,
-            message=f"These are not complete yet:\n{_listed(written)}",
+            title=_UNDER_WAY,
+            message=f"These are not complete yet:\n{_listed(going_on)}",
             choices=(
                 Choice(id="wait", label="Wait, Then Close"),
                 Choice(id="quit", label="Close Without Them"),
@@ -120,9 +120,10 @@ def _quit(session: Session) -> None:
     )
 
 
-def _written(session: Session) -> list[str]:
-    """Names of the files of the user's that are being written, or wait for it."""
-    names = []
+def _going_on(session: Session) -> list[str]:
+    """Return what would be lost: files that are being written or wait for it, an evaluation."""
+    evaluation = session.viewer.evaluation
+    names = ["the evaluation"] if evaluation.running else []
     for job in session.worker.jobs:
         if isinstance(job.request, ExportFilm | ExportPicture):
             names.append(job.request.path.name)

@@ -26,6 +26,7 @@ from editor.worker.requests import (
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.sets import gather_levels
+from kinetix.level.validate import has_errors
 from kinetix.paths import levels_dir, working_dir
 
 
@@ -83,11 +84,13 @@ def start_evaluation(
     """Begin an evaluation in the background.
 
     Raises:
-        CommandError: There is no agent.
+        CommandError: There is no agent, or the level in front has errors.
         LevelError: A level is missing or bad.
     """
     if not agents:
         raise CommandError("Choose an agent first: the Agents panel has a place for it.")
+    if not sources and has_errors(session.document.problems):
+        raise CommandError("The level has errors, so nobody can play it: Problems lists them.")
     levels = levels_named(session, sources)
     names = [level.name for level, _ in levels]
     if len(set(names)) != len(names):

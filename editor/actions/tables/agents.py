@@ -256,6 +256,10 @@ AGENTS: Final = (
             ("eye", "What the Agent Sees", (), "The picture and the numbers of its observation."),
             ("training", "Training", (), "Metrics of a training run while it trains."),
             ("curriculum", "Curriculum", (), "The levels that SFL, PLR or ACCEL keep, over time."),
+            ("problems", "Problems", (), "What keeps the level from being played, won or used."),
+            ("history", "History", (), "All edits of the level; a click goes back to one."),
+            ("controls", "Controls", (), "Which key drives what."),
+            ("log", "Log", (), "Everything that was said, and errors in full."),
         )
     ),
 )

@@ -50,6 +50,15 @@ FILE: Final = (
         run=export.ask_export,
     ),
     Action(
+        id="file.stop_export",
+        label="Stop the Export",
+        menu="File",
+        tooltip="What is being written now, or waits for it, is left out.",
+        enabled=lambda session: bool(export.writing(session)),
+        refusal="Nothing is being exported.",
+        run=export.stop,
+    ),
+    Action(
         id="file.open_trace",
         label="Open Episode…",
         menu="File",

@@ -1,23 +1,20 @@
 """The line at the bottom: mode, hint, pointer, selection, zoom, speed, jobs, unsaved changes."""
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor import actions
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba
 from editor.toolkit.modes import MODE_LOOK
 from editor.toolkit.widgets import px
 from editor.window import hints
-from editor.worker.jobs import PREPARATIONS, lane_of
+from editor.window.panels.under_way import SHOWS, Part, under_way
 
 if TYPE_CHECKING:
     from editor.session import Session
-
-
-_CONSTANT: Final = ("Simulating", "Drawing")
-"""Jobs that run all the time while something is played."""
 
 
 class StatusBar:
@@ -40,77 +37,74 @@ class StatusBar:
             width = self._width(right)
             widgets.raw(widgets.fitted(hint, space - width), COLOURS.muted)
             x = imgui.get_window_width() - width
-            for words, tint in right:
+            for part in right:
                 imgui.same_line(x)
-                widgets.raw(words, tint)
-                self._opens_problems(session, words)
-                x += imgui.calc_text_size(words).x + gap
+                widgets.raw(part.words, part.colour)
+                self._follows_click(session, part)
+                x += imgui.calc_text_size(part.words).x + gap
 
-    def _fitting(self, parts: list[tuple[str, Rgba]], room: float) -> list[tuple[str, Rgba]]:
+    def _fitting(self, parts: list[Part], room: float) -> list[Part]:
         """Return the numbers without as many of the quiet ones as the hint needs the room of."""
         kept = list(parts)
-        quiet = [part for part in reversed(parts[:-1]) if part[1] in (COLOURS.faint, COLOURS.muted)]
-        for part in quiet:
+        quiet = (COLOURS.faint, COLOURS.muted)
+        for part in [part for part in reversed(parts[:-1]) if part.colour in quiet]:
             if self._width(kept) <= room:
                 break
             kept.remove(part)
         return kept
 
-    def _width(self, parts: list[tuple[str, Rgba]]) -> float:
+    def _width(self, parts: list[Part]) -> float:
         """Return the width of some numbers beside each other [px]."""
-        return sum(imgui.calc_text_size(words).x + px(18) for words, _ in parts)
+        return sum(imgui.calc_text_size(part.words).x + px(18) for part in parts)
 
-    def _opens_problems(self, session: "Session", words: str) -> None:
-        """Let a click on the counts of errors and warnings open the list."""
-        if words[:1] not in (Icons.error, Icons.warning):
+    def _follows_click(self, session: "Session", part: Part) -> None:
+        """Let a click on what is told do what it offers."""
+        if not part.action:
             return
-        widgets.probe(session, "status.problems")
+        widgets.probe(session, f"status.{part.action}")
         if imgui.is_item_hovered():
             imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
-            widgets.tooltip("Problems", "Click to see them.")
+            widgets.tooltip(actions.BY_ID[part.action].label, part.click)
             if imgui.is_mouse_clicked(0):
-                session.view.front = "problems"
+                session.queue(part.action)
 
-    def numbers(self, session: "Session") -> list[tuple[str, tuple[float, float, float, float]]]:
+    def numbers(self, session: "Session") -> list[Part]:
         """Return the words at the right, in the window's language, and their colours."""
         c = COLOURS
-        under_way, parts = [], []
-        if session.recording is not None:
-            under_way.append((f"{Icons.film} {tr('Recording')}", c.bad))
-        jobs = [job for job in session.worker.jobs if job.title not in _CONSTANT]
-        if jobs:
-            job = jobs[0]
-            share = f" {job.fraction:.0%}" if job.fraction is not None else ""
-            ahead = lane_of(job.request) == PREPARATIONS
-            words = job.title if ahead else job.message or job.title
-            # With the share behind them they would be other words.
-            under_way.append((f"{Icons.gear} {tr(words)}{share}", c.accent))
+        doing = under_way(session)
         if session.gallery.open:
-            return under_way  # the rest is about the level behind it
+            return doing  # the rest is about the level behind it
+        parts: list[Part] = []
+
+        def tell(words: str, colour: Rgba) -> None:
+            parts.append(Part(tr(words), colour))
+
         if session.hands.cursor is not None:
             x, y = session.hands.cursor
-            parts.append((f"{x:.2f}, {y:.2f} m", c.muted))
+            tell(f"{x:.2f}, {y:.2f} m", c.muted)
         if session.selection:
-            parts.append((f"{len(session.selection)} selected", c.text))
+            tell(f"{len(session.selection)} selected", c.text)
+        parts += doing  # It stays where it is as the pointer comes to it, off the canvas.
         errors = sum(issue.severity == "error" for issue in session.document.problems)
         warnings = sum(issue.severity == "warning" for issue in session.document.problems)
-        if errors:
-            parts.append((f"{Icons.error} {errors}", c.bad))
-        if warnings:
-            parts.append((f"{Icons.warning} {warnings}", c.warn))
-        parts.append((f"{session.camera.zoom:.0%}", c.muted))
+        for icon, count, colour in (
+            (Icons.error, errors, c.bad),
+            (Icons.warning, warnings, c.warn),
+        ):
+            if count:
+                parts.append(Part(f"{icon} {count}", colour, "view.problems", SHOWS))
+        tell(f"{session.camera.zoom:.0%}", c.muted)
         snapshot = session.playback.snapshot
         if session.playback.active and snapshot is not None:
             kind = ", compiled for this level" if snapshot.tailored else ""
             kind = ", compiled quickly" if snapshot.quick else kind
-            parts.append((f"{snapshot.milliseconds:.1f} ms/step{kind}", c.muted))
-            parts.append((f"{session.playback.real_time_factor:.2f}× real time", c.muted))
-        parts.append((f"{session.fps:.0f} fps", c.faint))
+            tell(f"{snapshot.milliseconds:.1f} ms/step{kind}", c.muted)
+            tell(f"{session.playback.real_time_factor:.2f}× real time", c.muted)
+        tell(f"{session.fps:.0f} fps", c.faint)
         document = session.document
         copied = session.autosaves.kept_at(document)
         if document.dirty and copied is not None:
-            parts.append((f"copy kept {copied:%H:%M}", c.faint))
+            tell(f"copy kept {copied:%H:%M}", c.faint)
         kept = "saved" if document.path else "not saved yet"
-        state = ("● unsaved", c.warn) if document.dirty else (kept, c.faint)
-        parts.append(state)
-        return [*under_way, *((tr(words), tint) for words, tint in parts)]
+        tell(*(("● unsaved", c.warn) if document.dirty else (kept, c.faint)))
+        return parts

@@ -55,8 +55,10 @@ class TrainingPanel(Panel):
         self._levels: frozenset[str] = frozenset()
 
     def draw(self, session: "Session") -> None:
-        """Draw the head line and the plots."""
+        """Draw the training under way, the head line and the plots."""
         run = session.viewer.run
+        if session.training.running:
+            self._local(session)
         if not run.path:
             widgets.empty_state(
                 Icons.plots,
@@ -71,8 +73,6 @@ class TrainingPanel(Panel):
                 session.queue("agent.watch_run")
             return
         self._head(session)
-        if session.training.running:
-            self._local(session)
         if run.error:
             widgets.wrapped(run.error, COLOURS.bad)
         if not run.rows:
@@ -115,16 +115,24 @@ class TrainingPanel(Panel):
         self._looks(session)
 
     def _local(self, session: "Session") -> None:
-        """Show the training that the app has begun: its last words, and a button that stops it."""
+        """Show the training that the app has begun, watched or not: its last words, and its end."""
         training = session.training
-        if training.run is None or str(training.run) != session.viewer.run.path:
-            return
+        assert training.run is not None
+        run = str(training.run)
         widgets.spinner(7, framed=True)
         imgui.same_line(0, px(8))
         imgui.align_text_to_frame_padding()
-        widgets.muted("Ending …" if training.stopping else training.words or _STARTING)
-        widgets.beside(120)
-        if widgets.button(session, "training.end", "Stop training"):
+        if training.words and not training.stopping:
+            widgets.raw(training.words, COLOURS.muted)
+        else:
+            widgets.muted("Ending …" if training.stopping else _STARTING)
+        if run != session.viewer.run.path:
+            widgets.beside_words("Watch it")
+            if widgets.button(session, "training.watch_own", "Watch it"):
+                session.queue(lambda: watch.watch_run(session, run))
+            widgets.tooltip("Watch it", f"The curves of {run}.")
+        widgets.beside_words("Stop Training")
+        if widgets.button(session, "training.end", "Stop Training"):
             session.queue("agent.stop_training")
 
     def _looks(self, session: "Session") -> None:

@@ -77,8 +77,9 @@ def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
         failed: tuple[tuple[int, LevelFailure], ...] = ()
         try:
             player = player_of(ref)
-            progress.report(number / len(request.agents), f"Compiling for {player.card.name}")
-            for step in evaluate(player, levels, settings, segment=_SEGMENT):
+            compiling = f"Compiling for {player.card.name}"
+            progress.report(number / len(request.agents), compiling)
+            for turn, step in enumerate(evaluate(player, levels, settings, segment=_SEGMENT)):
                 now = tuple(Score(agent=number, result=result) for result in step.results)
                 failed = tuple((number, failure) for failure in step.failures)
                 done = number * each + step.done
@@ -90,7 +91,9 @@ def run_evaluation(request: Evaluate, progress: Progress) -> Standing:
                     failures=failures + failed,
                 )
                 progress.share(standing)
-                progress.report(done / total, f"{done} of {plural(total, 'episode')}")
+                # Before the first turn comes back, its step is compiled.
+                words = f"{done} of {plural(total, 'episode')}" if turn else compiling
+                progress.report(done / total, words)
         except KinetixError as error:
             errors.append((number, str(error)))
         scores, failures = scores + now, failures + failed

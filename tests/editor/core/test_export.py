@@ -7,9 +7,11 @@ from editor import actions
 from editor.actions import export
 from editor.documents import files
 from editor.documents.commands.group import Move
-from editor.worker.jobs import Job
+from editor.play.mode import Mode
+from editor.worker.jobs import Job, JobState
 from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import ExportFilm
+from kinetix.errors import LevelError
 from kinetix.level.codec import load_document, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
 
@@ -191,3 +193,48 @@ def moment(step, skip):
         thruster=np.zeros(1),
         frame_skip=skip,
     )
+
+
+def test_an_export_rests_what_is_played_so_that_nothing_is_missing(session, films):
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "file.export")
+    seen = session.playback.step_count
+    play(session, 0.5)
+    session.answer(session.prompts[-1], "gif")
+    play(session, 0.2)
+    session.answer(session.prompts[-1], session.document.path.with_suffix(".gif"))
+    (film,) = films()
+    assert session.mode is Mode.PAUSED
+    assert film.trace.snapshots[-1].step == seen == session.playback.step_count
+
+
+def test_an_export_can_be_stopped_and_says_so(session, films):
+    assert not actions.run(session, "file.stop_export")
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "file.record")
+    play(session, 0.3)
+    actions.run(session, "file.record")
+    (job,) = export.writing(session)
+    actions.run(session, "file.stop_export")
+    assert "mine-001.gif" in session.prompts[-1].message
+    session.answer(session.prompts[-1], "stop")
+    assert job.cancelled and not export.writing(session)
+    job.state = JobState.CANCELLED
+    export.told(session)(job)
+    assert texts(session)[-1] == "mine-001.gif was not written."
+
+
+def test_a_recording_that_cannot_be_written_goes_on(session, films, monkeypatch):
+    actions.run(session, "file.record")
+    actions.run(session, "run.play_human")
+    play(session, 0.3)
+
+    def refuse(path):
+        raise LevelError(f"{path}: Permission denied")
+
+    monkeypatch.setattr(export, "check_target", refuse)
+    actions.run(session, "file.record")
+    assert session.recording is not None and not films()
+    assert "Permission denied" in texts(session)[-1]

@@ -141,3 +141,9 @@ def test_nothing_is_in_it_that_the_app_never_says(code):
         if not all(word in said for word in re.findall(r"[a-zé]{4,}", english.lower()))
     ]
     assert stale == []
+
+
+def test_reasons_of_the_system_are_no_negations():
+    use("de")
+    said = tr("/x: cannot be made: No such file or directory")
+    assert said == "/x: kann nicht angelegt werden: Datei oder Ordner nicht gefunden"

@@ -170,7 +170,7 @@ def test_nothing_that_compiling_changes_stays_changed():
 
 def test_the_status_line_says_which_step_plays():
     def said(session):
-        return [words for words, _ in StatusBar().numbers(session)]
+        return [part.words for part in StatusBar().numbers(session)]
 
     session = a_session(LEVEL)
     session.playback.play(LEVEL)
@@ -187,7 +187,7 @@ def test_the_status_line_says_when_a_step_is_being_made():
     worker = Worker(perform=lambda request, progress: going_on.wait(5))
     session = Session(settings=Settings(), simulator=FakeSimulator(), worker=worker)
     worker.submit(Tailor(level=LEVEL, physics="fast"), title="Compiling for this level")
-    words = [words for words, _ in StatusBar().numbers(session)]
+    words = [part.words for part in StatusBar().numbers(session)]
     going_on.set()
     worker.stop()
     assert any("Compiling for this level" in each for each in words)

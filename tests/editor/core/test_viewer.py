@@ -18,6 +18,7 @@ from editor.agents.evaluation import Plan, best
 from editor.agents.viewer import mismatch
 from editor.base.events import DropEvent
 from editor.base.settings import Settings
+from editor.documents.commands.level import ReplaceLevel
 from editor.gallery.results import Results
 from editor.play.mode import Mode
 from editor.play.second_player import Follower
@@ -40,7 +41,7 @@ from editor.worker.requests import (
     Standing,
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
-from kinetix.errors import CheckpointError, KinetixError
+from kinetix.errors import CheckpointError, CommandError, KinetixError
 from kinetix.level.codec import save_level
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
@@ -709,3 +710,13 @@ def test_play_has_the_screen_for_itself(with_agent):
     with_agent.complain("Something is wrong.")
     actions.run(with_agent, "run.play_agent")
     assert texts(with_agent) == ["Something is wrong."]
+
+
+def test_a_level_with_errors_is_not_evaluated(with_agent):
+    level = with_agent.document.level
+    many = tuple(level.bodies[0].replace(id=100 + k) for k in range(20))
+    level = level.replace(bodies=level.bodies + many, size="s", next_id=200)
+    with_agent.document.commit(ReplaceLevel(level=level, label="Fill"))
+    options = {"attempts": 2, "seed": 0, "physics": "", "deterministic": False}
+    with pytest.raises(CommandError, match="errors"):
+        measure.start_evaluation(with_agent, with_agent.viewer.agents, (), **options)

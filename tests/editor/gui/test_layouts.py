@@ -373,7 +373,7 @@ def test_messages_stand_beside_the_arena_and_under_menus(make_gui, size, scale):
 def test_the_counts_in_the_status_line_open_the_problems(gui):
     gui.frames(40)
     assert not gui.shows("problems.E101")
-    gui.click("status.problems")
+    gui.click("status.view.problems")
     gui.frames(8)
     assert gui.shows("problems.E101")
 

@@ -101,6 +101,8 @@ def test_a_single_drawing_and_a_setting_are_switched_from_the_palette(make_gui):
         ("box", "Rectangle"),
         ("hinge", "Joint"),
         ("settings", "Preferences…"),
+        ("log", "Log"),
+        ("problems", "Problems"),
     ],
 )
 def test_what_is_meant_comes_first(typed, first):
