@@ -142,7 +142,10 @@ class CurriculumPanel(Panel):
         lines = (
             (f"#{listed.serial}  {score}", COLOURS.text),
             (f"{rate}, age {age}", COLOURS.muted),
-            (f"from #{listed.ancestry[0]}" if listed.ancestry else "random", COLOURS.muted),
+            (
+                f"from #{listed.ancestry[0]}" if listed.ancestry else "drawn at random",
+                COLOURS.muted,
+            ),
         )
         with widgets.font(None, SMALL):
             top = at.y + side + px(3)
