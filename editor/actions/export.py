@@ -127,7 +127,7 @@ def _same(one: Path | None, other: Path) -> bool:
 def _folder(session: Session) -> Path:
     path = session.document.path
     if path is not None and not path.is_relative_to(levels_dir()):
-        return path.parent
+        return path.parent.absolute()
     return working_dir()
 
 
@@ -141,12 +141,26 @@ def open_trace(session: Session, path: Path) -> bool:
     with session.guard():
         session.leave_play()
         session.gallery.open = False
-        if session.document.hash != level_hash(found.level):
-            session.open_tab(Document(found.level))
+        _bring(session, found.level)
         session.playback.replay(found.trace, found.level)
         session.view.front = "timeline"
         return True
     return False
+
+
+def _bring(session: Session, level: Level) -> None:
+    """Show a level: in front, in another tab, or in a new one."""
+    wanted = level_hash(level)
+    if session.document.hash == wanted:
+        return
+    holds = [tab.moment is None and tab.document.hash == wanted for tab in session.tabs]
+    found = [index for index, held in enumerate(holds) if held]
+    if found:
+        session.show_tab(
+            max(found, key=lambda index: session.tabs[index].document.path is not None)
+        )
+    else:
+        session.open_tab(Document(level))
 
 
 def ask_trace(session: Session) -> None:

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import re
+import shutil
 import time
 from pathlib import Path
 from typing import Final
@@ -69,17 +70,23 @@ def _taken(run: Path) -> bool:
     return os.path.exists(run) or os.path.exists(run.with_suffix(".json"))
 
 
+_BEFORE_UPDATES: Final = {LOG, "config.toml", "metrics.csv", "metrics.jsonl", "tensorboard"}
+"""What a training has written by the time of its first update."""
+
+
 def _nothing_learnt(run: Path) -> bool:
-    """Return whether a run's folder holds no more than what its training printed."""
-    return os.path.isdir(run) and os.listdir(run) == [LOG]
+    """Return whether a run's folder holds no more than what a training has before it learns."""
+    if not os.path.isdir(run) or not set(os.listdir(run)) <= _BEFORE_UPDATES:
+        return False
+    rows = run / "metrics.jsonl"
+    return os.path.isfile(run / LOG) and not (os.path.isfile(rows) and rows.stat().st_size)
 
 
 def _clear(run: Path) -> None:
     """Remove what is left of a training that was stopped before it learnt anything."""
     if _nothing_learnt(run):
         with contextlib.suppress(OSError):
-            (run / LOG).unlink()
-            run.rmdir()
+            shutil.rmtree(run)
             run.with_suffix(".json").unlink(missing_ok=True)
 
 

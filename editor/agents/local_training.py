@@ -5,6 +5,7 @@ line can go on with it.
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -15,10 +16,14 @@ from typing import Final, Protocol
 
 from kinetix.errors import CommandError
 
+_UPDATE: Final = re.compile(r"\d+/\d+ ")
+"""Begin of the line of an update that was made."""
 NICENESS: Final = 5
 """It leaves the processor to the window and to what is played."""
 LOG: Final = "training.log"
-BUSY: Final = "An agent is being trained already: stop it in the Training panel."
+BUSY: Final = (
+    "An agent is being trained already: stop it in the Training panel, or wait until it has ended."
+)
 """Why no other training can begin."""
 
 
@@ -117,21 +122,26 @@ class LocalTraining:
         self.run, self._log, self._process, self.stopping = run, run / LOG, process, False
 
     def stop(self) -> None:
-        """Ask it to end; it saves first."""
+        """End it: after its update, saved; at once where it has made none, while it compiles."""
         if self.running and self._process is not None:
             self.stopping = True
-            self._process.send_signal(signal.SIGTERM)
+            at_once = getattr(signal, "SIGKILL", signal.SIGTERM)
+            learning = any(_UPDATE.match(line) for line in self._lines())
+            self._process.send_signal(signal.SIGTERM if learning else at_once)
 
     @property
     def words(self) -> str:
         """Last line that it printed."""
+        return next((line for line in reversed(self._lines()) if line.strip()), "")
+
+    def _lines(self) -> list[str]:
+        """What it has printed; nothing where that cannot be read."""
         if self._log is None:
-            return ""
+            return []
         try:
-            lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+            return self._log.read_text(encoding="utf-8", errors="replace").splitlines()
         except OSError:
-            return ""
-        return next((line for line in reversed(lines) if line.strip()), "")
+            return []
 
     def ended(self) -> str | None:
         """Return once how it ended: nothing when all is well, else one sentence; None: it did not.

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+from editor.play.mode import Mode
 from editor.play.show import Show
 from editor.worker.recording import Trace
 from kinetix.level.model import Level
@@ -15,14 +16,17 @@ class Recording:
     """Number of the episode during which recording began."""
     first: int
     """Environment step of that episode at which it began."""
+    ended: bool = False
+    """True if that episode had ended by then: without more of it, it is no part of the film."""
     parts: dict[int, tuple[Level, Trace]] = dataclasses.field(default_factory=dict)
     """Level and trace of each episode by its number, in the order of play."""
 
     @classmethod
     def of(cls, playback: Show) -> "Recording":
-        """Begin with what is on show now."""
+        """Begin with what is on show now, but for an episode that has ended."""
         first = playback.step_count if playback.active else 0
-        return cls(episode=playback.episode, first=first)
+        ended = playback.mode is Mode.ENDED
+        return cls(episode=playback.episode, first=first, ended=ended)
 
     def follow(self, playback: Show) -> None:
         """Let a frame pass.
@@ -38,7 +42,10 @@ class Recording:
         """Return one level and trace for each film: successive episodes of a level are joined."""
         films: list[tuple[Level, Trace]] = []
         for episode, (level, whole) in self.parts.items():
-            trace = _since(whole, self.first) if episode == self.episode else whole
+            own = episode == self.episode
+            if own and self.ended and whole.snapshots[-1].step == self.first:
+                continue
+            trace = _since(whole, self.first) if own else whole
             if films and films[-1][0] == level:
                 together = (*films.pop()[1].snapshots, *trace.snapshots)
                 trace = dataclasses.replace(trace, snapshots=together, actions=())

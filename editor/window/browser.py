@@ -259,7 +259,8 @@ class FileBrowser:
         named = self._choice.fresh()
         if entered and named is not None:
             return True, named
-        if entered and self._choice.name:
+        typed = bool(self._choice.name)
+        if entered and typed:
             self._choice.type_folder()
         width = px(150)
         gap = imgui.get_style().item_spacing.x
@@ -274,7 +275,7 @@ class FileBrowser:
             pressed = widgets.primary_button(session, "browser.accept", words, width=width)
         if named is None and not fits:
             widgets.tooltip(words, f"It is not {self._question.wanted}.")
-        if pressed and (fits or named is not None):
+        if (pressed or (entered and not typed)) and (fits or named is not None):
             return True, named or self._choice.folder
         return cancelled, None
 

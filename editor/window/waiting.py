@@ -64,7 +64,7 @@ def paint_waiting(session: "Session", draw: imgui.ImDrawList, area: tuple[Point,
     waited = time.monotonic() - job.since
     share = "" if job.fraction is None else f"{job.fraction:.0%}"
     if waited >= _LONG:
-        share = f"{share}   {waited:.0f} s"
+        share = f"{share}   {tr(f'{waited:.0f} s so far')}"
     with font(FONTS.regular, SMALL):
         top = low[1] + pad + px(2)
         draw.add_text((right - imgui.calc_text_size(share).x, top), u32(COLOURS.muted), share)

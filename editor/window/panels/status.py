@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.base.language import tr
+from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba
 from editor.toolkit.modes import MODE_LOOK
@@ -99,7 +100,8 @@ class StatusBar:
             kind = ", compiled for this level" if snapshot.tailored else ""
             kind = ", compiled quickly" if snapshot.quick else kind
             tell(f"{snapshot.milliseconds:.1f} ms/step{kind}", c.muted)
-            tell(f"{session.playback.real_time_factor:.2f}× real time", c.muted)
+            if session.mode is Mode.PLAYING:
+                tell(f"{session.playback.real_time_factor:.2f}× real time", c.muted)
         tell(f"{session.fps:.0f} fps", c.faint)
         document = session.document
         copied = session.autosaves.kept_at(document)

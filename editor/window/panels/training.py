@@ -132,8 +132,9 @@ class TrainingPanel(Panel):
                 session.queue(lambda: watch.watch_run(session, run))
             widgets.tooltip("Watch it", f"The curves of {run}.")
         widgets.beside_words("Stop Training")
-        if widgets.button(session, "training.end", "Stop Training"):
-            session.queue("agent.stop_training")
+        with widgets.disabled(training.stopping):
+            if widgets.button(session, "training.end", "Stop Training"):
+                session.queue("agent.stop_training")
 
     def _looks(self, session: "Session") -> None:
         """Smoothing, a logarithmic axis, and of several runs one band."""

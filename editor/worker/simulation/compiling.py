@@ -8,6 +8,7 @@ XLA is finished and kept, as it may be wanted again.
 import collections
 import contextlib
 import dataclasses
+import math
 import os
 import threading
 import time
@@ -55,6 +56,21 @@ class Pace:
     seconds = 1.5
 
 
+_AS_EXPECTED: Final = 0.75
+"""Up to here progress is as the usual duration says."""
+
+
+def slowing(share: float) -> float:
+    """Return how far something is that may take longer than usual: it never stands still.
+
+    Args:
+        share: Time that has passed, as a share of the usual duration.
+    """
+    if share <= _AS_EXPECTED:
+        return share
+    return 1 - (1 - _AS_EXPECTED) * math.exp(1 - share / _AS_EXPECTED)
+
+
 class Compilation:
     """A program on its way."""
 
@@ -93,7 +109,7 @@ class Compilation:
         """Progress; inside a stage estimated from the usual duration."""
         shares = self._shares()
         expected = shares[self._stage] * Pace.seconds * (1 + self.recipe.tier.compiling)
-        inside = min((time.monotonic() - self._since) / max(expected, 1e-3), 0.95)
+        inside = slowing((time.monotonic() - self._since) / max(expected, 1e-3))
         return sum(shares[: self._stage]) + shares[self._stage] * inside
 
     @property

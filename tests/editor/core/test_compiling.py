@@ -1,5 +1,6 @@
 """Programs are compiled in threads of their own: who waits may leave, what is unwanted ends."""
 
+import itertools
 import os
 import threading
 import time
@@ -8,7 +9,7 @@ import pytest
 
 from editor.worker.requests import Cancelled
 from editor.worker.simulation import disk
-from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe
+from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe, slowing
 from kinetix.compiler import quick_options
 from tests.editor.core.helpers import Unheard
 
@@ -170,3 +171,10 @@ def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
     path.write_bytes(path.read_bytes()[:-20])
     assert disk.load("double", arguments, results) is None
     assert not disk.has("double")
+
+
+def test_progress_follows_the_usual_duration_and_then_never_stands_still():
+    shares = [slowing(k / 10) for k in range(60)]
+    assert shares[:8] == [k / 10 for k in range(8)]
+    assert all(later - now > 0.0005 for now, later in itertools.pairwise(shares[:40]))
+    assert shares[20] < 0.96 and shares[-1] < 1

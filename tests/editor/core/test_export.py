@@ -8,6 +8,7 @@ from editor.actions import export
 from editor.documents import files
 from editor.documents.commands.group import Move
 from editor.play.mode import Mode
+from editor.play.trace_files import write_trace
 from editor.worker.jobs import Job, JobState
 from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import ExportFilm
@@ -238,3 +239,29 @@ def test_a_recording_that_cannot_be_written_goes_on(session, films, monkeypatch)
     actions.run(session, "file.record")
     assert session.recording is not None and not films()
     assert "Permission denied" in texts(session)[-1]
+
+
+def test_a_film_leaves_out_what_had_ended_before(session, films):
+    session.playback.simulator.ends_at, session.playback.simulator.ends = 5, "won"
+    actions.run(session, "run.play_human")
+    play(session, 1.0)
+    assert session.mode is Mode.ENDED
+    actions.run(session, "file.record")
+    play(session, 0.1)
+    actions.run(session, "run.reset")
+    play(session, 1.0)
+    actions.run(session, "file.record")
+    assert [snapshot.step for snapshot in films()[0].trace.snapshots] == list(range(6))
+
+
+def test_an_episode_is_shown_in_the_tab_of_its_level(session, tmp_path):
+    session.playback.simulator.ends_at, session.playback.simulator.ends = 5, "won"
+    actions.run(session, "run.play_human")
+    play(session, 1.0)
+    write_trace(session.playback.trace, session.playback.level, tmp_path / "mine.npz")
+    actions.run(session, "run.stop")
+    actions.run(session, "file.new")
+    count = len(session.tabs)
+    assert session.document.path is None
+    assert export.open_trace(session, tmp_path / "mine.npz")
+    assert len(session.tabs) == count and session.document.path == tmp_path / "mine.json"

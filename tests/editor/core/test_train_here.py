@@ -79,7 +79,7 @@ def test_there_is_one_training_at_a_time_and_it_can_be_ended(session, began):
     assert len(began) == 1
     assert actions.run(session, "agent.stop_training")
     process = began[0][1]
-    assert process.signals == [signal.SIGTERM]
+    assert process.signals == [signal.SIGTERM]  # an update was made: it saves
     process.status = 143
     settle(session)
     assert not any("The training ended" in text for text in texts(session))
@@ -96,6 +96,19 @@ def test_a_training_that_learnt_nothing_leaves_nothing(session, began):
     assert list(run.parent.iterdir()) == []
     actions.run(session, "agent.train_here")
     assert session.training.run == run
+
+
+def test_a_training_that_still_compiles_ends_at_once_and_leaves_nothing(session, began):
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    (run / "training.log").write_text("preparing the levels\ncompiling: update\n")
+    (run / "config.toml").write_text("")
+    actions.run(session, "agent.stop_training")
+    assert began[0][1].signals == [signal.SIGKILL]
+    began[0][1].status = -9
+    settle(session)
+    assert any("before anything was learnt" in text for text in texts(session))
+    assert list(run.parent.iterdir()) == []
 
 
 def test_what_a_closed_app_left_before_it_learnt_gives_its_name_back(session, began):

@@ -142,6 +142,24 @@ def test_a_name_that_is_not_there_can_be_corrected(browsing):
     assert gui.session.document.path == path
 
 
+def test_return_in_the_empty_field_uses_the_folder_on_show(make_gui, tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    chosen = []
+    gui = make_gui()
+    gui.session.ask(
+        FileQuestion(purpose="folder", title="Folder", folder=tmp_path, answer=chosen.append)
+    )
+    gui.frames(3)
+    gui.text(str(inner))
+    gui.key("return")
+    gui.frames(3)
+    assert not chosen
+    gui.key("return")
+    gui.frames(3)
+    assert chosen == [inner]
+
+
 @pytest.mark.parametrize("name", ["~nobody-of-this-name/x", "/", "..", "\u4f60"])
 def test_odd_names_break_nothing(browsing, name):
     gui, _ = browsing
