@@ -153,12 +153,11 @@ def _bring(session: Session, level: Level) -> None:
     wanted = level_hash(level)
     if session.document.hash == wanted:
         return
-    holds = [tab.moment is None and tab.document.hash == wanted for tab in session.tabs]
-    found = [index for index, held in enumerate(holds) if held]
+    tabs = list(session.tabs)
+    found = [tab for tab in tabs if tab.moment is None and tab.document.hash == wanted]
+    found.sort(key=lambda tab: tab.document.path is None)  # one that has a file first
     if found:
-        session.show_tab(
-            max(found, key=lambda index: session.tabs[index].document.path is not None)
-        )
+        session.show_tab(tabs.index(found[0]))
     else:
         session.open_tab(Document(level))
 

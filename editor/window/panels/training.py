@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _LEVEL_RATE: Final = "eval_avg/hand_designed_episode_solve_rate_"
+_RATES: Final = (-0.05, 1.05)
+"""The axis of a rate goes no farther: what happens always or never is at its ends."""
 _MOST_LEVELS: Final = 6
 """Levels whose own curves are shown at first."""
 _COLOURS: Final = ("info", "warn", "good", "accent", "bad")
@@ -238,6 +240,8 @@ def _plot(
     if len(places) == 1:
         # Else the same number would stand at every tick.
         implot.setup_axis_ticks(implot.ImAxis_.x1, list(places), [f"{min(places):g}"])
+    if name.endswith(("solved", "solve_rate")) or name.startswith(_LEVEL_RATE):
+        implot.setup_axis_limits_constraints(implot.ImAxis_.y1.value, *_RATES)
     if log:
         implot.setup_axis_scale(implot.ImAxis_.y1.value, implot.Scale_.log10.value)
     spread = band_of(curves) if band else None
