@@ -162,7 +162,7 @@ class LevelBuilder:
     ) -> int:
         """Join two bodies at a point so that they can turn against each other.
 
-        Bodies that hang together by joints do not collide.
+        Bodies that hang together by joints, also through fixed ones, do not collide.
 
         Args:
             a: First body.
