@@ -303,20 +303,21 @@ def told(session: Session) -> Callable[[Job], None]:
             session.toast(f"Wrote {job.result}", "success")
         elif job.state is JobState.FAILED:
             session.toast(job.error, "error")
-        elif job.state is JobState.CANCELLED and isinstance(job.request, _WRITTEN):
-            session.toast(f"{job.request.path.name} was not written.")
+        elif job.state is JobState.CANCELLED and (path := file_of(job)) is not None:
+            session.toast(f"{path.name} was not written.")
 
     return done
 
 
-_WRITTEN: Final = (ExportFilm, ExportPicture)
-"""Requests that write a file of the user's."""
+def file_of(job: Job) -> Path | None:
+    """Return the picture or film that a job writes; None where it writes neither."""
+    return job.request.path if isinstance(job.request, ExportFilm | ExportPicture) else None
 
 
-def writing(session: Session) -> tuple[Job, ...]:
-    """Return the jobs that write pictures and films, or wait for it, the first of them first."""
-    jobs = session.worker.jobs
-    return tuple(job for job in jobs if isinstance(job.request, _WRITTEN) and not job.cancelled)
+def writing(session: Session) -> dict[Job, Path]:
+    """Return the pictures and films that are being written or wait for it, in this order."""
+    files = {job: file_of(job) for job in session.worker.jobs if not job.cancelled}
+    return {job: path for job, path in files.items() if path is not None}
 
 
 def stop(session: Session) -> None:
@@ -328,7 +329,7 @@ def stop(session: Session) -> None:
             for job in jobs:
                 job.cancel()
 
-    names = "\n".join(job.request.path.name for job in jobs if isinstance(job.request, _WRITTEN))
+    names = "\n".join(path.name for path in jobs.values())
     session.ask(
         Question(
             title="Stop the export?",
@@ -375,7 +376,7 @@ def update_recording(session: Session) -> None:
 def free_name(session: Session, suffix: str) -> Path:
     """A file name in the level's folder that nothing has yet: `title-001.png`."""
     folder, stem, number = _folder(session), Path(session.document.title).stem, 1
-    awaited = {job.request.path for job in writing(session) if isinstance(job.request, _WRITTEN)}
+    awaited = set(writing(session).values())
     while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1
     return path

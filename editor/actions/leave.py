@@ -6,7 +6,7 @@ from editor.actions import export
 from editor.actions.file import ask_moment, if_settled, save
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
-from editor.worker.requests import AddEpisode, ExportFilm, ExportPicture
+from editor.worker.requests import AddEpisode
 from kinetix.level.model import Level
 
 MOST_NAMES: Final = 12
@@ -125,8 +125,9 @@ def _going_on(session: Session) -> list[str]:
     evaluation = session.viewer.evaluation
     names = ["the evaluation"] if evaluation.running else []
     for job in session.worker.jobs:
-        if isinstance(job.request, ExportFilm | ExportPicture):
-            names.append(job.request.path.name)
+        path = export.file_of(job)
+        if path is not None:
+            names.append(path.name)
         elif isinstance(job.request, AddEpisode):
             names.append(job.request.folder.name)
     return names

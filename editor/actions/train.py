@@ -71,7 +71,7 @@ def _taken(run: Path) -> bool:
 
 
 _BEFORE_UPDATES: Final = {LOG, "config.toml", "metrics.csv", "metrics.jsonl", "tensorboard"}
-"""What a training has written by the time of its first update."""
+"""Names of the files that a training makes before its first update."""
 
 
 def _nothing_learnt(run: Path) -> bool:

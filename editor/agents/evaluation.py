@@ -125,6 +125,16 @@ class Evaluation:
         return self.job is not None and not self.job.finished and not self.cancelled
 
     @property
+    def stage(self) -> str:
+        """What it does now, in words."""
+        if self.job is not None and self.job.message:
+            return self.job.message
+        before = next(iter(self._worker.jobs), None)
+        if before is not None and before is not self.job and before.cancelled:
+            return "Waiting: what was cancelled compiles to its end …"
+        return "Starting …"
+
+    @property
     def complete(self) -> bool:
         """True if every episode was played."""
         return self.job is not None and self.job.state is JobState.DONE

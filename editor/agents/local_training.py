@@ -135,7 +135,7 @@ class LocalTraining:
         return next((line for line in reversed(self._lines()) if line.strip()), "")
 
     def _lines(self) -> list[str]:
-        """What it has printed; nothing where that cannot be read."""
+        """Return the lines of its log; none where the log cannot be read."""
         if self._log is None:
             return []
         try:

@@ -4,7 +4,6 @@ Parameters are safetensors, in artefacts too. Wherever the name of an artefact i
 or file of this machine does as well. Pickles are never read.
 """
 
-import importlib
 import json
 import os
 from collections.abc import Mapping
@@ -13,7 +12,8 @@ from typing import Any, Final
 
 from kinetix.compat.config import get_tags
 from kinetix.compat.saving import load_params, save_pretrained_checkpoint
-from kinetix.errors import CheckpointError, KinetixError
+from kinetix.errors import CheckpointError
+from kinetix.training.wandb import wandb_package
 
 WEIGHTS: Final = "params.safetensors"
 CONFIG: Final = "config.json"
@@ -32,7 +32,7 @@ def init_wandb(config: Mapping[str, Any], name: str) -> Any:
     Raises:
         KinetixError: The package is not installed.
     """
-    return _wandb().init(
+    return wandb_package().init(
         project=config.get("wandb_project"),
         entity=config.get("wandb_entity"),
         group=config.get("group_name"),
@@ -116,7 +116,7 @@ def save_model(
     chosen = train_state.params if params is None else params
     save_pretrained_checkpoint(chosen, extra or {}, folder)
     if save_to_wandb:
-        wandb = _wandb()
+        wandb = wandb_package()
         artefact = wandb.Artifact(
             f"{run}-checkpoint", type="checkpoint", metadata={"timesteps": timesteps}
         )
@@ -125,20 +125,11 @@ def save_model(
     return folder
 
 
-def _wandb() -> Any:
-    try:
-        return importlib.import_module("wandb")
-    except ImportError:
-        raise KinetixError(
-            "the package wandb is missing; pip install 'kinetix-editor[wandb]'"
-        ) from None
-
-
 def _folder(name: str, target: str | None) -> Path:
     """The folder or file of a checkpoint; what is not on this machine is downloaded."""
     if os.path.exists(Path(name)):
         return Path(name)
-    return Path(_wandb().Api().artifact(name).download(root=target))
+    return Path(wandb_package().Api().artifact(name).download(root=target))
 
 
 def _params_in(folder: Path) -> dict[str, Any]:

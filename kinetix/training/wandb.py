@@ -27,15 +27,23 @@ def check_package(config: PpoConfig) -> None:
         KinetixError: It names one that nothing could be sent to.
     """
     if config.wandb_project:
-        _package()
+        wandb_package("wandb_project: ")
 
 
-def _package() -> Any:
+def wandb_package(wanted_by: str = "") -> Any:
+    """Return the package, which is imported when it is first needed.
+
+    Args:
+        wanted_by: How the sentence begins where it is missing.
+
+    Raises:
+        KinetixError: It is not installed.
+    """
     try:
         return importlib.import_module("wandb")
     except ImportError:
         raise KinetixError(
-            "wandb_project: the package wandb is missing; pip install 'kinetix-editor[wandb]'"
+            f"{wanted_by}the package wandb is missing; pip install 'kinetix-editor[wandb]'"
         ) from None
 
 
@@ -53,7 +61,7 @@ class WandbSink:
         Raises:
             KinetixError: The package is not installed.
         """
-        wandb = _package()
+        wandb = wandb_package("wandb_project: ")
         known = run / RUN_ID
         if not os.path.isfile(known):
             known.write_text(uuid.uuid4().hex[:12], encoding="utf-8")

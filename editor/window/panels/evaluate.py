@@ -19,7 +19,6 @@ from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.window.panels.results_table import MOST_WIDE, ResultsTable
-from editor.worker.jobs import Job
 from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.results import EpisodeResult
 from kinetix.paths import levels_dir
@@ -215,7 +214,7 @@ class EvaluatePanel(Panel):
             job = evaluation.job
             fraction = job.fraction if job is not None and job.fraction is not None else 0.0
             imgui.same_line()
-            imgui.progress_bar(fraction, (px(240), 0), tr(self._stage(session, job)))
+            imgui.progress_bar(fraction, (px(240), 0), tr(evaluation.stage))
             return
         with widgets.disabled(not who):
             pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
@@ -245,15 +244,6 @@ class EvaluatePanel(Panel):
             if evaluation.cancelled:
                 imgui.same_line()
                 widgets.muted("Cancelled; what was done stays.")
-
-    def _stage(self, session: "Session", job: Job | None) -> str:
-        """Return what a running evaluation does now."""
-        if job is None or job.message:
-            return "Starting …" if job is None else job.message
-        before = next(iter(session.evaluator.jobs), None)
-        if before is not None and before is not job and before.cancelled:
-            return "Waiting: what was cancelled compiles to its end …"
-        return "Starting …"
 
     def _summary(self, session: "Session") -> None:
         evaluation = session.viewer.evaluation

@@ -2,11 +2,10 @@
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from editor.actions.export import writing
+from editor.actions.export import file_of, writing
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.worker.jobs import PREPARATIONS, Job, lane_of
-from editor.worker.requests import ExportFilm, ExportPicture
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -26,7 +25,7 @@ class Part(NamedTuple):
     action: str = ""
     """Id of the action that a click runs; empty: none."""
     click: str = ""
-    """What that does, for its tooltip."""
+    """Words of its tooltip: what a click does."""
 
 
 def under_way(session: "Session") -> list[Part]:
@@ -35,7 +34,7 @@ def under_way(session: "Session") -> list[Part]:
     if session.recording is not None:
         words = f"{Icons.film} {tr('Recording')}"
         parts.append(Part(words, COLOURS.bad, "file.record", "Click to end the film."))
-    for job in writing(session)[:1]:
+    for job in list(writing(session))[:1]:
         parts.append(Part(_told(job.title, job), COLOURS.accent, "file.stop_export", _STOPS))
     evaluation, training = session.viewer.evaluation, session.training
     if evaluation.running:
@@ -54,7 +53,7 @@ def under_way(session: "Session") -> list[Part]:
 
 def _is_other(job: Job) -> bool:
     """Return whether a job has no line of its own, and is worth one."""
-    return job.title not in _CONSTANT and not isinstance(job.request, ExportFilm | ExportPicture)
+    return job.title not in _CONSTANT and file_of(job) is None
 
 
 def _told(words: str, job: Job | None = None) -> str:
