@@ -22,6 +22,7 @@ from editor.base.overlay import (
     Ring,
     Style,
 )
+from editor.base.wording import entities_by_id
 from editor.documents.commands.base import EntityId
 from editor.drawing.strokes import arrow, dashed, label_plate
 from editor.drawing.vectors import Painter, Placement
@@ -101,7 +102,7 @@ class Marker:
     def _ring(self, entity: EntityId) -> tuple[Point, float] | None:
         if isinstance(entity, str):
             return None
-        found = self._find(entity)
+        found = entities_by_id(self.where.level).get(entity)
         camera = self.painter.camera
         if isinstance(found, Joint):
             at = camera.to_screen(self.where.joint_point(found))
@@ -115,12 +116,6 @@ class Marker:
         body = self.where.level.bodies[self.where.index[entity]]
         if isinstance(body.shape, Circle):
             return camera.to_screen((pose[0], pose[1])), body.shape.radius * camera.scale
-        return None
-
-    def _find(self, entity: int) -> Joint | Thruster | None:
-        for part in (*self.where.level.joints, *self.where.level.thrusters):
-            if part.id == entity:
-                return part
         return None
 
     def _corners(self, entity: EntityId) -> list[Point]:

@@ -1,9 +1,10 @@
 """Entities under a point or in a box, and the handles of a selection. Plain Python, no toolkit."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Final
 
+from editor.base.memory import remembers
 from editor.base.overlay import Handle, HandleKind
 from kinetix.level.geometry import (
     arena_body,
@@ -11,13 +12,21 @@ from kinetix.level.geometry import (
     bounds_of,
     contains,
     inside_box,
-    referenced_body,
     rotate,
     signed_distance,
     to_world,
     touches_box,
 )
-from kinetix.level.model import ARENA_NAMES, Body, Circle, Joint, Level, Point, Thruster
+from kinetix.level.model import (
+    ARENA_NAMES,
+    Body,
+    BodyReference,
+    Circle,
+    Joint,
+    Level,
+    Point,
+    Thruster,
+)
 
 EntityId = int | str
 Selection = tuple[EntityId, ...]
@@ -42,11 +51,23 @@ def joint_position(level: Level, joint: Joint) -> Point:
     Raises:
         KeyError: A body is missing.
     """
-    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
+    a, b = _end(level, joint.a), _end(level, joint.b)
     on_a, on_b = to_world(a, joint.anchor_a), to_world(b, joint.anchor_b)
     if a.fixed != b.fixed:
         return on_a if a.fixed else on_b
     return (on_a[0] + on_b[0]) / 2, (on_a[1] + on_b[1]) / 2
+
+
+def _end(level: Level, reference: BodyReference) -> Body:
+    if isinstance(reference, str):
+        return arena_body(level.arena, reference)
+    return bodies_by_id(level)[reference]
+
+
+@remembers(4)
+def bodies_by_id(level: Level) -> Mapping[int, Body]:
+    """Return the bodies by their ids."""
+    return {body.id: body for body in level.bodies}
 
 
 def thruster_position(level: Level, thruster: Thruster) -> Point:
@@ -55,7 +76,7 @@ def thruster_position(level: Level, thruster: Thruster) -> Point:
     Raises:
         KeyError: Its body is missing.
     """
-    return to_world(level.body(thruster.body), thruster.position)
+    return to_world(bodies_by_id(level)[thruster.body], thruster.position)
 
 
 def reach(body: Body) -> float:
@@ -96,13 +117,12 @@ def stack(
         Ids and arena names.
     """
     found: list[tuple[tuple[int, float], EntityId]] = []
-    bodies = {body.id: body for body in level.bodies}
     for joint in level.joints:
-        distance = _joint_distance(level, bodies, joint, point)
+        distance = _joint_distance(level, joint, point)
         if distance <= max(radius, JOINT_RADIUS):
             found.append(((0, distance), joint.id))
     for thruster in level.thrusters:
-        distance = _thruster_distance(bodies, thruster, point)
+        distance = _thruster_distance(level, thruster, point)
         if distance <= max(radius, THRUSTER_RADIUS):
             found.append(((1, distance), thruster.id))
     for index, body in enumerate(level.bodies):
@@ -115,12 +135,13 @@ def stack(
     return tuple(entity for _, entity in found if entity not in without)
 
 
-def _thruster_distance(bodies: dict[int, Body], thruster: Thruster, point: Point) -> float:
-    body = bodies.get(thruster.body)
+def _thruster_distance(level: Level, thruster: Thruster, point: Point) -> float:
+    body = bodies_by_id(level).get(thruster.body)
     return math.inf if body is None else math.dist(to_world(body, thruster.position), point)
 
 
-def _joint_distance(level: Level, bodies: dict[int, Body], joint: Joint, point: Point) -> float:
+def _joint_distance(level: Level, joint: Joint, point: Point) -> float:
+    bodies = bodies_by_id(level)
     known = all(isinstance(end, str) or end in bodies for end in (joint.a, joint.b))
     return math.dist(joint_position(level, joint), point) if known else math.inf
 

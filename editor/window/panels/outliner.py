@@ -56,7 +56,7 @@ class Outliner(Panel):
         imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(px(6), px(1)))
         hanging = parts_of(level)
         for body in level.bodies:
-            self._body(session, level, body, hanging[body.id], scroll)
+            self._body(session, body, hanging[body.id], scroll)
         if level.bodies:
             imgui.dummy((0, px(6)))
         self._arena(session, level)
@@ -66,28 +66,40 @@ class Outliner(Panel):
     def _shows(self, words: str) -> bool:
         return self._filter.lower() in words.lower()
 
-    def _body(
-        self, session: "Session", level: Level, body: Body, hanging: "Hanging", scroll: bool
-    ) -> None:
-        joints, thrusters = hanging.joints, hanging.thrusters
+    def _body(self, session: "Session", body: Body, hanging: "Hanging", scroll: bool) -> None:
         call = session.document.spoken_name_of
-        name = call(body.id)
-        parts = [(joint.id, call(joint.id)) for joint in joints]
-        parts += [(thruster.id, call(thruster.id)) for thruster in thrusters]
-        if not self._shows(" ".join([name, body.role, *(words for _, words in parts)])):
+        parts = (body, *hanging.joints, *hanging.thrusters)
+        if self._filter and not self._shows(" ".join([body.role, *(call(p.id) for p in parts)])):
             return
-        icon = Icons.circle if isinstance(body.shape, Circle) else Icons.rectangle
-        if not isinstance(body.shape, Circle) and len(body.shape.vertices) == 3:
-            icon = Icons.triangle
-        self._row(session, body.id, icon, name, _role_colour(body.role), scroll)
+        if not self._out_of_sight(session, body.id, scroll):
+            icon = Icons.circle if isinstance(body.shape, Circle) else Icons.rectangle
+            if not isinstance(body.shape, Circle) and len(body.shape.vertices) == 3:
+                icon = Icons.triangle
+            self._row(session, body.id, icon, call(body.id), _role_colour(body.role), scroll)
         imgui.indent(px(18))
         for joint in hanging.listed:
-            self._joint(session, level, joint, scroll)
-        for thruster in thrusters:
-            self._thruster(session, level, thruster, scroll)
+            if not self._out_of_sight(session, joint.id, scroll):
+                self._joint(session, joint, scroll)
+        for thruster in hanging.thrusters:
+            if not self._out_of_sight(session, thruster.id, scroll):
+                self._thruster(session, thruster, scroll)
         imgui.unindent(px(18))
 
-    def _joint(self, session: "Session", level: Level, joint: Joint, scroll: bool) -> None:
+    def _out_of_sight(self, session: "Session", entity: EntityId, scroll: bool) -> bool:
+        """Leave room for a row that nobody sees: a level may have a thousand.
+
+        The row to scroll to counts as seen; so does the next one above and below, for the keyboard.
+        """
+        if scroll and session.selection[-1:] == (entity,):
+            return False
+        at, height = imgui.get_cursor_screen_pos(), _row_height()
+        near = (at.x + 1, at.y + 2 * height)
+        if imgui.is_rect_visible((at.x, at.y - height), near):
+            return False
+        imgui.dummy((0, height))
+        return True
+
+    def _joint(self, session: "Session", joint: Joint, scroll: bool) -> None:
         icon = Icons.weld if joint.kind == "fixed" else Icons.joint
         motor = joint.motor
         driven = joint.kind != "fixed" and motor is not None and motor.on
@@ -95,7 +107,7 @@ class Outliner(Panel):
         name = session.document.spoken_name_of(joint.id)
         self._row(session, joint.id, icon, name, COLOURS.muted, scroll, keys=caps)
 
-    def _thruster(self, session: "Session", level: Level, thruster: Thruster, scroll: bool) -> None:
+    def _thruster(self, session: "Session", thruster: Thruster, scroll: bool) -> None:
         caps = key_caps(MOTOR_BINDINGS + thruster.binding, session.control_keys)
         name = session.document.spoken_name_of(thruster.id)
         self._row(session, thruster.id, Icons.thruster, name, COLOURS.muted, scroll, keys=caps)
@@ -114,7 +126,7 @@ class Outliner(Panel):
         selected = entity in session.selection
         imgui.push_id(f"row-{entity}")
         start = imgui.get_cursor_screen_pos()
-        height = imgui.get_text_line_height() + px(8)
+        height = _row_height()
         flags = (
             imgui.SelectableFlags_.allow_overlap.value
             | imgui.SelectableFlags_.allow_double_click.value
@@ -171,7 +183,7 @@ class Outliner(Panel):
             ):
                 session.queue(lambda name=name: _toggle(session, name, entity))
             widgets.tooltip("Show" if on and name == "hidden" else name.capitalize())
-        imgui.set_cursor_screen_pos((start.x, start.y + height + px(1)))
+        imgui.set_cursor_screen_pos((start.x, start.y + height))
         imgui.dummy((0, 0))
 
     def _choose(self, session: "Session", entity: EntityId) -> None:
@@ -216,6 +228,10 @@ def parts_of(level: Level) -> dict[int, Hanging]:
         if thruster.body in found:
             found[thruster.body].thrusters.append(thruster)
     return found
+
+
+def _row_height() -> float:
+    return imgui.get_text_line_height() + px(8)
 
 
 def _bring_into_view() -> None:

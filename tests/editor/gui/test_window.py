@@ -180,6 +180,24 @@ def test_a_typed_value_commits_on_enter(make_gui):
     assert gui.level.body(1).shape.radius == pytest.approx(0.25)
 
 
+def test_a_long_outline_costs_only_the_rows_in_sight_and_goes_to_what_is_selected(make_gui):
+    bodies = [BALL.bodies[0].replace(id=k, position=(0.01 * k, 2.0)) for k in range(1, 401)]
+    gui = make_gui(level=BALL.replace(bodies=tuple(bodies), next_id=401))
+
+    def rows() -> set[int]:
+        named = (name.split(".") for name in gui.session.probe if name.startswith("outliner."))
+        return {int(parts[1]) for parts in named if len(parts) == 2 and parts[1].isdigit()}
+
+    assert {1, 2, 3} <= rows()
+    assert len(rows()) < 80
+    gui.session.selection = (300,)
+    gui.frames(4)
+    assert {298, 299, 300, 301} <= rows()
+    assert 1 not in rows()
+    gui.click("outliner.302")
+    assert gui.session.selection == (302,)
+
+
 def test_selecting_never_changes_the_level(make_gui):
     gui = make_gui(level=BALL)
     for path in sorted(levels_dir().glob("[sml]/*.json"))[::4]:
