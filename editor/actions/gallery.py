@@ -50,6 +50,11 @@ def toggle(session: Session) -> None:
     look(session)
 
 
+def search(session: Session) -> None:
+    """Let the search field take the keyboard."""
+    session.gallery.search()
+
+
 def is_open(session: Session) -> bool:
     """Return whether the gallery is on the screen."""
     return session.gallery.open

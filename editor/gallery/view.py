@@ -28,6 +28,10 @@ class GalleryView:
     """Cards in a row, as the panel laid them out: what Up and Down move by."""
     rows: int = 1
     """Rows in sight: what Page Up and Page Down move by."""
+    searching: bool = False
+    """The search field takes the keyboard in the next frame; the panel clears it."""
+    begun: str = ""
+    """What was typed before the field had the keyboard; the panel hands it on."""
     scroll: bool = False
     """Bring the focus into sight; the panel clears it."""
     tray: dict[str, float] = dataclasses.field(default_factory=dict)
@@ -70,6 +74,17 @@ class GalleryView:
         else:
             self.selection = (path,)
         self.focus = path
+
+    def search(self, begun: str = "") -> None:
+        """Let the search field take the keyboard, and what was typed already."""
+        self.searching, self.begun = True, self.begun + begun
+
+    def to_cards(self, cards: Sequence[Card]) -> None:
+        """Go from the search to the cards: to the first, unless one of them is chosen."""
+        if self.focus not in {card.path for card in cards}:
+            self.focus, self.selection = None, ()
+        if not self.selection:
+            self.move(cards, 0)
 
     def move(self, cards: Sequence[Card], steps: int) -> None:
         """Go on by some cards from the focus, within the ends."""

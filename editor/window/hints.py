@@ -18,6 +18,7 @@ _MOVES: Final = tuple(f"gallery.move_{name}" for name in ("left", "right", "up",
 _GALLERY: Final[tuple[_Hint, ...]] = (
     (_MOVES, "move"),
     (("gallery.open",), "opens"),
+    (("gallery.search",), "searches"),
     (("gallery.add_to_set",), "adds to the set"),
     (("gallery.rename",), "renames"),
     (("gallery.close",), "leaves"),

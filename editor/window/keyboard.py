@@ -71,10 +71,11 @@ class Keyboard:
                     actions.handle(session, event)
                 elif _leaves_text(session, event) and not (session.prompts or session.view.palette):
                     self.leave_text(event)
-        if not taken and session.driver.active:
-            typed = "".join(chr(code) for code in io.input_queue_characters)
-            if typed:
-                actions.handle(session, events.TextEvent(text=typed))
+        typed = "" if taken else "".join(chr(code) for code in io.input_queue_characters)
+        if typed.strip() and session.gallery.open:
+            session.gallery.search(typed)
+        elif typed and session.driver.active:
+            actions.handle(session, events.TextEvent(text=typed))
 
     def leave_text(self, event: events.InputEvent) -> None:
         """End the typing: its panel takes what was typed, then `hand_on` has the event handled.

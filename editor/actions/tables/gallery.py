@@ -80,6 +80,15 @@ GALLERY: Final = (
         run=gallery.restore,
     ),
     Action(
+        id="gallery.search",
+        label="Search",
+        menu="Gallery",
+        keys=("ctrl+f",),
+        context=Context.GALLERY,
+        tooltip="Or just type.",
+        run=gallery.search,
+    ),
+    Action(
         id="gallery.select_all",
         label="Choose All",
         menu="Gallery",

@@ -81,6 +81,36 @@ def test_search_cart(gallery):
     assert cards(gallery) == {"gallery.card.hill_cart", "gallery.card.moon_cart"}
 
 
+def test_typing_begins_the_search_and_enter_goes_to_the_cards_and_opens(gallery):
+    gallery.text("ca")
+    gallery.text("rt")
+    gallery.frames(3)
+    assert cards(gallery) == {"gallery.card.hill_cart", "gallery.card.moon_cart"}
+    gallery.key("return")
+    assert gallery.session.gallery.open
+    gallery.key("right")
+    gallery.key("return")
+    assert gallery.session.document.title == "moon_cart.json"
+
+
+def test_a_key_begins_the_search_and_down_leaves_it(gallery):
+    gallery.key("ctrl+f")
+    gallery.text("rocket")
+    gallery.key("down")
+    gallery.key("return")
+    assert gallery.session.document.title == "rocket.json"
+
+
+def test_nothing_in_the_head_moves_as_levels_are_found(gallery):
+    def head() -> list[tuple[float, float]]:
+        return [gallery.probe(f"gallery.{name}").low for name in ("search", "sort", "order")]
+
+    before = head()
+    gallery.text("rocket")
+    gallery.frames(3)
+    assert head() == before
+
+
 def test_enter_opens_what_the_arrows_chose(gallery):
     gallery.key("right")
     gallery.key("right")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _SIDE: Final = 148.0
-"""Width and height of a thumbnail [px at 100 %]."""
+"""Least width and height of a thumbnail [px at 100 %]; it grows until the row is full."""
 _CAPTION: Final = 44.0
 _PAD: Final = 7.0
 PAYLOAD: Final = "level"
@@ -48,10 +48,11 @@ class CardGrid:
         if not cards:
             self._nothing(session)
             return
-        width, height = px(_SIDE + 2 * _PAD), px(_SIDE + _CAPTION + 2 * _PAD)
         gap = px(6)
         space = imgui.get_content_region_avail()
-        columns = max(1, int((space.x + gap) / (width + gap)))
+        columns = max(1, int((space.x + gap) / (px(_SIDE + 2 * _PAD) + gap)))
+        width = min((space.x + gap) // columns - gap, px(1.5 * _SIDE))
+        height = width + px(_CAPTION)
         rows = -(-len(cards) // columns)
         gallery.columns, gallery.rows = columns, max(1, int(space.y / (height + gap)))
         if gallery.scroll:
@@ -114,7 +115,7 @@ class CardGrid:
             draw.add_rect_filled(low, high, u32(colour), px(8))
         if chosen:
             draw.add_rect(low, high, u32(COLOURS.accent), px(8), px(1.5))
-        side = px(_SIDE)
+        side = size[0] - 2 * px(_PAD)
         corner = (at.x + px(_PAD), at.y + px(_PAD))
         shown = self._picture(session, card, corner, side)
         self._caption(session, card, (corner[0], corner[1] + side + px(5)), side)

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.language import tr
+from editor.gallery.card import Card
 from editor.gallery.search import SIZE_ORDER, SORTS, Sort
+from editor.gallery.view import GalleryView
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.widgets import px
@@ -29,32 +31,23 @@ _CLEAR: Final = 100.0
 """Widths of what filters [px at 100 %]."""
 
 
-def draw_head(session: "Session", count: int) -> None:
-    """Title, search, filters and order."""
+_COUNT: Final = 116.0
+"""Room for the number of levels, so that nothing moves as it changes [px at 100 %]."""
+
+
+def draw_head(session: "Session", cards: Sequence[Card]) -> None:
+    """Title, search, order, number of levels; filters below."""
     gallery, wish = session.gallery, session.gallery.wish
     with widgets.font(FONTS.bold, 18):
         imgui.align_text_to_frame_padding()
         widgets.text(f"{Icons.gallery}  Gallery")
-    imgui.same_line(0, px(14))
-    noun = "level" if count == 1 else "levels"
-    words = f"{count} {noun}" if not session.library.busy else f"{count} {noun} …"
-    imgui.align_text_to_frame_padding()
-    widgets.muted(words)
-    if session.library.passed_over:
-        imgui.same_line(0, px(8))
-        widgets.text(Icons.warning, COLOURS.warn)
-        widgets.probe(session, "gallery.passed_over")
-        widgets.tooltip(session.library.passed_over)
     imgui.same_line(0, px(18))
     close, free = px(34), imgui.get_content_region_avail().x
     order = px(150) if free > px(420) else px(112)
-    room = free - close - order - px(60)
+    room = free - close - order - px(60 + _COUNT)
     imgui.set_next_item_width(max(min(room, px(420)), px(80)))
-    hint = f"{Icons.search}  Name, tag or word of the description"
-    changed, typed = widgets.input_line("gallery.search", hint, wish.words)
+    _search(gallery, cards)
     widgets.probe(session, "gallery.search")
-    if changed:
-        gallery.wish = dataclasses.replace(wish, words=typed)
     imgui.same_line(0, px(8))
     imgui.set_next_item_width(order)
     picked = widgets.choice(
@@ -69,12 +62,47 @@ def draw_head(session: "Session", count: int) -> None:
     ):
         gallery.wish = dataclasses.replace(wish, descending=not wish.descending)
     widgets.tooltip("The other way round")
+    _count(session, len(cards))
     imgui.same_line(imgui.get_window_width() - close - px(10))
     if widgets.icon_button(session, "gallery.close", Icons.close):
         session.queue("gallery.close")
     widgets.tooltip("Back to the level", keys="Esc")
     _filters(session)
     imgui.dummy((0, px(2)))
+
+
+def _search(gallery: GalleryView, cards: Sequence[Card]) -> None:
+    """Draw the field; Enter and Down go from it to the cards."""
+    if gallery.searching:
+        imgui.set_keyboard_focus_here()
+        gallery.searching = False
+    hint = f"{Icons.search}  Name, tag or word of the description"
+    changed, typed = widgets.input_line("gallery.search", hint, gallery.wish.words)
+    if changed:
+        gallery.wish = dataclasses.replace(gallery.wish, words=typed)
+    if gallery.begun and imgui.is_item_active():
+        imgui.get_io().add_input_characters_utf8(gallery.begun)
+        gallery.begun = ""
+    down = imgui.is_item_active() and imgui.is_key_pressed(imgui.Key.down_arrow)
+    if down:
+        imgui.internal.clear_active_id()
+    enter = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.enter)
+    if down or enter:
+        gallery.to_cards(cards)
+
+
+def _count(session: "Session", count: int) -> None:
+    """How many levels there are, and a sign where some were left out."""
+    imgui.same_line(0, px(10))
+    noun = "level" if count == 1 else "levels"
+    words = f"{count} {noun}" if not session.library.busy else f"{count} {noun} …"
+    imgui.align_text_to_frame_padding()
+    widgets.muted(words)
+    if session.library.passed_over:
+        imgui.same_line(0, px(8))
+        widgets.text(Icons.warning, COLOURS.warn)
+        widgets.probe(session, "gallery.passed_over")
+        widgets.tooltip(session.library.passed_over)
 
 
 def _filters(session: "Session") -> None:

@@ -79,7 +79,7 @@ class GalleryPage:
         gallery = session.gallery
         self._revision = session.library.revision
         cards = gallery.shown(session.library, session.results)
-        draw_head(session, len(cards))
+        draw_head(session, cards)
         space = imgui.get_content_region_avail()
         gap = imgui.get_style().item_spacing.x
         left = px(_LEFT) if space.x > px(760) else 0.0
