@@ -44,4 +44,6 @@ def test_in_another_language():
 def test_in_the_gallery():
     session = a_session()
     session.gallery.open = True
-    assert hint(session).startswith("← → ↑ ↓ move   Enter opens   Ctrl+Shift+A adds to the set")
+    assert hint(session).startswith(
+        "← → ↑ ↓ move   Enter opens   Ctrl+F searches   Ctrl+Shift+A adds to the set"
+    )
