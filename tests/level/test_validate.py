@@ -89,6 +89,7 @@ CASES = {
         "Joint 8 between two fixed shapes has no effect.",
     ),
     "W208": (with_joint(motor=Motor(speed=0)), "Joint 8: motor speed 0."),
+    "W212": (with_body(angle=90), "Rectangle 9: angle 90 rad is 14.3 turns; 90° are 1.571 rad."),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
 
@@ -129,7 +130,8 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    assert set(CASES) == {f"E{k}" for k in range(101, 111)} | {f"W{k}" for k in range(201, 210)}
+    errors, warnings = range(101, 111), [*range(201, 210), 212]
+    assert set(CASES) == {f"E{k}" for k in errors} | {f"W{k}" for k in warnings}
 
 
 @pytest.mark.parametrize(

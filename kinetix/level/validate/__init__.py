@@ -1,10 +1,11 @@
 """Problems of a level as a whole: what `kinetix validate` and the editor's problem list show.
 
-README.md lists the codes. Nothing here prevents saving. A level of 50
+../README.md lists the codes. Nothing here prevents saving. A level of 50
 entities takes well below 5 ms, so that the list can follow every edit.
 """
 
 from kinetix.level.model import BodyReference, Level
+from kinetix.level.validate.angles import angle_issues
 from kinetix.level.validate.issue import Issue, Severity, describe, has_errors
 from kinetix.level.validate.pairs import MOST_OVERLAPS, pair_issues
 from kinetix.level.validate.parts import (
@@ -34,7 +35,7 @@ def validate(level: Level) -> tuple[Issue, ...]:
     issues = list(value_issues(level))
     # Geometry of numbers that are not finite, or of missing corners, means nothing.
     broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}
-    for check in (role_issues, reference_issues, size_issues, control_issues):
+    for check in (role_issues, reference_issues, size_issues, control_issues, angle_issues):
         issues += check(level)
     placed = placed_bodies(level, broken)
     issues += joint_issues(level, placed, broken)
