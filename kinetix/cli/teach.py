@@ -10,7 +10,7 @@ from kinetix.cli.terminal import Terminal
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 if TYPE_CHECKING:
     from kinetix.training.imitation.teach import Yield
@@ -87,6 +87,6 @@ def run(command: Teach) -> int:
 def _told(so_far: "Yield") -> str:
     return (
         f"{so_far.won} of {so_far.levels} levels won ({so_far.share:.0%} of those that doing "
-        f"nothing does not win), {so_far.episodes} episodes, {so_far.steps:,} steps, "
+        f"nothing does not win), {so_far.episodes} episodes, {thousands(so_far.steps)} steps, "
         f"{so_far.seconds_per_win:.2f} s a win"
     )

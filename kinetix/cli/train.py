@@ -19,7 +19,7 @@ from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import CONFIG, SOURCES, field_notes
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
-from kinetix.wording import plural
+from kinetix.wording import plural, thousands
 
 _SUMMARIES = {
     "ppo": "PPO on random levels, or on the levels of --levels.",
@@ -266,8 +266,8 @@ def _line(report: Any) -> str:
     metrics = report.metrics
     parts = [
         f"{report.update}/{report.updates}",
-        f"{report.env_steps:,} steps",
-        f"{report.steps_per_second:,.0f}/s",
+        f"{thousands(report.env_steps)} steps",
+        f"{thousands(round(report.steps_per_second))}/s",
         *_learnt(metrics),
     ]
     if report.seconds_left is not None:

@@ -11,6 +11,7 @@ from typing import ClassVar, Final, Literal, get_args
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.training.ranges import check_ranges
+from kinetix.wording import thousands
 
 _MOST_UPDATES: Final = 2_000_000_000
 """More cannot be counted in 32 bits."""
@@ -164,8 +165,8 @@ class PpoConfig:
         if trained == self.total_timesteps:
             return ""
         return (
-            f"total_timesteps = {self.total_timesteps:,} is no whole number of updates of "
-            f"{self.steps_per_update:,}: {trained:,} are trained"
+            f"total_timesteps = {thousands(self.total_timesteps)} is no whole number of updates of "
+            f"{thousands(self.steps_per_update)}: {thousands(trained)} are trained"
         )
 
     def fits_devices(self, devices: int) -> bool:
@@ -201,8 +202,8 @@ class PpoConfig:
             )
         if self.num_updates > _MOST_UPDATES:
             raise KinetixError(
-                f"total_timesteps = {self.total_timesteps} is more than {_MOST_UPDATES:,} updates "
-                f"of {self.steps_per_update}"
+                f"total_timesteps = {self.total_timesteps} is more than "
+                f"{thousands(_MOST_UPDATES)} updates of {self.steps_per_update}"
             )
         if self.level_mode == "list" and not self.levels:
             raise KinetixError("level_mode = 'list' needs levels")

@@ -16,6 +16,7 @@ from kinetix.training.config import RESUMABLE, PpoConfig
 from kinetix.training.logging import UPDATE, read_metrics
 from kinetix.training.settings import CONFIG, loads_config, make_config
 from kinetix.training.telling import Say
+from kinetix.wording import thousands
 
 
 def check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> None:
@@ -44,7 +45,7 @@ def check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> No
         if field.name == "total_timesteps" and old != new:
             falls = config.anneal_lr or config.warmup_lr
             rate = "; the learning rate goes on as in a run of that length" if falls else ""
-            say(f"total_timesteps was {old:,}, now it is {new:,}{rate}")
+            say(f"total_timesteps was {thousands(old)}, now it is {thousands(new)}{rate}")
         if field.name not in RESUMABLE and old != new:
             raise KinetixError(
                 f"{path}: this run was started with {_differing(field.name, old, new)}; choose "

@@ -22,6 +22,7 @@ from typing import Any, Final
 from kinetix.errors import KinetixError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
+from kinetix.wording import thousands
 
 TABLE: Final = "sweep.csv"
 """File in the sweep's directory: a row per run, its values and results."""
@@ -224,5 +225,5 @@ def lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         solved, gained = (
             f"{row[name]:.3f}" if name in row else "–" for name in ("solve_rate", "return")
         )
-        steps = f"{row['steps']:,.0f}" if "steps" in row else "–"
+        steps = thousands(round(row["steps"])) if "steps" in row else "–"
         yield f"{solved:>7} {gained:>8} {steps:>13}  {row['run']}"

@@ -68,7 +68,7 @@ def test_a_search_without_hope_ends(monkeypatch, tmp_path):
     monkeypatch.setattr(teach._Search, "__init__", lambda self, config, status: None)
     monkeypatch.setattr(teach._Search, "shard", lambda self, number: nothing)
     monkeypatch.setattr(teach, "SHARD", 256)
-    with pytest.raises(KinetixError, match="none of 1,024 levels was won"):
+    with pytest.raises(KinetixError, match="none of 1 024 levels was won"):
         teach.teach(teach.TeachConfig(size="s"), 1, tmp_path / "hopeless")
 
 

@@ -69,7 +69,7 @@ def test_imitation_has_no_environments_to_divide():
     [
         ({"num_minibatches": 30}, "num_minibatches = 30 must divide num_train_envs = 2048"),
         ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
-        ({"total_timesteps": 10**16}, r"total_timesteps = 1\d+ is more than 2,000,000,000 updates"),
+        ({"total_timesteps": 10**16}, r"total_timesteps = 1\d+ is more than 2 000 000 000 updates"),
         ({"observation_type": "smell"}, "observation_type: 'smell' is none of the choices"),
         ({"num_steps": 0}, "num_steps: expected at least 1"),
         ({"checkpoint_save_freq": 0}, "checkpoint_save_freq: expected at least 1, got 0"),

@@ -40,7 +40,7 @@ from kinetix.training.imitation.teacher import (
     wins_again,
 )
 from kinetix.training.telling import Say, say_nothing
-from kinetix.wording import misfit
+from kinetix.wording import misfit, thousands
 
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
@@ -152,8 +152,8 @@ def teach(
         while so_far.won < count:
             if not so_far.won and so_far.shards - first >= _HOPELESS:
                 raise KinetixError(
-                    f"size {config.size!r}: none of {so_far.levels:,} levels was won; choose a "
-                    "larger size, or more --rounds"
+                    f"size {config.size!r}: none of {thousands(so_far.levels)} levels was won; "
+                    "choose a larger size, or more --rounds"
                 )
             began = time.monotonic()
             found, told = search.shard(so_far.shards)
