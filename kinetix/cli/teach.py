@@ -9,7 +9,7 @@ import tyro
 from kinetix.cli.terminal import Terminal
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
-from kinetix.failures import Terminated
+from kinetix.failures import Terminated, terminable
 from kinetix.wording import plural, thousands
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def run(command: Teach) -> int:
         machines=command.machines,
     )
 
-    with contextlib.closing(Terminal()) as terminal:
+    with terminable(), contextlib.closing(Terminal()) as terminal:
         written = 0
 
         def report(so_far: "Yield") -> None:

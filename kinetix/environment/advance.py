@@ -52,9 +52,9 @@ def advance(
     distance = goal_distance(played.scored_position, world, labels)
     touched = played.reward != 0
     # A solver that clamps impulses swallows a motor's NaN, which would then count as no action.
-    nan = _has_nan((played.physics, control)) | jnp.isnan(world.gravity).any()
+    nan = has_nan((played.physics, control)) | jnp.isnan(world.gravity).any()
     timestep = state.timestep + 1
-    done = touched | nan | (timestep >= _time_limit(labels.max_timesteps, params))
+    done = touched | nan | (timestep >= time_limit(labels.max_timesteps, params))
     reward = played.reward + dense_reward(distance, state.last_distance, params.dense_reward_scale)
     changed = {
         "physics": played.physics,
@@ -104,13 +104,13 @@ def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEn
     return jax.lax.scan(substep, played, length=static.frame_skip)[0]
 
 
-def _has_nan(tree: tuple[State, Control]) -> Bool[Array, ""]:
+def has_nan(tree: State | tuple[State, Control]) -> Bool[Array, ""]:
     """Return whether any number that a step changes, or is driven by, is NaN."""
     reals = [x for x in jax.tree.leaves(tree) if jnp.issubdtype(x.dtype, jnp.floating)]
     return jnp.any(jnp.stack([jnp.isnan(x).any() for x in reals]))
 
 
-def _time_limit(own: Int[Array, ""], params: EnvParams) -> Int[Array, ""]:
+def time_limit(own: Int[Array, ""], params: EnvParams) -> Int[Array, ""]:
     """A level's own limit, else that of the parameters; none at all where theirs is infinite."""
     given = jnp.asarray(params.max_timesteps)
     endless = jnp.isinf(given.astype(jnp.float32))

@@ -8,8 +8,10 @@ import functools
 import importlib
 from typing import Any
 
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from kinetix.environment.advance import has_nan, time_limit
 from kinetix.environment.checks import check_env
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import NAMED, make_named_env
@@ -60,6 +62,37 @@ class GymnaxAdapter:
         final = info.pop("terminal_observation")
         info |= {"terminated": terminated, "final_observation": final}
         return observation, state, reward, terminated, truncated, info
+
+    def step_env(
+        self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
+    ) -> tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        """Play one action; where the episode ends it stays ended.
+
+        Returns:
+            Observation, state, reward, terminated and info; a time limit is no termination, see
+            `is_truncated`.
+        """
+        observation, state, reward, done, info = self._env.step_env(key, state, action, params)
+        del info["terminal_observation"]
+        terminated = done & ~info["truncated"]
+        return observation, state, reward, terminated, info | {"terminated": terminated}
+
+    def is_terminated(self, state: EnvState, params: EnvParams | None = None) -> Bool[Array, ""]:
+        """Return whether a state is won, lost or broken (NaN)."""
+        del params
+        reward, _ = self._env.compute_reward_info(state)
+        return (reward != 0) | has_nan(state.physics)
+
+    is_terminal = is_terminated
+
+    def is_truncated(self, state: EnvState, params: EnvParams | None = None) -> Bool[Array, ""]:
+        """Return whether a state's episode has lasted as long as it may, and is neither."""
+        limit = time_limit(state.labels.max_timesteps, params or self._env.env_params)
+        return (state.timestep >= limit) & ~self.is_terminated(state)
+
+    def discount(self, state: EnvState, params: EnvParams | None = None) -> Float[Array, ""]:
+        """Return 0 for what is terminated, else 1."""
+        return jnp.where(self.is_terminated(state, params), 0.0, 1.0)
 
 
 def gymnax_spaces() -> Any:

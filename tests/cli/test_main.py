@@ -12,7 +12,7 @@ import pytest
 from kinetix import cli
 from kinetix.command_line.options import _whole
 from kinetix.errors import LevelError
-from kinetix.failures import KEPT_REPORTS, interrupts_later
+from kinetix.failures import KEPT_REPORTS, TERMINATED, interrupts_later
 from kinetix.level.codec import load_level, save_level
 
 
@@ -273,6 +273,16 @@ def test_an_interrupt_waits_for_imports():
         os.kill(os.getpid(), signal.SIGINT)
         done.append(1)
     assert done == [1]
+
+
+def test_a_search_for_data_that_the_system_ends_says_what_is_kept(tmp_path, monkeypatch, capsys):
+    def ended(*_: object, **__: object) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr("kinetix.training.imitation.teach.teach", ended)
+    words = ["teach", "--size", "s", "--count", "20", "--out", str(tmp_path / "data")]
+    assert cli.main(words) == TERMINATED
+    assert "the 256 levels under way begin anew with the same command" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

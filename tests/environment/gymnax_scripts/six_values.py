@@ -93,3 +93,15 @@ from kinetix.environment.gymnax import register  # noqa: E402
 register()
 named, named_params = gymnax.make("Kinetix-level-v0", level="s/goalkeeper", physics="jax2d")
 assert named.reset(key, named_params)[0].shape == (140,)
+
+# What gymnax's own environments have: a step that never resets, and questions about a state. The
+# ball falls onto the goal after some steps; in a level that lasts one step, time is up before.
+short = make_reset_fn_list_of_levels(level.replace(max_timesteps=1), static)
+single = GymnaxAdapter(make_kinetix_env("discrete", "symbolic_flat", short, EnvParams(), static))
+_, state = single.reset(jax.random.key(0), params)
+assert not single.is_terminated(state, params) and not single.is_truncated(state, params)
+_, ended, _, terminated, info = single.step_env(jax.random.key(1), state, 0, params)
+assert not terminated and info["truncated"] and not info["terminated"]
+assert ended.timestep == 1
+assert single.is_truncated(ended, params) and not single.is_terminal(ended, params)
+assert single.discount(ended, params) == 1
