@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -14,9 +15,11 @@ from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import replacing
 from kinetix.files.folders import made_folder
+from kinetix.level.geometry import ARENA_WIDTH, bounds, outside_arena
 from kinetix.level.model import Level
 from kinetix.render.captions import caption, write_caption
 from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     import numpy as np
@@ -111,6 +114,7 @@ def run(command: Render) -> int:
         return 0
     showing = _showing(command, command.agent)
     moments = showing.moments
+    _tell_what_is_outside(showing.level)
     if kind in FILM_SUFFIXES:
         with replacing(command.out) as path:
             comment = "; ".join(f"{what}: {told}" for what, told in showing.facts)
@@ -122,6 +126,17 @@ def run(command: Render) -> int:
             _picture(last, command).save(path, format="PNG")
     print(command.out)
     return 0
+
+
+def _tell_what_is_outside(level: Level) -> None:
+    """Say how much of a level no picture has: they show the arena's square alone."""
+    away = sum(outside_arena(bounds(body)) for body in level.bodies)
+    if away:
+        print(
+            f"{away} of {plural(len(level.bodies), 'shape')} start outside the picture, which "
+            f"shows x and y from 0 to {ARENA_WIDTH:g} m; a page (.html) and the editor show all",
+            file=sys.stderr,
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -277,6 +277,12 @@ def bounds(body: Body) -> tuple[float, float, float, float]:
     return min(xs), min(ys), max(xs), max(ys)
 
 
+def outside_arena(box: tuple[float, float, float, float]) -> bool:
+    """Return whether a bounding box has nothing in the arena's square, all that pictures show."""
+    left, bottom, right, top = box
+    return right <= 0 or top <= 0 or left >= ARENA_WIDTH or bottom >= ARENA_WIDTH
+
+
 def extent(shape: Shape) -> float:
     """Largest distance between two points of a shape [m]."""
     if isinstance(shape, Circle):

@@ -4,6 +4,8 @@ import pytest
 from PIL import Image
 
 from kinetix.cli import main
+from kinetix.level.builder import LevelBuilder
+from kinetix.level.codec import save_level
 from kinetix.render.captions import caption
 
 
@@ -77,3 +79,12 @@ def test_a_caption_names_only_controls_that_the_level_has():
     action = (1.0, -1.0, 0.0, 0.0, 1.0, 1.0)
     assert caption(3, action) == "step 3  left  down  1  2"
     assert caption(3, action, controls=(0, 5)) == "step 3  left  2"
+
+
+def test_what_a_picture_does_not_show_is_said(tmp_path, capsys):
+    b = LevelBuilder("Outside", arena=False)
+    b.circle(-2, 1, 0.3)
+    b.circle(2, 1, 0.3)
+    save_level(b.build(), tmp_path / "outside.json")
+    assert main(["render", str(tmp_path / "outside.json"), str(tmp_path / "o.png")]) == 0
+    assert "1 of 2 shapes start outside the picture" in capsys.readouterr().err

@@ -113,6 +113,15 @@ def test_a_good_level_has_no_issue():
     assert codes(with_joint()) == []
 
 
+def test_without_walls_one_problem_tells_of_all_that_pictures_do_not_show():
+    b = LevelBuilder("Outside", arena=False)
+    for k in range(5):
+        b.circle(-4 + 2 * k, 2.5, 0.2)
+    (issue,) = [issue for issue in validate(b.build()) if issue.code == "W203"]
+    assert issue.message.startswith("2 shapes outside the square of 5 m")
+    assert issue.ids == (1, 2)
+
+
 def test_more_contacts_than_a_step_has_room_for_are_foreseen():
     """Size l has room for sixty points: twelve bodies in one place would need more."""
 

@@ -40,5 +40,5 @@ def validate(level: Level) -> tuple[Issue, ...]:
     placed = placed_bodies(level, broken)
     issues += joint_issues(level, placed, broken)
     issues += pair_issues(level, placed)
-    issues += place_issues(placed)
+    issues += place_issues(level, placed)
     return tuple(sorted(issues, key=lambda issue: issue.code))

@@ -4,9 +4,10 @@ import dataclasses
 from collections.abc import Iterator
 from typing import Final
 
-from kinetix.level.geometry import ARENA_WIDTH, arena_bodies, bounds, extent
+from kinetix.level.geometry import ARENA_WIDTH, arena_bodies, bounds, extent, outside_arena
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Level
 from kinetix.level.validate.issue import Issue, capital, describe, issue
+from kinetix.wording import plural
 
 MAX_SHAPE_SIZE: Final = 2.0
 """Largest extent of a shape in random levels [m]."""
@@ -37,14 +38,24 @@ def placed_bodies(level: Level, broken: set[BodyReference]) -> list[Placed]:
     ]
 
 
-def place_issues(placed: list[Placed]) -> Iterator[Issue]:
-    """Yield bodies outside of the arena, or larger than generators make them (W203, W206)."""
+def place_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
+    """Yield bodies outside of the arena, or larger than generators make them (W203, W206).
+
+    Where nothing has to stay inside, because the arena has no walls, one issue tells of them all.
+    """
+    walled = any(getattr(level.arena, name).collision != "ghost" for name in ARENA_NAMES)
+    away = [e for e in placed if not isinstance(e.reference, str) and outside_arena(e.box)]
+    if away and not walled:
+        message = (
+            f"{plural(len(away), 'shape')} outside the square of {ARENA_WIDTH:g} m that pictures, "
+            "films and agents see."
+        )
+        yield issue("W203", message, path="$.bodies", ids=tuple(e.reference for e in away))
     for each in placed:
         if isinstance(each.reference, str):
             continue
         name = describe(each.reference, each.body)
-        left, bottom, right, top = each.box
-        if right <= 0 or top <= 0 or left >= ARENA_WIDTH or bottom >= ARENA_WIDTH:
+        if walled and outside_arena(each.box):
             message = f"{capital(name)} lies outside the arena."
             yield issue("W203", message, path=f"{each.path}.position", ids=(each.reference,))
         size = extent(each.body.shape)
