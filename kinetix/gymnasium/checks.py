@@ -20,8 +20,9 @@ def refuse_fork() -> None:
     """
     refuse_forked_process(
         'start it anew, as gymnasium.make_vec(…, vectorization_mode="async", '
-        'vector_kwargs={"context": "spawn"}) or SubprocVecEnv(…, start_method="spawn") do; or step '
-        "a batch in one process, with gymnasium.make_vec as it is"
+        'vector_kwargs={"context": "spawn"}), AsyncVectorEnv(…, context="spawn") or '
+        'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
+        "gymnasium.make_vec as it is"
     )
 
 

@@ -177,6 +177,29 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         pixels = np.asarray(_draw(self.kinetix_env, self._state).astype(jnp.uint8))
         return tuple(pixels.transpose(0, 2, 1, 3)[:, ::-1])
 
+    def call(self, name: str, *args: Any, **words: Any) -> tuple[Any, ...]:
+        """Ask every environment for an attribute, or call it; all are one here, and answer alike.
+
+        Gymnasium's own batches have this, and libraries such as skrl draw by it.
+
+        Args:
+            name: Of an attribute or method.
+            *args: For the method.
+            **words: For the method.
+
+        Returns:
+            An answer per environment.
+        """
+        found: Any = getattr(self, name)
+        answer: Any = found(*args, **words) if callable(found) else found
+        if name == "render" and answer is not None:
+            return tuple(answer)
+        return (answer,) * self.num_envs
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of every environment. See `call`."""
+        return self.call(name)
+
     def _mask(self, mask: Any) -> np.ndarray | None:
         if mask is not None and np.shape(mask) != (self.num_envs,):
             raise KinetixError(

@@ -45,7 +45,7 @@ def test_actions(small_env, small_state):
     assert sentence(small_env, *step, ACTION[:5]) == (
         "action of shape (5,): expected (6,) (multi_discrete); see env.action_space()"
     )
-    assert "use jax.vmap(env.step) for a batch" in sentence(small_env, *step, ACTION[None])
+    assert "for a batch use jax.vmap(env.step)" in sentence(small_env, *step, ACTION[None])
     assert "expected integers (multi_discrete)" in sentence(small_env, *step, ACTION * 1.0)
 
 

@@ -26,7 +26,11 @@ def check_action(action: Any, actions: AbstractAction) -> None:
         )
     if jnp.shape(action) != space.shape:
         batch = jnp.shape(action)[1:] == space.shape
-        why = "use jax.vmap(env.step) for a batch" if batch else "see env.action_space()"
+        why = (
+            "for a batch use jax.vmap(env.step), or gymnasium.make_vec"
+            if batch
+            else "see env.action_space()"
+        )
         raise KinetixError(
             f"action of shape {jnp.shape(action)}: expected {space.shape} ({actions.name}); {why}"
         )
