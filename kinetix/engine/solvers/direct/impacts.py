@@ -156,11 +156,9 @@ def until_the_impact(
         share = jnp.where((left > 0) & ~hits, 1 - left, 0)
         limits = jnp.zeros_like(gap[count:])
         impulse = jnp.concatenate([share, share, limits], axis=0) * force
-        change = system.responses.speeds(impulse)
-        part = _share_of_a_load(impulse, offset, change)
         return Carried(
-            share=impulse * part,
-            speeds=offset + change * part,
+            share=impulse,
+            speeds=offset + system.responses.speeds(impulse),
             struck=jnp.concatenate([left > 0, left > 0, limits > 0], axis=0),
         )
 
@@ -169,17 +167,6 @@ def until_the_impact(
         return Carried(share=nothing, speeds=offset, struck=nothing > 0)
 
     return jax.lax.cond(jnp.any(hits), given, all_of_it)
-
-
-def _share_of_a_load(impulse: Impulses, speeds: Impulses, change: Impulses) -> Float[Array, " n"]:
-    """Return 1 where impulses take energy, as carrying does, else the share that takes most.
-
-    A blow that has run through a row of bodies is in the impulses of the last substep, too. Given
-    once more, it would shoot the row off.
-    """
-    first = jnp.sum(impulse * speeds, axis=0)
-    second = jnp.sum(impulse * change, axis=0)
-    return jnp.where(first + 0.5 * second > 0, jnp.clip(-first / nonzero(second), 0, 1), 1)
 
 
 def _left_to_bodies(system: ContactSystem, left: Float[Array, "c n"]) -> Float[Array, "c n"]:
