@@ -8,15 +8,15 @@ from kinetix.level.integrity import entity_paths
 from kinetix.level.model import Body, Entity, Joint, Level, Thruster
 from kinetix.level.validate.issue import Issue, capital, describe, issue
 
-_TURNS: Final = 2
-"""Nobody turns a shape further by hand."""
+_MOST: Final = 2 * math.tau
+"""Nobody turns a shape further by hand [rad]."""
 
 
 def angle_issues(level: Level) -> Iterator[Issue]:
     """Yield whole numbers beyond two turns where an angle in radians is expected (W212)."""
     for path, entity in entity_paths(level):
         for field, angle in _angles(entity):
-            if abs(angle) > _TURNS * math.tau and float(angle).is_integer():
+            if not -_MOST < angle < _MOST and float(angle).is_integer():
                 message = (
                     f"{capital(describe(entity.id, entity))}: {field} {angle:g} rad is "
                     f"{angle / math.tau:.3g} turns; {angle:g}° are {math.radians(angle):.4g} rad."
