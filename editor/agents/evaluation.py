@@ -126,7 +126,7 @@ class Evaluation:
 
     @property
     def stage(self) -> str:
-        """What it does now, in words."""
+        """The current stage, as the progress bar shows it."""
         if self.job is not None and self.job.message:
             return self.job.message
         before = next(iter(self._worker.jobs), None)

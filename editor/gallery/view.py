@@ -31,7 +31,7 @@ class GalleryView:
     searching: bool = False
     """The search field takes the keyboard in the next frame; the panel clears it."""
     begun: str = ""
-    """What was typed before the field had the keyboard; the panel hands it on."""
+    """Characters typed before the search field had the keyboard; the panel passes them to it."""
     scroll: bool = False
     """Bring the focus into sight; the panel clears it."""
     tray: dict[str, float] = dataclasses.field(default_factory=dict)

@@ -87,7 +87,8 @@ class GymnaxAdapter:
 
     def is_truncated(self, state: EnvState, params: EnvParams | None = None) -> Bool[Array, ""]:
         """Return whether a state's episode has lasted as long as it may, and is neither."""
-        limit = time_limit(state.labels.max_timesteps, params or self._env.env_params)
+        params = self._env.env_params if params is None else params
+        limit = time_limit(state.labels.max_timesteps, params)
         return (state.timestep >= limit) & ~self.is_terminated(state)
 
     def discount(self, state: EnvState, params: EnvParams | None = None) -> Float[Array, ""]:

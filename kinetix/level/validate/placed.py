@@ -45,7 +45,11 @@ def place_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
     """
     walled = any(getattr(level.arena, name).collision != "ghost" for name in ARENA_NAMES)
     away = [e for e in placed if not isinstance(e.reference, str) and outside_arena(e.box)]
-    if away and not walled:
+    if walled:
+        for each in away:
+            message = f"{capital(describe(each.reference, each.body))} lies outside the arena."
+            yield issue("W203", message, path=f"{each.path}.position", ids=(each.reference,))
+    elif away:
         message = (
             f"{plural(len(away), 'shape')} outside the square of {ARENA_WIDTH:g} m that pictures, "
             "films and agents see."
@@ -54,14 +58,11 @@ def place_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
     for each in placed:
         if isinstance(each.reference, str):
             continue
-        name = describe(each.reference, each.body)
-        if walled and outside_arena(each.box):
-            message = f"{capital(name)} lies outside the arena."
-            yield issue("W203", message, path=f"{each.path}.position", ids=(each.reference,))
         size = extent(each.body.shape)
         if size > MAX_SHAPE_SIZE + _ROUNDING:
+            name = capital(describe(each.reference, each.body))
             message = (
-                f"{capital(name)} is larger than {MAX_SHAPE_SIZE:g} m: training generators will "
+                f"{name} is larger than {MAX_SHAPE_SIZE:g} m: training generators will "
                 f"not produce it."
             )
             yield issue("W206", message, path=f"{each.path}.shape", ids=(each.reference,))

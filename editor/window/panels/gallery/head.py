@@ -92,7 +92,7 @@ def _search(gallery: GalleryView, cards: Sequence[Card]) -> None:
 
 
 def _count(session: "Session", count: int) -> None:
-    """How many levels there are, and a sign where some were left out."""
+    """Draw the number of levels, and a warning sign where some were left out."""
     imgui.same_line(0, px(10))
     noun = "level" if count == 1 else "levels"
     words = f"{count} {noun}" if not session.library.busy else f"{count} {noun} …"
