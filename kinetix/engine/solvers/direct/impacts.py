@@ -120,6 +120,8 @@ class Carried:
     """Of all rows after it [m/s]."""
     struck: Bool[Array, "m n"]
     """True for rows of contacts on whose bodies an impact came."""
+    impact: Bool[Array, " n"]
+    """True for worlds in which one came."""
 
 
 def until_the_impact(
@@ -160,13 +162,37 @@ def until_the_impact(
             share=impulse,
             speeds=offset + system.responses.speeds(impulse),
             struck=jnp.concatenate([left > 0, left > 0, limits > 0], axis=0),
+            impact=jnp.any(hits, axis=0),
         )
 
     def all_of_it() -> Carried:
         nothing = jnp.zeros_like(offset)
-        return Carried(share=nothing, speeds=offset, struck=nothing > 0)
+        return Carried(share=nothing, speeds=offset, struck=nothing > 0, impact=h < 0)
 
     return jax.lax.cond(jnp.any(hits), given, all_of_it)
+
+
+def kept(
+    carried: Carried, force: Impulses, bias: Impulses, relax: Impulses
+) -> tuple[Impulses, Impulses]:
+    """Return the impulses of both solves with which the next substep begins, without blows.
+
+    On bodies that were struck the force from before goes on, half in each. Elsewhere nothing tells
+    a load from a blow that ran through a row of bodies, so no force grows in such a substep:
+    given once more, the blow would shoot the row off.
+
+    Args:
+        carried: What was given until the impact.
+        force: Impulses of the last substep, both solves together.
+        bias: Of this substep's first solve.
+        relax: Of its second.
+    """
+    as_before = jnp.clip(force / nonzero(bias + relax), 0, 1)
+    part = jnp.where(carried.impact, as_before, 1)
+    return (
+        jnp.where(carried.struck, force / 2, bias * part),
+        jnp.where(carried.struck, force / 2, relax * part),
+    )
 
 
 def _left_to_bodies(system: ContactSystem, left: Float[Array, "c n"]) -> Float[Array, "c n"]:

@@ -199,7 +199,9 @@ class Direct(AbstractSolver):
             )
         start = bias_impulse + phase.relax_impulse - own
         total = own + self.block.solve(system.prepared, system.responses, offset, start, cone)
-        more = total - bias_impulse + knock
+        relax_impulse = total - bias_impulse
+        more = relax_impulse + knock
+        kept_bias, kept_relax = impacts.kept(carried, force, bias_impulse, relax_impulse)
         velocity, answer = pushed(step, system, more, velocity)
         velocity, relaxed = project(step, joints, velocity, relaxed + answer, nothing)
         return Phase(
@@ -207,9 +209,8 @@ class Direct(AbstractSolver):
             rotation=rotation,
             velocity=velocity,
             gap=gap,
-            # An impact does not come again: what is kept is the force from before, half in each.
-            bias_impulse=jnp.where(carried.struck, force / 2, bias_impulse),
-            relax_impulse=jnp.where(carried.struck, force / 2, total - bias_impulse),
+            bias_impulse=kept_bias,
+            relax_impulse=kept_relax,
             joints=joints,
             joint_impulse=joint_impulse + relaxed,
             hit=phase.hit | (bias_impulse[:count] > 0),
