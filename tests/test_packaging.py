@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.paths import levels_dir
+from tests.pace import slowness
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -152,7 +153,7 @@ def test_training_and_evaluation_do_without_the_toolkit():
 def test_importing_kinetix_is_quick():
     code = "import time; t = time.process_time(); import kinetix; print(time.process_time() - t)"
     fastest = min(float(run(sys.executable, "-c", code, cwd=ROOT)) for _ in range(5))
-    assert fastest <= 0.1
+    assert fastest <= 0.1 * slowness()
 
 
 def test_both_commands_tell_the_version():

@@ -17,6 +17,7 @@ from editor.editing.picking import (
 from kinetix.level.geometry import signed_distance, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from tests.editor.core.helpers import a_level
+from tests.pace import slowness
 
 
 def random_level(draw, count):
@@ -122,9 +123,9 @@ def test_picking_among_fifty_is_fast(attempts):
     assert sum(1 for _ in level.entities()) >= 45
     best = math.inf
     for _ in range(attempts):
-        start = time.perf_counter()
+        start = time.process_time()
         for k in range(100):
             stack(level, (0.05 * k, 2.5), 0.08)
-        best = min(best, (time.perf_counter() - start) / 100)
+        best = min(best, (time.process_time() - start) / 100)
     # The target is 0.3 ms together with snapping; shared machines get twice that.
-    assert best < 0.6e-3
+    assert best < 0.6e-3 * slowness()
