@@ -6,12 +6,10 @@ program for the outermost `jit` alone, which is the user's. `KINETIX_COMPILER_OP
 """
 
 import functools
-import gc
 import importlib.metadata
 import importlib.util
 import os
 from collections.abc import Mapping, MutableMapping
-from pathlib import Path
 from typing import Final
 
 DECLINED: Final = "KINETIX_COMPILER_OPTIONS"
@@ -89,33 +87,3 @@ def quick_options() -> Mapping[str, int | bool | str]:
     if _has_older_emitters():
         options["xla_cpu_use_fusion_emitters"] = False
     return options
-
-
-_MANY_MAPS: Final = 20_000
-"""Linux gives a process 65 530 memory maps; a training's programs take 3 000 of them."""
-
-
-def forget_programs(process: Path = Path("/proc/self")) -> bool:
-    """Drop what JAX has compiled, once it takes a large part of the memory maps of the process.
-
-    Without one left, LLVM says that it cannot allocate memory, and programs cannot be read from the
-    cache. To be called between two jobs that share no programs: what is needed again is compiled
-    again.
-
-    Args:
-        process: The process's folder in /proc; where there is none, nothing is dropped.
-
-    Returns:
-        True if it was dropped.
-    """
-    try:
-        maps = (process / "maps").read_bytes().count(b"\n")
-    except OSError:
-        return False
-    if maps < _MANY_MAPS:
-        return False
-    import jax
-
-    jax.clear_caches()
-    gc.collect()
-    return True

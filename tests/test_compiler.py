@@ -9,7 +9,7 @@ import jax
 import jaxlib
 import pytest
 
-from kinetix.compiler import ask_for_options, forget_programs, quick_options
+from kinetix.compiler import ask_for_options, quick_options
 
 OPTION = "xla_cpu_small_while_loop_byte_threshold="
 PROGRAM = """
@@ -100,20 +100,6 @@ def test_this_jax_knows_the_options_of_the_quick_tier():
     options = dict(quick_options())
     assert options["xla_backend_optimization_level"] == 0
     assert jax.jit(lambda x: 2 * x, compiler_options=options)(3) == 6
-
-
-@pytest.mark.parametrize(("maps", "dropped"), [(60_000, True), (2_000, False), (None, False)])
-def test_compiled_programs_are_dropped_before_the_process_runs_out_of_maps(
-    tmp_path: Path, maps: int | None, dropped: bool
-) -> None:
-    if maps is not None:
-        (tmp_path / "maps").write_text("7f00-7f01 r-xp 00000000 00:00 0\n" * maps)
-    traced = []
-    double = jax.jit(lambda x: traced.append(x) or 2 * x)
-    double(1.0)
-    assert forget_programs(tmp_path) is dropped
-    assert double(1.0) == 2.0
-    assert len(traced) == 1 + dropped
 
 
 def test_passes_that_are_left_out_are_passes():

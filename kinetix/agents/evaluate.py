@@ -35,6 +35,7 @@ from kinetix.level.codec import level_hash, load_document
 from kinetix.level.features import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
+from kinetix.programs import make_room
 
 ATTEMPTS: Final = 20
 """Attempts a level of the published protocol."""
@@ -139,6 +140,7 @@ def evaluate(
         return Progress(done=done, total=total, results=tuple(results), failures=failures)
 
     for capacity, members in _by_capacity(prepared).items():
+        make_room()
         env = environment_for(player, capacity, physics=settings.physics_for(player))
         states = {i: _numpy(level_state(levels[i].source, env.static_env_params)) for i in members}
         jobs = [(index, attempt) for index in members for attempt in range(settings.attempts)]

@@ -20,6 +20,7 @@ from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
 from kinetix.level.sizes import needed_capacity
 from kinetix.level.slots import body_slots
+from kinetix.programs import make_room
 from kinetix.scenes.model import Trial
 
 CHUNK: Final = 60
@@ -45,6 +46,7 @@ def run_trials(
         like: Further trials that capacity and features have to cover, for comparing the runs.
         spec: Capacity and features; by default exactly what all these trials need.
     """
+    make_room()
     with precision(binary64):
         spec = spec or spec_for([*trials, *like], solver)
         return _run(trials, spec, solver, binary64, every)

@@ -12,9 +12,9 @@ import tyro
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.cli.terminal import Terminal, announced
 from kinetix.command_line.paths import NamedPath
-from kinetix.compiler import forget_programs
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
+from kinetix.programs import forget_programs
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import CONFIG, SOURCES, field_notes

@@ -19,6 +19,7 @@ from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.checks import check_values, refuse_what_is_no_array
 from kinetix.environment.meshes import refuse_mesh
 from kinetix.forks import refuse_forked_process
+from kinetix.programs import make_room
 
 _QUICK: Final = dict(quick_options())
 """Options of a program for a processor."""
@@ -47,6 +48,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         refuse_mesh(arguments, named)
         if outside:
             refuse_forked_process()
+            make_room()
             check_values(self, arguments, named)
             arguments, named = with_usual_action(arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
@@ -73,6 +75,7 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
         refuse_forked_process()
+        make_room()
         refuse_mesh(arguments, named)
         with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)

@@ -30,6 +30,7 @@ from kinetix.level.features import features_of
 from kinetix.level.model import Level, Solution
 from kinetix.level.sizes import capacity_of, needed_capacity
 from kinetix.level.slots import body_slots
+from kinetix.programs import make_room
 from kinetix.wording import plural
 
 UNCLIPPED: Final = 1e6
@@ -118,6 +119,7 @@ def simulate(
         LevelError: There is no such level, or it cannot be compiled.
     """
     refuse_forked_process(f"{SPAWN}; a sweep in one process reuses what it has compiled")
+    make_room()
     if isinstance(level, str | Path):
         level = load_level(level)
     if not isinstance(level, Level):

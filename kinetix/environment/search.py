@@ -30,6 +30,7 @@ from kinetix.environment.stretches import BATCH, Round, Task, steps_of, stretche
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import common_capacity
+from kinetix.programs import make_room
 from kinetix.pytree import on_device
 
 ELITE: Final = 24
@@ -223,6 +224,7 @@ def play_plans(task: Task, plans: Plans, *, all_to_the_end: bool = False) -> Pla
         plans: What to play.
         all_to_the_end: Whether to go on when one has won.
     """
+    make_room()
     # Levels of different time limits share a compilation; their own limits end the episodes.
     missing = -plans.shape[1] % ROWS
     padded = on_device(np.pad(plans, ((0, 0), (0, missing), (0, 0))))

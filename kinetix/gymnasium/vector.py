@@ -27,6 +27,7 @@ from kinetix.gymnasium.checks import (
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import Draws
 from kinetix.gymnasium.env import RENDER_FPS
+from kinetix.programs import make_room
 from kinetix.render.pixels import make_render_pixels
 
 
@@ -110,6 +111,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 a seed is out of range. Or the process was forked since the batch was made.
         """
         refuse_fork()
+        make_room()
         mask = self._mask(checked_options(options, "reset_mask").get("reset_mask"))
         if self._state is None:
             mask = None  # All of them begin.

@@ -1,0 +1,78 @@
+"""Compiled programs that are not needed any more are dropped before there is no room for others.
+
+A program takes hundreds to thousands of memory maps, and Linux gives a process 65 530. Without one
+left, LLVM says that it cannot allocate memory, and a program that is read from the cache crashes.
+"""
+
+import gc
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+_MANY: Final = 20_000
+"""So many maps are worth a moment between two jobs."""
+_NEARLY_ALL: Final = 45_000
+"""So many leave room for what is compiled until the next look."""
+_MORE: Final = 5_000
+"""What cannot be dropped is in use; it is tried again after so many more."""
+_LOOK_SECONDS: Final = 5.0
+
+
+def forget_programs(process: Path = Path("/proc/self")) -> bool:
+    """Drop what JAX has compiled, once it takes a large part of the memory maps of the process.
+
+    To be called between two jobs that share no programs: what is needed again is compiled again.
+
+    Args:
+        process: The process's folder in /proc; where there is none, nothing is dropped.
+
+    Returns:
+        True if it was dropped.
+    """
+    if _maps(process) < _MANY:
+        return False
+    _drop()
+    return True
+
+
+class Room:
+    """Looks now and then whether the process has room for programs; costs next to nothing."""
+
+    def __init__(
+        self,
+        process: Path = Path("/proc/self"),
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._process, self._clock = process, clock
+        self._next_look = 0.0
+        self._most = _NEARLY_ALL
+
+    def make(self) -> bool:
+        """Drop what JAX has compiled where there is hardly any room; True if it was dropped."""
+        if self._clock() < self._next_look:
+            return False
+        self._next_look = self._clock() + _LOOK_SECONDS
+        if _maps(self._process) < self._most:
+            return False
+        _drop()
+        self._most = max(_NEARLY_ALL, _maps(self._process) + _MORE)
+        return True
+
+
+make_room: Final = Room().make
+"""To be called before anything that may compile, as often as one likes."""
+
+
+def _maps(process: Path) -> int:
+    try:
+        return (process / "maps").read_bytes().count(b"\n")
+    except OSError:
+        return 0
+
+
+def _drop() -> None:
+    import jax
+
+    jax.clear_caches()
+    gc.collect()
