@@ -17,7 +17,7 @@ from kinetix.errors import KinetixError
 from kinetix.programs import forget_programs
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
-from kinetix.training.settings import CONFIG, SOURCES, field_notes
+from kinetix.training.settings import CONFIG, SOURCES, field_notes, settings_of
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 from kinetix.wording import plural, thousands
 
@@ -119,7 +119,7 @@ def run(command: Common) -> int:
             process_id=command.process_id,
         )
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
-    like = {} if teacher is None else _like(teacher.card)
+    like = {} if teacher is None else settings_of(teacher.card)
     terminal = Terminal()
     if is_leader():
         _tell_preset(command, runs, terminal)
@@ -248,17 +248,6 @@ def _announcement(algorithm: str, config: Any, need: Any) -> str:
         f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
         f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})"
     )
-
-
-def _like(card: Any) -> dict[str, Any]:
-    """Return the settings that a fine-tuned agent's own description determines."""
-    network = dataclasses.asdict(card.network)
-    return network | {
-        "observation_type": card.observation.type,
-        "action_type": card.action.type,
-        "frame_skip": card.environment.frame_skip,
-        "rms_norm": card.normalisation is not None,
-    }
 
 
 def _line(report: Any) -> str:

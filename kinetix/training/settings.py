@@ -17,6 +17,7 @@ from typing import Any, Final
 
 import msgspec
 
+from kinetix.agents.card import AgentCard
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
 from kinetix.engine.spec import Capacity
 from kinetix.errors import KinetixError, LevelError
@@ -196,6 +197,19 @@ def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
     if fields.get("parity") == "kinetix-3":
         fields["physics"] = "jax2d"
         fields.setdefault("bootstrap_on_timeout", False)
+
+
+def settings_of(card: AgentCard) -> dict[str, Any]:
+    """Return the settings that an agent determines for a training that starts from it.
+
+    These are its network, observation, action, frame skip, and whether it normalises what it sees.
+    """
+    return dataclasses.asdict(card.network) | {
+        "observation_type": card.observation.type,
+        "action_type": card.action.type,
+        "frame_skip": card.environment.frame_skip,
+        "rms_norm": card.normalisation is not None,
+    }
 
 
 def dumps_config(algorithm: str, config: PpoConfig) -> str:

@@ -228,7 +228,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     env_params = EnvParams(dense_reward_scale=config.dense_reward_scale)
     card = _card(config, env_params, static_env_params)
     if teacher is not None:
-        _check_teacher(teacher.card, card)
+        _check_teacher(teacher.card, card, config)
     env: Any = make_kinetix_env(
         action_type=config.action_type,
         observation_type=config.observation_type,
@@ -318,7 +318,7 @@ def _card(
     )
 
 
-def _check_teacher(teacher: AgentCard, card: AgentCard) -> None:
+def _check_teacher(teacher: AgentCard, card: AgentCard, config: PpoConfig) -> None:
     parts = ["network", "observation", "action"]
     if not teacher.plays_any_capacity:
         parts.append("capacity")
@@ -331,6 +331,11 @@ def _check_teacher(teacher: AgentCard, card: AgentCard) -> None:
                     f"the agent {teacher.name!r} cannot be trained on: its {part} has "
                     f"{name} = {json.dumps(old)}, the configuration's has {json.dumps(new)}"
                 )
+    if teacher.normalisation is not None and not config.rms_norm:
+        raise KinetixError(
+            f"the agent {teacher.name!r} cannot be trained on: it normalises what it sees, and the "
+            "configuration has rms_norm = false"
+        )
 
 
 def _reset_function(

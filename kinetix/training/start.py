@@ -10,7 +10,7 @@ from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig, algorithm_of
 from kinetix.training.loop import Report
 from kinetix.training.run import train as run_training
-from kinetix.training.settings import CONFIG, make_config
+from kinetix.training.settings import CONFIG, make_config, settings_of
 
 
 def train(
@@ -31,7 +31,8 @@ def train(
         out: The run's directory; the same one goes on where it stopped.
         preset: `small` (the default, which fits a laptop), `specialist`, `general`, `paper` or
             `kinetix-3`; only with the name of an algorithm.
-        start_from: An agent to fine-tune.
+        start_from: An agent to fine-tune. With the name of an algorithm its network, observation,
+            action, frame skip and normalisation are taken over; a configuration must have them.
         report: Called after every update.
         say: Takes what there is to say besides.
         **fields: Hyper-parameters by name, such as `levels=("s/goalkeeper",)`; only with the name
@@ -46,16 +47,17 @@ def train(
     if not isinstance(out, str | os.PathLike) or not os.fspath(out):
         raise KinetixError(f"out={out!r}: expected the run's directory")
     out = Path(out)
-    if isinstance(config, str):
-        fresh = not os.path.isfile(out / CONFIG)
-        algorithm = config
-        config = make_config(
-            algorithm, preset=preset or ("small" if fresh else None), values=fields, run=out
-        )
-    else:
-        algorithm = algorithm_of(config)
     teacher = start_from
     if teacher is not None and not isinstance(teacher, Agent):
         teacher = load_agent(teacher)
+    if isinstance(config, str):
+        fresh = not os.path.isfile(out / CONFIG)
+        algorithm = config
+        like = {} if teacher is None else settings_of(teacher.card)
+        config = make_config(
+            algorithm, preset=preset or ("small" if fresh else None), values=like | fields, run=out
+        )
+    else:
+        algorithm = algorithm_of(config)
     last = run_training(algorithm, config, out, teacher=teacher, report=report, say=say)
     return load_agent(last)

@@ -1,14 +1,22 @@
 """Parts that a configuration is put together from."""
 
+import dataclasses
+from pathlib import Path
 from typing import Any
 
 import jax
+import msgspec
 import pytest
 
+from kinetix.agents.agent import Agent, load_agent
+from kinetix.agents.card import NormalisationCard
 from kinetix.engine.spec import Features
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.setup import make_setup
+from kinetix.training.start import train
+from tests.training.tiny import tiny_config
 
 
 def listed(*levels: str) -> dict[str, Any]:
@@ -67,3 +75,42 @@ def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kinetix.environment.reset.load_document", counted)
     make_setup(PpoConfig(**listed()), gradient_steps=1)
     assert len(read) == 2
+
+
+def normalising(frame_skip: int) -> Agent:
+    """The agent of one level as if it had been trained with statistics of its observations."""
+    agent = load_agent("goalkeeper")
+    (width,) = {array.shape[-1] for array in agent._parts.values()}
+    statistics = NormalisationCard(
+        count=1e6, counts={"": 1e6}, mean={"": [3.0] * width}, variance={"": [4.0] * width}
+    )
+    environment = msgspec.structs.replace(agent.card.environment, frame_skip=frame_skip)
+    card = msgspec.structs.replace(agent.card, environment=environment, normalisation=statistics)
+    return Agent(card, agent.params["params"])
+
+
+def test_what_an_agent_learnt_with_is_taken_over_in_python(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    begun = []
+
+    def run(algorithm: str, config: PpoConfig, out: Path, **_: Any) -> None:
+        begun.append(config)
+        raise KinetixError("enough")
+
+    monkeypatch.setattr("kinetix.training.start.run_training", run)
+    agent = normalising(frame_skip=4)
+    for fields in ({}, {"frame_skip": 1}):
+        with pytest.raises(KinetixError, match="enough"):
+            train("ppo", tmp_path, start_from=agent, levels=("s/goalkeeper",), **fields)
+    assert [config.frame_skip for config in begun] == [4, 1]
+    assert all(config.rms_norm for config in begun)
+    assert begun[0].network == agent.card.network
+
+
+def test_statistics_of_an_agent_are_not_dropped_in_silence() -> None:
+    config = tiny_config("ppo", levels=("s/goalkeeper",))
+    agent = normalising(frame_skip=2)
+    config = dataclasses.replace(config, network=agent.card.network)
+    with pytest.raises(KinetixError, match="normalises what it sees"):
+        make_setup(config, gradient_steps=1, teacher=agent)
