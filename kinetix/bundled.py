@@ -13,7 +13,7 @@ from kinetix.paths import checkpoints_dir, levels_dir
 LEVEL_FOLDERS: Final = "KINETIX_LEVELS"
 """Variable with further folders in which names of levels are looked up, such as a copy of
 kinetix-env's `levels`; they come before the bundled ones."""
-_PERMUTATION = re.compile(r"\.permute\d+")
+_PERMUTATION = re.compile(r"\.permute(\d+)(?=(\.json)?$)")
 
 
 def refuse_empty(word: str | Path, expected: str) -> None:
@@ -36,13 +36,25 @@ def level_folders() -> list[Path]:
     return [*(Path(folder) for folder in named if folder), levels_dir()]
 
 
+def without_permutation(name: str | Path) -> str:
+    """Return a level's name without its ending `.permuteN`, by which its slots are shuffled."""
+    return _PERMUTATION.sub("", str(name))
+
+
+def permutation_of(name: str | Path) -> int | None:
+    """Return N of a level's name that ends in `.permuteN` where no file is called so, or None."""
+    found = _PERMUTATION.search(str(name))
+    own = any(os.path.isfile(path) for path in (Path(name), Path(f"{name}.json")))
+    return None if found is None or own else int(found[1])
+
+
 def named_levels(name: str | Path) -> Path | None:
     """Return the level file, set file or folder of levels that a name means; None: no such name.
 
     Args:
         name: `s/first_flight`, `levels/s/first_flight.json`, `s`, `levels/s`, `sets/s`.
     """
-    plain = Path(_PERMUTATION.sub("", str(name)))
+    plain = Path(without_permutation(name))
     if plain.is_absolute() or str(name).startswith("."):
         return None
     return _first(level_folders(), _within(plain, levels_dir().name), (".json",))

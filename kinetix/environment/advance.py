@@ -1,5 +1,6 @@
 """One action of one world: its physics steps, the reward, and whether the episode ends."""
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -86,8 +87,10 @@ def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEn
             physics.touching, world, state.labels, includes_joined=static.touch_includes_joined
         )
         ended = played.reward != 0
+        # A state tells what ended it, also where the shapes have parted since.
+        touching = jnp.where(ended, played.physics.touching, physics.touching)
         return _Played(
-            physics=physics,
+            physics=dataclasses.replace(physics, touching=touching),
             reward=jnp.where(ended, played.reward, reward),
             scored_position=jnp.where(ended, played.scored_position, physics.position),
             overflow=played.overflow | physics.overflow,

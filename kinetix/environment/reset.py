@@ -2,7 +2,6 @@
 
 import dataclasses
 import os
-import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -13,7 +12,7 @@ import msgspec
 import numpy as np
 from jaxtyping import Array, Float
 
-from kinetix.bundled import named_levels
+from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.checks import check_features, check_params, check_static_params
 from kinetix.environment.params import (
@@ -52,8 +51,6 @@ Source = Literal["file", "fixed"]
 
 LevelLike = str | Path | Level | EnvState
 """A level in any form: file, bundled name, document, state."""
-
-_PERMUTATION = re.compile(r"\.permute(\d+)")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -379,7 +376,5 @@ def _compiled(
 
 
 def _permuted(state: EnvState, path: str | Path) -> EnvState:
-    found = _PERMUTATION.search(str(path))
-    if found is None:
-        return state
-    return permute_state(jax.random.key(int(found[1])), state)
+    number = permutation_of(path)
+    return state if number is None else permute_state(jax.random.key(number), state)

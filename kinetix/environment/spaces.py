@@ -112,8 +112,8 @@ class Discrete(Space):
         return jax.random.randint(key, self.shape, 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Return whether every entry is 0 … n − 1."""
-        return jnp.all((jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n))
+        """Return whether every entry is a whole number 0 … n − 1."""
+        return jnp.all(_is_class(jnp.asarray(x), self.n))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -153,8 +153,12 @@ class MultiDiscrete(Space):
 
     def contains(self, x: Any) -> Bool[Array, ""]:
         """Return whether every entry is one of its classes."""
-        x = jnp.asarray(x)
-        return jnp.all((x >= 0) & (x < np.asarray(self.number_of_dims_per_distribution)))
+        classes = np.asarray(self.number_of_dims_per_distribution)
+        return jnp.all(_is_class(jnp.asarray(x), classes))
+
+
+def _is_class(x: Array, classes: int | np.ndarray) -> Array:
+    return (x >= 0) & (x < classes) & (x == jnp.floor(x))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,14 +4,13 @@ import contextlib
 import dataclasses
 import hashlib
 import os
-import re
 import warnings
 from pathlib import Path
 from typing import Any, Final, Literal
 
 import msgspec
 
-from kinetix.bundled import level_hint, named_levels, refuse_empty
+from kinetix.bundled import level_hint, named_levels, refuse_empty, without_permutation
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically
 from kinetix.level.canonical import (
@@ -34,7 +33,6 @@ from kinetix.level.schema import check_tree
 
 LevelFormat = Literal["kinetix-level", "kinetix-env"]
 LEVELSET_FORMAT: Final = "kinetix-levelset"
-_PERMUTATION = re.compile(r"\.permute\d+")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,7 +61,8 @@ def resolve_path(name: str | Path) -> Path:
     """The file that a path or the name of a bundled level means.
 
     A path that exists is taken as it is, any other relative name is looked for among the bundled
-    levels (`s/name`); `.json` may be left out, and a suffix `.permuteN` is ignored.
+    levels (`s/name`); `.json` may be left out, and where no file has the suffix `.permuteN` in its
+    name, it is ignored.
 
     Raises:
         LevelError: There is no such file.
@@ -73,8 +72,9 @@ def resolve_path(name: str | Path) -> Path:
     if not isinstance(name, str | os.PathLike):
         raise LevelError(f"{name!r:.60}: expected a path or a name, got {type(name).__name__}")
     refuse_empty(name, "a level")
-    plain = Path(_PERMUTATION.sub("", str(name)))
-    for path in (plain, Path(f"{plain}.json"), named_levels(name)):
+    plain = Path(without_permutation(name))
+    written = (Path(name), Path(f"{name}.json"), plain, Path(f"{plain}.json"))
+    for path in (*written, named_levels(name)):
         # Not Path.is_file, which raises where a name is too long for the file system.
         if path is not None and os.path.isfile(path):
             return path

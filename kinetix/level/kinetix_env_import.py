@@ -259,7 +259,10 @@ def _import_arena(document: KinetixEnvDocument, faults: FaultCollector) -> Arena
         row = document.polygons[slot]
         path = f"$.env_state.polygon[{slot}]"
         if not row.active:
+            # Its other numbers mean nothing, and may be anything.
             faults.expect("E007", f"{path}.active", "true for a body of the arena", value=False)
+            parts[name] = ArenaBody()
+            continue
         for field in ("inverse_mass", "inverse_inertia", "rotation", "angular_velocity"):
             if getattr(row, field) != 0:
                 faults.expect(

@@ -7,6 +7,7 @@ The table `[grid]` has lists of values, all combinations of which are trained; `
 
 import csv
 import dataclasses
+import hashlib
 import io
 import itertools
 import json
@@ -152,7 +153,11 @@ def _word(value: Any) -> str:
 
 def _directory(name: str) -> str:
     plain = re.sub(r"[^\w.,=+-]+", "_", name).strip(".")
-    return plain[:_LONGEST_NAME]
+    if len(plain) <= _LONGEST_NAME:
+        return plain
+    # What tells runs apart may stand at the end of a long name.
+    mark = hashlib.sha256(name.encode()).hexdigest()[:8]
+    return f"{plain[: _LONGEST_NAME - len(mark) - 1]}-{mark}"
 
 
 def results(out: Path, run: SweepRun) -> dict[str, float]:

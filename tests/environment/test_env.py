@@ -11,15 +11,18 @@ import numpy as np
 import pytest
 
 from kinetix.environment.env import DummyEnv, KinetixEnv, make_kinetix_env
+from kinetix.environment.named import make_named_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
 from kinetix.environment.reset import (
     level_state,
     load_from_json_file,
     make_reset_fn_list_of_levels,
 )
+from kinetix.environment.spaces import Discrete, MultiDiscrete
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import LogWrapper
 from kinetix.errors import KinetixError
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.model import Body, Circle, Level
 from tests.environment.conftest import assert_trees_close, small_level
 
@@ -330,3 +333,36 @@ def test_level_lists_are_drawn_evenly_and_by_key(small_static: StaticEnvParams) 
     np.testing.assert_array_equal(
         drawn[:3], [bool(reset(key).world.joints.active.any()) for key in keys[:3]]
     )
+
+
+def test_a_state_tells_what_ended_it_though_the_shapes_have_parted_since() -> None:
+    b = LevelBuilder("Bounce", gravity=(0, 0), arena=False)
+    b.circle(2.5, 2.5, 0.2, role="green", velocity=(20, 0), restitution=1, friction=0)
+    b.circle(3.9, 2.5, 0.2, role="blue", restitution=1, friction=0, fixed=True)
+    env = make_named_env(b.build(), auto_reset=False)
+    _, first = env.reset(jax.random.key(0))
+    ball = int(np.argmax(np.abs(first.physics.velocity[:, 0])))
+    shifts = jnp.linspace(0, 0.7, 24)
+
+    def play(shift: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        position = first.physics.position.at[ball, 0].add(shift)
+        start = dataclasses.replace(
+            first, physics=dataclasses.replace(first.physics, position=position)
+        )
+
+        def once(state: EnvState, _: None) -> tuple[EnvState, tuple[jax.Array, ...]]:
+            _, state, reward, done, _ = env.step(jax.random.key(0), state, jnp.zeros(6, jnp.int32))
+            told = env.compute_reward_info(state)[0]
+            return state, (reward > 0.5, told > 0.5, done)
+
+        return jax.lax.scan(once, start, length=5)[1]
+
+    won, told, done = jax.jit(jax.vmap(play))(shifts)
+    assert won.any(axis=1).sum() >= 12
+    assert np.array_equal(told & done, won & done)
+
+
+def test_classes_are_whole_numbers() -> None:
+    one, several = Discrete(n=3), MultiDiscrete(number_of_dims_per_distribution=(3, 2))
+    assert one.contains(2) and not one.contains(1.5)
+    assert several.contains([2, 1.0]) and not several.contains([0.5, 1])

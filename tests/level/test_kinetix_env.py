@@ -325,6 +325,14 @@ BAD = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize(("field", "value"), [("role", 9), ("role", -9), ("collision_mode", 9)])
+def test_unused_arena_rows_may_hold_anything(field, value):
+    tree = json.loads(changed((STATE, "polygon", 1, "active"), False))
+    tree[STATE]["polygon"][1][field] = value
+    with pytest.raises(LevelError, match=r"polygon\[1\]\.active: expected true"):
+        loads(json.dumps(tree))
+
+
 @pytest.mark.parametrize("name", BAD)
 def test_bad_files_get_one_sentence_with_the_path(name):
     path, value, sentence = BAD[name]

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from kinetix.bundled import permutation_of
 from kinetix.errors import LevelError
 from kinetix.files.limits import LIMITS
 from kinetix.level.canonical import VERSION, real_text, tree_text
@@ -322,6 +323,20 @@ def test_names_of_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("s/cart", "s/cart.json", "s/cart.permute3.json", "s/cart.permute12"):
         assert resolve_path(name) == bundled / "s" / "cart.json"
+    for name in ("c.permute1", "d", "d.permute1"):
+        (tmp_path / f"{name}.json").write_text(EVERYTHING)
+    (tmp_path / "a.permute2").mkdir()
+    (tmp_path / "a.permute2" / "e.json").write_text(EVERYTHING)
+    files = {
+        "c.permute1": "c.permute1",
+        "d.permute1": "d.permute1",
+        "d.permute2": "d",
+        "a.permute2/e": "a.permute2/e",
+    }
+    for name, file in files.items():
+        assert resolve_path(name) == resolve_path(f"{name}.json") == Path(f"{file}.json")
+    assert permutation_of("d.permute1") is None and permutation_of("a.permute2/e") is None
+    assert permutation_of("d.permute2.json") == 2
     for name in ("./s/cart", "s/none", str(tmp_path / "s" / "cart")):
         with pytest.raises(LevelError, match="no such file"):
             resolve_path(name)

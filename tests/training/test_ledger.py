@@ -1,12 +1,18 @@
 """Identities in a curriculum's buffer, and its pages on disk. No training."""
 
+import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from kinetix.environment.params import static_env_params_from_size
+from kinetix.environment.reset import level_state
+from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
+from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.ledger import Ledger
 from kinetix.training.curricula.pages import (
     MOST_PAGES,
@@ -119,3 +125,29 @@ def test_a_damaged_page_is_one_sentence(tmp_path: Path) -> None:
     np.savez(path, page=np.frombuffer(b"{}", np.uint8), level=np.zeros(0, np.uint8))
     with pytest.raises(KinetixError, match="expected a page"):
         read_page(tmp_path, 3)
+
+
+@pytest.mark.parametrize("resumed", [False, True])
+def test_levels_that_leave_the_page_before_are_told_after_a_stop_too(
+    tmp_path: Path, resumed: bool
+) -> None:
+    static = static_env_params_from_size("s")
+    levels = stack_states([level_state("s/first_flight", static)] * 3)
+
+    class Trainer:
+        turnover: Turnover | None = None
+
+        def buffer(self, state: list[float]) -> BufferView:
+            return dataclasses.replace(_view(state), levels=levels)
+
+    def course(update: int) -> Course:
+        return Course(algorithm="plr", update=update, updates=6, steps_per_update=1)
+
+    trainer: Any = Trainer()
+    history = History(tmp_path, trainer, [3, 2, 1], course(0), print)
+    history.follow(1, [3, 2, 1], page=True)
+    if resumed:
+        history = History(tmp_path, trainer, [3, 2, 1], course(1), print)
+    trainer.turnover = _turnover([-1, 0, -1], [-1])
+    history.follow(2, [3, 9, 1], page=True)
+    assert [gone.serial for gone in read_page(tmp_path, 2).head.gone] == [1]

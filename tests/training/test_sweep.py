@@ -192,3 +192,10 @@ def test_a_package_that_is_missing_is_told_before_anything_is_made(tmp_path, cap
     assert main(["train", "ppo", "--out", str(out), *_TINY, "--wandb-project", "mine"]) == 1
     assert "the package wandb is missing" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_runs_with_many_values_are_told_apart(tmp_path):
+    fields = [f"a_rather_long_hyper_parameter_{k} = [{k}]" for k in range(6)]
+    text = "\n".join(["[grid]", *fields, "the_last = [true, false]", "[[run]]", 'name = "flat"'])
+    names = [run.name for run in _read(tmp_path, text)]
+    assert len(set(names)) == 2 and max(map(len, names)) <= 120

@@ -20,6 +20,7 @@ from kinetix.training.curricula.pages import (
     ListedLevel,
     PageHead,
     forget_later_pages,
+    read_page,
     read_slots,
     write_page,
 )
@@ -78,6 +79,7 @@ class History:
         if update:
             try:
                 self._ledger = Ledger.of_arrays(read_slots(run, update), slots)
+                self._shown = {one.serial for one in read_page(run, update).head.levels}
             except (KinetixError, ValueError) as error:
                 say(f"the curriculum's history begins anew: {error}")
 
