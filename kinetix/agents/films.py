@@ -8,6 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import UInt8
 
+from kinetix.agents.card import EnvironmentCard
 from kinetix.agents.evaluate import NamedLevel, Settings, record
 from kinetix.agents.player import Player
 from kinetix.environment.state import EnvState
@@ -16,12 +17,15 @@ from kinetix.render.camera import fit_arena
 from kinetix.render.film import write_film
 from kinetix.render.scene import draw
 
-FRAME_RATE: Final = 30
-"""Environment steps in a second of a film."""
-TAIL: Final = 15
-"""Copies of a film's last frame, so that the end can be seen."""
+TAIL: Final = 0.5
+"""For how long a film's last frame stands, so that the end can be seen [s]."""
 
 _drawing = jax.jit(draw, static_argnames=("width", "height"))
+
+
+def steps_per_second(card: EnvironmentCard) -> float:
+    """Return how many environment steps a second of the world has: pictures of a film."""
+    return 1 / (card.dt * card.frame_skip)
 
 
 def picture_of(state: EnvState, pixels: int) -> UInt8[np.ndarray, "h w 3"]:
@@ -74,6 +78,7 @@ def film_episode(
         for step, moment in enumerate(moments)
         if step % every == 0 or moment.result is not None
     ]
-    frames += itertools.repeat(frames[-1], TAIL // every)
+    rate = steps_per_second(player.card.environment) / every
+    frames += itertools.repeat(frames[-1], round(TAIL * rate))
     with replacing(path) as file:
-        write_film(file, frames, kind=".gif", per_second=FRAME_RATE / every)
+        write_film(file, frames, kind=".gif", per_second=rate)

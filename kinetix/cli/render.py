@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
+import msgspec
 import tyro
 from tyro.conf import Positional
 
@@ -118,8 +119,9 @@ def run(command: Render) -> int:
     if kind in FILM_SUFFIXES:
         with replacing(command.out) as path:
             comment = "; ".join(f"{what}: {told}" for what, told in showing.facts)
-            frames = _frames(moments, command)
-            write_film(path, frames, kind=kind, per_second=_frame_rate(), comment=comment)
+            rate = showing.per_second
+            frames = _frames(moments, command, rate)
+            write_film(path, frames, kind=kind, per_second=rate, comment=comment)
     else:
         *_, last = moments
         with replacing(command.out) as path:
@@ -147,12 +149,15 @@ class Showing:
     slots: "np.ndarray"
     """Slots of the level's bodies in the states."""
     player: str
+    per_second: float
+    """Moments in a second of the world."""
     facts: tuple[tuple[str, str], ...]
     moments: Iterator[Moment]
 
 
 def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.environments import capacity_for, environment_for
+    from kinetix.agents.films import steps_per_second
     from kinetix.agents.identity import digest_of
     from kinetix.agents.named import SOLUTION, load_player
     from kinetix.environment.replay import recorded_rows
@@ -169,7 +174,8 @@ def _showing(command: Render, agent: str) -> Showing:
     if agent == SOLUTION:
         if solution is None:
             raise KinetixError(f"{command.level}: this level records no solution")
-        recorded, player = recorded_rows(list(solution.unrolled())), load_player("noop")
+        recorded = recorded_rows(list(solution.unrolled()))
+        player = load_player("noop")
     else:
         player = load_player(agent)
     capacity = capacity_of(document.level) if source is None else source.capacity
@@ -177,6 +183,11 @@ def _showing(command: Render, agent: str) -> Showing:
     own = solution.physics if recorded and solution else player.card.environment.physics
     physics = command.physics or own
     env = environment_for(player, capacity, physics=physics)
+    environment = player.card.environment
+    if recorded and solution:
+        environment = msgspec.structs.replace(environment, frame_skip=solution.frame_skip)
+        held = dataclasses.replace(env.static_env_params, frame_skip=solution.frame_skip)
+        env = dataclasses.replace(env, static_env_params=held)
     steps = command.steps
     if steps is None:
         film = command.out.suffix.lower() in (*FILM_SUFFIXES, PAGE)
@@ -189,6 +200,7 @@ def _showing(command: Render, agent: str) -> Showing:
         level=document.level,
         slots=document_slots(start, document.level, capacity),
         player=name,
+        per_second=steps_per_second(environment),
         facts=facts_of(
             document.level,
             physics,
@@ -244,7 +256,7 @@ def _film_of(command: Render, agent: str) -> "Film":
     return Film(
         level=showing.level,
         title=showing.player,
-        seconds=np.arange(len(moments)) / _frame_rate(),
+        seconds=np.arange(len(moments)) / showing.per_second,
         position=np.stack([np.asarray(m.state.physics.position) for m in moments])[
             :, showing.slots
         ],
@@ -314,7 +326,9 @@ def _attempted(env: "KinetixEnv", steps: "Iterator[RecordedStep]") -> Iterator[M
         )
 
 
-def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"]:
+def _frames(
+    moments: Iterator[Moment], command: Render, per_second: float
+) -> Iterator["np.ndarray"]:
     """The pictures of a film, the last one held."""
     import numpy as np
 
@@ -325,14 +339,7 @@ def _frames(moments: Iterator[Moment], command: Render) -> Iterator["np.ndarray"
         last = np.asarray(_picture(moment, command))
         yield last
     if last is not None:
-        yield from itertools.repeat(last, TAIL)
-
-
-def _frame_rate() -> int:
-    """Environment steps in a second, and pictures of a film."""
-    from kinetix.agents.films import FRAME_RATE
-
-    return FRAME_RATE
+        yield from itertools.repeat(last, round(TAIL * per_second))
 
 
 def _picture(moment: Moment, command: Render) -> "Image.Image":

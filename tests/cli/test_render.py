@@ -1,11 +1,11 @@
 import re
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from kinetix.cli import main
 from kinetix.level.builder import LevelBuilder
-from kinetix.level.codec import save_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.render.captions import caption
 
 
@@ -34,6 +34,22 @@ def test_a_film_has_a_frame_a_step_and_a_tail(tmp_path):
             durations.append(film.info["duration"])
     # Equal frames are merged by the writer, so time is what counts: 6 moments and a tail of 15.
     assert sum(durations) == pytest.approx(21 * 1000 / 30, abs=25)
+
+
+@pytest.mark.slow
+def test_a_solution_is_played_and_filmed_with_its_own_frame_skip(tmp_path):
+    level = load_level("s/goalkeeper")
+    actions = tuple((2 * repeats, controls) for repeats, controls in level.solution.actions)
+    solution = level.solution.replace(frame_skip=1, actions=actions)
+    slow = level.replace(solution=solution, max_timesteps=2 * level.max_timesteps)
+    save_level(slow, tmp_path / "slow.json")
+    seconds = []
+    for name in ("s/goalkeeper", str(tmp_path / "slow.json")):
+        out = tmp_path / "film.gif"
+        assert main(["render", name, str(out), "--agent", "solution", "--pixels", "50"]) == 0
+        with Image.open(out) as film:
+            seconds.append(sum(frame.info["duration"] for frame in ImageSequence.Iterator(film)))
+    assert seconds[0] == pytest.approx(seconds[1], abs=60)
 
 
 @pytest.mark.slow
