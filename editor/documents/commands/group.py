@@ -11,6 +11,7 @@ from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds,
     centre_of_mass,
+    polygon_fault,
     reverse_winding,
     rotate,
     signed_area,
@@ -251,9 +252,12 @@ class SetVertices:
         """Reshape the polygon; anchors and thrusters stay where they are in the world.
 
         Raises:
-            CommandError: There is no such body.
+            CommandError: There is no such body, or it would not be a convex polygon any more.
         """
         old = _chosen(level, (self.body,))[0]
+        fault = polygon_fault(self.vertices)
+        if fault is not None and "clockwise" not in fault:
+            raise CommandError(f"This corner cannot go there: {fault}.")
         new = polygon_body(self.vertices, level, old)
         dx, dy = new.position[0] - old.position[0], new.position[1] - old.position[1]
         x, y = rotate((dx, dy), -old.angle)

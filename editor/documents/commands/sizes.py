@@ -8,7 +8,7 @@ from editor.base.arithmetic import Change
 from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.group import SetVertices, Stretch
 from kinetix.errors import CommandError
-from kinetix.level.geometry import polygon_fault, world_vertices
+from kinetix.level.geometry import world_vertices
 from kinetix.level.model import Body, Circle, Level, Point, Polygon
 
 Axis = Literal[0, 1]
@@ -126,7 +126,4 @@ class SetCorner:
         corners: list[Point] = list(world_vertices(body))
         x, y = corners[self.corner]
         corners[self.corner] = (self.value, y) if self.axis == 0 else (x, self.value)
-        fault = polygon_fault(tuple(corners))
-        if fault is not None and "clockwise" not in fault:
-            raise CommandError(f"This corner cannot go there: {fault}.")
         return SetVertices(body=self.body, vertices=tuple(corners)).apply(level)
