@@ -220,7 +220,8 @@ def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
         stop = shown_value(limit, info, field.radians)
         typed = shown_value(beyond, info, field.radians) if change.relative else text.strip()
         session.complain(f"{title} is {words} {stop}: {typed} became {stop}.")
-        if not change.relative:
+        if len(field.values) == 1 or not change.relative:
+            # Changes of several values are cut by the edit itself, each where it gets beyond.
             change = Change(amount=limit)
     session.execute(field.command(change))
 

@@ -10,6 +10,7 @@ from editor.base.events import QuitEvent
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
+from editor.editing.picking import joint_position
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
 from tests.editor.core.helpers import a_level, a_session
@@ -160,6 +161,16 @@ def test_a_value_beyond_the_limits_stops_there_and_says_so(make_gui, typed):
     assert said == f"Density is at least 0.001 kg/m²: {typed} became 0.001 kg/m²."
 
 
+def test_a_change_beyond_the_limits_stops_there_too(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.selection = (5,)
+    gui.frames(3)
+    edit_text(gui, "inspector.joint.x", "+=20")
+    assert joint_position(gui.level, gui.level.joints[0]) == pytest.approx((15.0, 2.0), abs=1e-5)
+    said = gui.session.toasts[-1].text
+    assert said.endswith("is at most 15.00 m: 22.20 m became 15.00 m.")
+
+
 def test_several_things_are_changed_each_from_its_own_value(make_gui):
     level = a_level()
     first, second, *rest = level.bodies
@@ -276,8 +287,6 @@ def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
     joint = gui.level.joints[0]
     assert (joint.a, joint.b) == (1, 3)
     edit_text(gui, "inspector.joint.x", "1.9")
-    from editor.editing.picking import joint_position
-
     assert joint_position(gui.level, gui.level.joints[0])[0] == pytest.approx(1.9, abs=1e-5)
     gui.click("inspector.body_a")
     gui.click("inspector.body_a.3")
