@@ -270,17 +270,24 @@ class Session:
         queued, self._queue = self._queue, []
         return queued
 
-    def execute(self, command: Command) -> Outcome:
-        """Commit a command now; selects what it made; an error becomes a toast."""
+    def execute(self, command: Command, *, on: Document | None = None) -> Outcome:
+        """Commit a command now; selects what it made; an error becomes a toast.
+
+        Args:
+            command: The edit.
+            on: The level that was asked about, if another one may be in front by now; None: the
+                one in front.
+        """
+        document = self.document if on is None else on
         self.messages.crashes.note(command.label)
         with self.guard():
-            if not self.editing:
+            if document is self.document and not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
-            outcome = self.document.commit(command, time=self.time)
+            outcome = document.commit(command, time=self.time)
             if outcome.created:
-                bodies = {body.id for body in self.document.level.bodies}
+                bodies = {body.id for body in document.level.bodies}
                 made = tuple(i for i in outcome.created if i in bodies)
-                self.selection = made or outcome.created
+                document.selection = made or outcome.created
             for notice in outcome.notices:
                 self.toast(notice)
             return outcome
