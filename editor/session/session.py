@@ -36,6 +36,7 @@ from editor.play.motion import Motion
 from editor.play.playback import Playback
 from editor.play.recording import Recording
 from editor.play.simulator import Simulator
+from editor.play.win import Win
 from editor.session.clipboard import Clipboard, MemoryClipboard
 from editor.session.hands import Hands
 from editor.session.messages import Kind, Messages, Toast
@@ -127,6 +128,8 @@ class Session:
         """The open levels when somebody chose to wait for files and then close, or None."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
+        self.win: Win | None = None
+        """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None
         """The film that is being recorded, or None."""
         self.screenshot: Path | None = None
