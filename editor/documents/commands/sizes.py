@@ -7,6 +7,7 @@ from typing import Final, Literal
 from editor.base.arithmetic import Change
 from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.group import SetVertices, Stretch
+from editor.documents.commands.rigid import freed, reshaped
 from kinetix.errors import CommandError
 from kinetix.level.geometry import world_vertices
 from kinetix.level.model import Body, Circle, Level, Point, Polygon
@@ -127,3 +128,25 @@ class SetCorner:
         x, y = corners[self.corner]
         corners[self.corner] = (self.value, y) if self.axis == 0 else (x, self.value)
         return SetVertices(body=self.body, vertices=tuple(corners)).apply(level)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ResetCorners:
+    """Gives a polygon back its corners; joints and thrusters stay where they are in the world."""
+
+    body: int
+    shape: Polygon
+    position: Point
+    """Origin of the shape's frame [m]."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Reset corners"
+
+    def apply(self, level: Level) -> Level:
+        """Put the corners back, turned as the body is now."""
+        body = level.body(self.body)
+        back = body.replace(shape=self.shape, position=self.position, mass_properties=None)
+        return freed(reshaped(level, back), self.body)

@@ -278,6 +278,25 @@ def test_a_corner_is_typed_and_a_hollow_shape_refused(make_gui):
     assert "cannot go there" in gui.session.toasts[-1].text
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.5])
+def test_a_corner_goes_back_and_joints_and_thrusters_stay(make_gui, angle):
+    level = a_level()
+    level = level.replace(bodies=(level.bodies[0].replace(angle=angle), *level.bodies[1:]))
+    gui = make_gui(level=level, size=(1440, 1400))
+    gui.click("outliner.1")
+    gui.click("inspector.corners")
+    gui.frames(3)
+    assert not gui.shows("reset.corner.0")
+    edit_text(gui, "inspector.corner.0.x", "2.6")
+    assert gui.level.body(1).position != level.body(1).position
+    gui.click("reset.corner.0")
+    assert gui.level.body(1) == level.body(1)
+    assert gui.level.joints[0].anchor_a == pytest.approx(level.joints[0].anchor_a, abs=1e-6)
+    assert gui.level.thrusters[0].position == pytest.approx(level.thrusters[0].position, abs=1e-6)
+    assert gui.session.document.history.undo_label == "Reset corners"
+    assert not gui.shows("reset.corner.0")
+
+
 def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
     gui = make_gui(level=a_level())
     gui.session.selection = (5,)
