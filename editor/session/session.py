@@ -386,8 +386,9 @@ class Session:
                 simulator.quick = True
 
     def leave_play(self) -> None:
-        """Drop gestures and stop playing."""
+        """Drop gestures, and what a field previews, and stop playing."""
         self.driver.cancel()
+        self.document.discard_preview()
         self.hands.pull = self.expected = None
         if self.playback.active or self.playback.suspended:
             self.playback.stop()

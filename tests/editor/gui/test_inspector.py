@@ -194,6 +194,63 @@ def test_several_things_are_changed_each_from_its_own_value(make_gui):
     assert [gui.level.body(i).density for i in (1, 2)] == pytest.approx([5.0, 5.0])
 
 
+def begin_drag(gui, name):
+    """Drag a number, and keep the button down."""
+    x, y = gui.probe(name).centre
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    for k in range(1, 6):
+        gui.move(x + 12 * k, y)
+    return x + 60, y
+
+
+@pytest.mark.parametrize(
+    ("key", "panels"),
+    [("escape", False), ("space", False), ("space", True), ("ctrl+n", False), ("ctrl+g", False)],
+)
+def test_a_drag_that_is_broken_off_leaves_nothing_behind(make_gui, key, panels):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.session.view.panels_in_play = panels
+    gui.click("outliner.1")
+    document = gui.session.document
+    at = begin_drag(gui, "inspector.density")
+    assert document.shown.body(1).density > 1.5
+    gui.key(key)
+    assert not document.previewing
+    gui.button(*at, pressed=False)
+    gui.frames(3)
+    assert document.level == document.shown == a_level()
+    assert not any("Stop playing" in line for line in gui.session.log.lines)
+
+
+def test_after_a_drag_that_was_broken_off_a_click_changes_nothing(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    at = begin_drag(gui, "inspector.density")
+    gui.key("escape")
+    gui.button(*at, pressed=False)
+    gui.click("outliner.1")
+    gui.click("inspector.density")  # it is typed into
+    gui.key("escape")
+    gui.frames(2)
+    assert gui.level == a_level()
+
+
+def test_a_drag_does_not_go_on_in_another_level(make_gui):
+    gui = make_gui(level=a_level())
+    document = gui.session.document
+    document.mark_unsaved()
+    x, y = begin_drag(gui, "level.max_timesteps")
+    assert document.shown.max_timesteps != 256
+    gui.key("ctrl+n")
+    assert gui.session.document is not document
+    gui.move(x + 40, y)
+    gui.button(x + 40, y, pressed=False)
+    gui.frames(3)
+    for each in (document, gui.session.document):
+        assert each.level.max_timesteps == each.shown.max_timesteps == 256
+
+
 def test_tab_goes_to_the_next_field_and_escape_keeps_the_value(make_gui):
     gui = make_gui(level=a_level())
     gui.click("outliner.1")
