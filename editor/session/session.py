@@ -48,7 +48,7 @@ from editor.worker.jobs import Job, Worker, WorkerSimulator
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
-Queued: TypeAlias = str | Command | Callable[[], None]
+Queued: TypeAlias = str | Command | Callable[[], object]
 """An action's id, an edit, or a call."""
 
 

@@ -70,6 +70,8 @@ class _Typing:
     """The field that is typed into. It edits what was selected when the typing began."""
 
     field: NumberField
+    document: Document
+    """The level in front when the typing began."""
     began: str
     text: str
     frame: int = 0
@@ -161,7 +163,8 @@ class NumberEditor:
         self._follow(session, field, changed, new / field.factor)
         if self._becomes_text(name):
             text = "" if field.mixed else digits(value, info, field.radians)
-            self._typing = _Typing(field=field, began=text, text=text)
+            document = session.document
+            self._typing = _Typing(field=field, document=document, began=text, text=text)
         if not imgui.is_item_active():
             note = f"Unusual: most levels stay within {usual_range(info, field.radians)}."
             widgets.tooltip(info.description or name, note if unusual else "")
@@ -204,7 +207,7 @@ class NumberEditor:
     def _finish(self, session: "Session", typing_: _Typing) -> None:
         self._typing = None
         if typing_.text.strip() != typing_.began.strip():
-            session.queue(functools.partial(_commit_typed, session, typing_.field, typing_.text))
+            session.queue(functools.partial(_commit_typed, session, typing_))
 
     def _follow(self, session: "Session", field: NumberField, changed: bool, value: float) -> None:
         """Preview and commit a drag."""
@@ -238,12 +241,13 @@ def _edit(field: NumberField, drag: _Drag) -> Command:
     return field.command(Change(amount=drag.last))
 
 
-def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
+def _commit_typed(session: "Session", typing_: _Typing) -> None:
     """Commit what was typed; a value beyond the format's limits stops there, which is said.
 
     Raises:
         CommandError: It is not a number.
     """
+    field, text = typing_.field, typing_.text
     change, info = field.stored(parse(text, field.unit)), field.info
     wanted = [change.of(value) for value in field.values]
     beyond = next((w for w in wanted if not info.low - 1e-9 <= w <= info.high + 1e-9), None)
@@ -257,7 +261,7 @@ def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
         if len(field.values) == 1 or not change.relative:
             # Changes of several values are cut by the edit itself, each where it gets beyond.
             change = Change(amount=limit)
-    session.execute(field.command(change))
+    session.execute(field.command(change), on=typing_.document)
 
 
 def _preview(session: "Session", command: Command) -> None:

@@ -10,6 +10,7 @@ from editor.base.events import QuitEvent
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
+from editor.documents.document import Document
 from editor.editing.picking import joint_position
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
@@ -279,6 +280,36 @@ def test_what_is_being_typed_goes_to_what_was_selected_then(make_gui):
     assert gui.session.selection == (3,)
     assert gui.level.body(1).density == pytest.approx(7.0)
     assert gui.level.body(3).density == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "typed"),
+    [
+        ("inspector.density", "7"),
+        ("inspector.name", "Chassis"),
+        ("level.max_timesteps", "99"),
+        ("level.name", "Mine"),
+        ("level.description", "Jump twice"),
+    ],
+)
+def test_what_is_being_typed_stays_with_its_level_when_another_comes_in_front(
+    make_gui, field, typed
+):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    document = gui.session.document
+    gui.click("outliner.1")
+    gui.click(field)
+    gui.key("ctrl+a")
+    gui.text(typed)
+    other = Document(a_level())
+    other.selection = (1,)
+    gui.session.open_tab(other)  # as a finished job does
+    gui.frames(3)
+    gui.key("return")
+    gui.click("outliner.3")
+    gui.frames(3)
+    assert other.level == a_level()
+    assert document.level != a_level()
 
 
 @pytest.mark.parametrize(
