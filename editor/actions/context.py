@@ -12,6 +12,7 @@ from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.commands.fields import SetField, read_field, selected_records
 from editor.editing.tools.select.idle import under_pointer
 from editor.session import Session
+from kinetix.errors import CommandError
 from kinetix.level.model import (
     MOTOR_BINDINGS,
     THRUSTER_BINDINGS,
@@ -97,8 +98,12 @@ def _open(session: Session, under: Selection, at: Point, place: Point | None, ta
         runs[key] = run
         choices.append(Choice(id=key, label=label, chord=chord, separated=gap))
 
+    document = session.document
+
     def answer(key: str | None) -> None:
         if key is not None:
+            if session.document is not document:
+                raise CommandError("Another level is in front by now; open the menu again.")
             runs[key]()
 
     for k, entity in enumerate(under):
@@ -126,7 +131,8 @@ def ask_key(session: Session, entity: int, at: tuple[float, float]) -> None:
         entity: Id of the joint or thruster.
         at: Where the menu opens [px].
     """
-    level = session.document.level
+    document = session.document
+    level = document.level
     thruster = any(thruster.id == entity for thruster in level.thrusters)
     field = "binding" if thruster else "motor.binding"
     first, count = (MOTOR_BINDINGS, THRUSTER_BINDINGS) if thruster else (0, MOTOR_BINDINGS)
@@ -144,9 +150,10 @@ def ask_key(session: Session, entity: int, at: tuple[float, float]) -> None:
 
     def answer(choice: str | None) -> None:
         if choice is not None:
-            session.execute(SetField(ids=(entity,), field=field, value=int(choice)))
+            command = SetField(ids=(entity,), field=field, value=int(choice))
+            session.execute(command, on=document)
 
-    title = f"Key of {session.document.name_of(entity)}"
+    title = f"Key of {document.name_of(entity)}"
     session.ask(MenuQuestion(title=title, choices=choices, at=at, answer=answer))
 
 

@@ -108,7 +108,7 @@ def rename(session: Session) -> None:
 
     def answer(name: str | None) -> None:
         if name is not None:
-            session.execute(named(document.level, entity, name))
+            session.execute(named(document.level, entity, name), on=document)
 
     old = document.name_of(entity)
     session.ask(TextQuestion(title=f"Name of {plain}", text=old, accept="Rename", answer=answer))

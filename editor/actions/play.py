@@ -1,10 +1,11 @@
 """Actions of the Run menu: play, pause, step, reset, stop, edit from here."""
 
-from editor.actions import agents, moment
+from editor.actions import agents, moment, solution
 from editor.documents.commands.level import TakePoses
 from editor.documents.document import Document
 from editor.gallery.results import HUMAN
 from editor.play.mode import Mode
+from editor.play.win import Win
 from editor.session import Session
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
@@ -53,14 +54,26 @@ def note_end(session: Session) -> None:
     if not ended or playback.episode == session.noted_episode:
         return
     session.noted_episode = playback.episode
+    win = Win.of(playback)
+    if win is not None:
+        session.win = win
+        if win.level.solution is None:
+            _offer_to_keep(session)
     if playback.casting is None and not playback.perturbed and playback.level is not None:
         won = playback.outcome == "won"
-        if won and playback.level.solution is None:
-            words = (
-                f"Won in {plural(playback.step_count, 'step')}: shall that be the level's solution?"
-            )
-            session.toast(words, "success", action="level.keep_solution")
         session.results.add_episode(HUMAN, level_hash(playback.level), won=won)
+
+
+def _offer_to_keep(session: Session) -> None:
+    """Offer the win on show as the level's solution, also when the next episode has begun."""
+    steps = plural(session.playback.step_count, "step")
+    session.messages.withdraw("level.keep_solution")
+    session.messages.toast(
+        f"Won in {steps}: shall that be the level's solution?",
+        "success",
+        action="level.keep_solution",
+        offered=lambda: solution.can_keep(session),
+    )
 
 
 def step(session: Session) -> None:

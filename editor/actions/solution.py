@@ -1,12 +1,11 @@
 """A level's recorded solution: keep a win as one, see it played."""
 
 import functools
-import itertools
-from typing import Any
 
 from editor.documents.commands.level import KeepSolution
-from editor.documents.document import Document
+from editor.documents.document import Document, same_simulation
 from editor.play.mode import Mode
+from editor.play.win import Win
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import PlaySolution
@@ -22,11 +21,16 @@ _TOO_CLOSE = (
 
 
 def can_keep(session: Session) -> bool:
-    """Return whether the episode shown was won by a person from the start, with keys alone."""
-    playback, trace = session.playback, session.playback.trace
-    won = playback.mode is Mode.ENDED and playback.outcome == "won"
-    by_hand = playback.casting is None and not playback.perturbed
-    return won and by_hand and trace is not None and trace.snapshots[0].step == 0
+    """Return whether a person has won the level in front from the start, with keys alone."""
+    return _win(session) is not None
+
+
+def _win(session: Session) -> Win | None:
+    """Return the win on show, or else the last one, if the level in front still plays like it."""
+    playback = session.playback
+    on_show = playback.mode is Mode.ENDED and playback.outcome == "won"
+    win = Win.of(playback) if on_show else session.win
+    return win if win and same_simulation(win.level, session.document.level) else None
 
 
 def keep(session: Session) -> None:
@@ -35,17 +39,16 @@ def keep(session: Session) -> None:
     A solution has to win in the step that commands, level sets and other levels of the size use.
     What was played in the step for this level alone is therefore played again in that one first.
     """
-    trace, skip = session.playback.trace, session.playback.frame_skip
-    assert trace is not None
-    runs = tuple((len(list(same)), action) for action, same in itertools.groupby(trace.actions))
-    actions: Any = runs
-    solution = Solution(physics=trace.physics, frame_skip=skip, actions=actions)
+    win = _win(session)
+    assert win is not None
+    session.win = None
+    session.messages.withdraw("level.keep_solution")
     session.leave_play()
-    if not trace.snapshots[-1].tailored:
-        _record(session, solution)
+    if not win.tailored:
+        _record(session, win.solution)
         return
     session.expected = session.worker.submit(
-        PlaySolution(level=session.document.level.replace(solution=solution)),
+        PlaySolution(level=session.document.level.replace(solution=win.solution)),
         title="Playing the solution again",
         urgent=True,
         done=functools.partial(_judged, session, session.document, session.document.level),
@@ -65,7 +68,6 @@ def _judged(session: Session, document: Document, level: Level, job: Job) -> Non
 
 
 def _record(session: Session, solution: Solution) -> None:
-    session.messages.withdraw("level.keep_solution")
     if session.execute(KeepSolution(solution=solution)).changed:
         steps = len(list(solution.unrolled()))
         session.toast(f"Kept as the solution: {plural(steps, 'step')}.", action="edit.undo")

@@ -36,6 +36,7 @@ from editor.play.motion import Motion
 from editor.play.playback import Playback
 from editor.play.recording import Recording
 from editor.play.simulator import Simulator
+from editor.play.win import Win
 from editor.session.clipboard import Clipboard, MemoryClipboard
 from editor.session.hands import Hands
 from editor.session.messages import Kind, Messages, Toast
@@ -47,7 +48,7 @@ from editor.worker.jobs import Job, Worker, WorkerSimulator
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
-Queued: TypeAlias = str | Command | Callable[[], None]
+Queued: TypeAlias = str | Command | Callable[[], object]
 """An action's id, an edit, or a call."""
 
 
@@ -127,6 +128,8 @@ class Session:
         """The open levels when somebody chose to wait for files and then close, or None."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
+        self.win: Win | None = None
+        """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None
         """The film that is being recorded, or None."""
         self.screenshot: Path | None = None
@@ -270,17 +273,24 @@ class Session:
         queued, self._queue = self._queue, []
         return queued
 
-    def execute(self, command: Command) -> Outcome:
-        """Commit a command now; selects what it made; an error becomes a toast."""
+    def execute(self, command: Command, *, on: Document | None = None) -> Outcome:
+        """Commit a command now; selects what it made; an error becomes a toast.
+
+        Args:
+            command: The edit.
+            on: The level that was asked about, if another one may be in front by now; None: the
+                one in front.
+        """
+        document = self.document if on is None else on
         self.messages.crashes.note(command.label)
         with self.guard():
-            if not self.editing:
+            if document is self.document and not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
-            outcome = self.document.commit(command, time=self.time)
+            outcome = document.commit(command, time=self.time)
             if outcome.created:
-                bodies = {body.id for body in self.document.level.bodies}
+                bodies = {body.id for body in document.level.bodies}
                 made = tuple(i for i in outcome.created if i in bodies)
-                self.selection = made or outcome.created
+                document.selection = made or outcome.created
             for notice in outcome.notices:
                 self.toast(notice)
             return outcome
@@ -376,8 +386,9 @@ class Session:
                 simulator.quick = True
 
     def leave_play(self) -> None:
-        """Drop gestures and stop playing."""
+        """Drop gestures, and what a field previews, and stop playing."""
         self.driver.cancel()
+        self.document.discard_preview()
         self.hands.pull = self.expected = None
         if self.playback.active or self.playback.suspended:
             self.playback.stop()

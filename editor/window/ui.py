@@ -171,6 +171,9 @@ class Ui:
             self._keys_window.draw(session)
             self._preferences.draw(session)
         with session.guard():
+            if not session.driver.active and not imgui.is_any_item_active():
+                # A field that was dragged may be gone before the drag has ended.
+                session.document.discard_preview()
             actions.work(session)
             self._keyboard.hand_on(session)
         if not gallery:

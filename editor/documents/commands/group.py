@@ -6,11 +6,12 @@ from collections.abc import Callable, Hashable
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import reanchored, with_bodies
+from editor.documents.commands.rigid import reanchored, reshaped, with_bodies
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds,
     centre_of_mass,
+    polygon_fault,
     reverse_winding,
     rotate,
     signed_area,
@@ -251,28 +252,13 @@ class SetVertices:
         """Reshape the polygon; anchors and thrusters stay where they are in the world.
 
         Raises:
-            CommandError: There is no such body.
+            CommandError: There is no such body, or it would not be a convex polygon any more.
         """
         old = _chosen(level, (self.body,))[0]
-        new = polygon_body(self.vertices, level, old)
-        dx, dy = new.position[0] - old.position[0], new.position[1] - old.position[1]
-        x, y = rotate((dx, dy), -old.angle)
-
-        def kept(point: Point) -> Point:
-            return point[0] - x, point[1] - y
-
-        joints = tuple(
-            joint.replace(
-                anchor_a=kept(joint.anchor_a) if joint.a == old.id else joint.anchor_a,
-                anchor_b=kept(joint.anchor_b) if joint.b == old.id else joint.anchor_b,
-            )
-            for joint in level.joints
-        )
-        thrusters = tuple(
-            t.replace(position=kept(t.position)) if t.body == old.id else t for t in level.thrusters
-        )
-        changed = with_bodies(level, (old.id,), lambda _: new)
-        return changed.replace(joints=joints, thrusters=thrusters)
+        fault = polygon_fault(self.vertices)
+        if fault is not None and "clockwise" not in fault:
+            raise CommandError(f"This corner cannot go there: {fault}.")
+        return reshaped(level, polygon_body(self.vertices, level, old))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from kinetix.level.geometry import (
     centre_of_mass,
     recentred,
     referenced_body,
+    rotate,
     to_local,
     to_world,
 )
@@ -63,6 +64,32 @@ def reanchored(level: Level, moved: Collection[EntityId]) -> Level:
         return joint
 
     return level.replace(joints=tuple(follow(joint) for joint in level.joints))
+
+
+def reshaped(level: Level, new: Body) -> Level:
+    """Put another shape, with its frame's origin elsewhere, in the place of a body's own.
+
+    Its anchors and thrusters stay where they are in the world; the angle must be the same.
+    """
+    old = level.body(new.id)
+    dx, dy = new.position[0] - old.position[0], new.position[1] - old.position[1]
+    x, y = rotate((dx, dy), -old.angle)
+
+    def kept(point: Point) -> Point:
+        return point[0] - x, point[1] - y
+
+    joints = tuple(
+        joint.replace(
+            anchor_a=kept(joint.anchor_a) if joint.a == old.id else joint.anchor_a,
+            anchor_b=kept(joint.anchor_b) if joint.b == old.id else joint.anchor_b,
+        )
+        for joint in level.joints
+    )
+    thrusters = tuple(
+        t.replace(position=kept(t.position)) if t.body == old.id else t for t in level.thrusters
+    )
+    changed = with_bodies(level, (old.id,), lambda _: new)
+    return changed.replace(joints=joints, thrusters=thrusters)
 
 
 def freed(level: Level, body_id: int) -> Level:

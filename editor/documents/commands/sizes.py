@@ -7,8 +7,9 @@ from typing import Final, Literal
 from editor.base.arithmetic import Change
 from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.group import SetVertices, Stretch
+from editor.documents.commands.rigid import freed, reshaped
 from kinetix.errors import CommandError
-from kinetix.level.geometry import polygon_fault, world_vertices
+from kinetix.level.geometry import world_vertices
 from kinetix.level.model import Body, Circle, Level, Point, Polygon
 
 Axis = Literal[0, 1]
@@ -126,7 +127,26 @@ class SetCorner:
         corners: list[Point] = list(world_vertices(body))
         x, y = corners[self.corner]
         corners[self.corner] = (self.value, y) if self.axis == 0 else (x, self.value)
-        fault = polygon_fault(tuple(corners))
-        if fault is not None and "clockwise" not in fault:
-            raise CommandError(f"This corner cannot go there: {fault}.")
         return SetVertices(body=self.body, vertices=tuple(corners)).apply(level)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ResetCorners:
+    """Gives a polygon back its corners; joints and thrusters stay where they are in the world."""
+
+    body: int
+    shape: Polygon
+    position: Point
+    """Origin of the shape's frame [m]."""
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Reset corners"
+
+    def apply(self, level: Level) -> Level:
+        """Put the corners back, turned as the body is now."""
+        body = level.body(self.body)
+        back = body.replace(shape=self.shape, position=self.position, mass_properties=None)
+        return freed(reshaped(level, back), self.body)

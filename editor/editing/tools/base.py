@@ -106,8 +106,8 @@ class ToolContext(Protocol):
         """Return what can be snapped to, hidden and moving bodies left out."""
         ...
 
-    def execute(self, command: Command) -> Outcome:
-        """Commit a command."""
+    def execute(self, command: Command, *, on: Document | None = None) -> Outcome:
+        """Commit a command, on the document in front if none is named."""
         ...
 
     def tool_done(self) -> None:

@@ -6,6 +6,7 @@ from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Dot, Line, Mark, Outline, Ring, Style
 from editor.base.prompts import Choice, MenuQuestion
 from editor.documents.commands.joints import AddJoint
+from editor.documents.document import Document
 from editor.editing.picking import bodies_at
 from editor.editing.snapping import snap_point
 from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext
@@ -74,7 +75,7 @@ class JointTool(Tool):
                 title="Join which shapes?",
                 choices=choices,
                 at=event.screen,
-                answer=lambda choice: self._answered(session, pairs, point, choice),
+                answer=lambda choice: self._answered(session, document, pairs, point, choice),
             )
         )
         return None
@@ -82,12 +83,14 @@ class JointTool(Tool):
     def _answered(
         self,
         session: ToolContext,
+        document: Document,
         pairs: list[tuple[BodyReference, BodyReference]],
         point: Point,
         choice: str | None,
     ) -> None:
         if choice is not None:
-            session.execute(AddJoint(bodies=pairs[int(choice)], point=point, kind=self.kind))
+            command = AddJoint(bodies=pairs[int(choice)], point=point, kind=self.kind)
+            session.execute(command, on=document)
             session.tool_done()
 
     def _point(self, session: ToolContext, event: PointerEvent) -> Point:

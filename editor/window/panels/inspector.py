@@ -95,11 +95,12 @@ class Inspector(Panel):
         imgui.dummy((0, px(2)))
 
     def _name(self, session: "Session", entity: int) -> None:
-        level = session.document.level
-        only = level.entity(entity)
+        document = session.document
+        only = document.level.entity(entity)
 
         def commit(name: str) -> None:
-            session.queue(named(session.document.level, entity, name))
+            command = named(document.level, entity, name)
+            session.queue(lambda: session.execute(command, on=document))
 
         hint, shown = "Name, seen in lists and plots", only.name or ""
         self._texts.line(session, "inspector.name", shown, commit, hint=hint, longest=MAX_NAME)

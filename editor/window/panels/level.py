@@ -71,20 +71,18 @@ class LevelPanel(Panel):
         self, session: "Session", field: str, value: str, read: Read, *, longest: int = 0
     ) -> None:
         """A text that commits on Enter or when the field is left."""
+        put = _setter(session, field)
 
         def commit(typed: str) -> None:
             stored = read(session, typed)
             if stored is not None:
-                session.queue(SetLevelField(field=field, value=stored))
+                put(stored)
 
         self._texts.line(session, f"level.{field}", value, commit, longest=longest)
 
     def _description(self, session: "Session", level: Level) -> None:
         widgets.muted("Description")
-
-        def commit(typed: str) -> None:
-            session.queue(SetLevelField(field="description", value=typed))
-
+        commit = _setter(session, "description")
         self._texts.area(
             session, "level.description", level.description, commit, longest=MAX_DESCRIPTION
         )
@@ -139,6 +137,17 @@ class LevelPanel(Panel):
         widgets.tooltip(
             "Edit arena", "Click floor, walls or ceiling to change their role and surface."
         )
+
+
+def _setter(session: "Session", field: str) -> Callable[[Any], None]:
+    """Return a call that sets a field of the level in front now, wherever that is by then."""
+    document = session.document
+
+    def put(value: Any) -> None:
+        command = SetLevelField(field=field, value=value)
+        session.queue(lambda: session.execute(command, on=document))
+
+    return put
 
 
 def _counter(label: str, used: int, limit: int) -> None:

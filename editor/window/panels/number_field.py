@@ -16,6 +16,7 @@ from imgui_bundle import imgui
 from editor.base.arithmetic import Change, parse
 from editor.documents.commands.base import Command
 from editor.documents.commands.fields import alike, field_name
+from editor.documents.document import Document
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS
 from editor.window.panels.number_info import (
@@ -69,20 +70,33 @@ class _Typing:
     """The field that is typed into. It edits what was selected when the typing began."""
 
     field: NumberField
+    document: Document
+    """The level in front when the typing began."""
     began: str
     text: str
     frame: int = 0
     """The frame in which it was drawn last; 0: not yet."""
 
 
+@dataclasses.dataclass(kw_only=True)
+class _Drag:
+    """The field that is dragged."""
+
+    name: str
+    document: Document
+    """The level in front when the drag began."""
+    start: float
+    """Value before the drag."""
+    last: float
+    frame: int
+    """The frame in which it was drawn last."""
+
+
 class NumberEditor:
     """Draws numbers and turns what a person does to them into previews and commits."""
 
     def __init__(self) -> None:
-        self._dragged: str | None = None
-        """The field being dragged."""
-        self._start = self._last = 0.0
-        """Value of the dragged field before and now."""
+        self._drag: _Drag | None = None
         self._typing: _Typing | None = None
         self._order: list[str] = []
         """Names of the fields of this frame so far, in the order of drawing."""
@@ -93,9 +107,18 @@ class NumberEditor:
         """The field that is to be typed into."""
 
     def begin(self, session: "Session") -> None:
-        """Begin a frame: what was typed into a field that is gone is committed."""
+        """Begin a frame: what was typed into a field that is gone is committed.
+
+        The drag of a field that is gone, or of another level's, is dropped, as a gesture would be.
+        """
         frame = imgui.get_frame_count()
         self._frame, self._order = frame, []
+        if self._drag is not None and self._drag.document is not session.document:
+            # A field of that name may be on the screen all the same: it is not being dragged.
+            imgui.internal.clear_active_id()
+            self._drag = None
+        elif self._drag is not None and self._drag.frame < frame - 1:
+            self._drag = None
         if self._typing is not None and 0 < self._typing.frame < frame - 1:
             self._finish(session, self._typing)
 
@@ -140,7 +163,8 @@ class NumberEditor:
         self._follow(session, field, changed, new / field.factor)
         if self._becomes_text(name):
             text = "" if field.mixed else digits(value, info, field.radians)
-            self._typing = _Typing(field=field, began=text, text=text)
+            document = session.document
+            self._typing = _Typing(field=field, document=document, began=text, text=text)
         if not imgui.is_item_active():
             note = f"Unusual: most levels stay within {usual_range(info, field.radians)}."
             widgets.tooltip(info.description or name, note if unusual else "")
@@ -183,33 +207,47 @@ class NumberEditor:
     def _finish(self, session: "Session", typing_: _Typing) -> None:
         self._typing = None
         if typing_.text.strip() != typing_.began.strip():
-            session.queue(functools.partial(_commit_typed, session, typing_.field, typing_.text))
+            session.queue(functools.partial(_commit_typed, session, typing_))
 
     def _follow(self, session: "Session", field: NumberField, changed: bool, value: float) -> None:
         """Preview and commit a drag."""
+        frame = imgui.get_frame_count()
+        value = round(value) if field.info.integer else value
+        drag = self._drag if self._drag is not None and self._drag.name == field.name else None
+        if changed and drag is None:
+            drag = self._drag = _Drag(
+                name=field.name,
+                document=session.document,
+                start=field.values[-1],
+                last=value,
+                frame=frame,
+            )
+        if drag is None:
+            return
+        drag.frame = frame
         if changed:
-            if self._dragged != field.name:
-                self._dragged, self._start = field.name, field.values[-1]
-            self._last = round(value) if field.info.integer else value
-            session.queue(functools.partial(_preview, session, self._edit(field)))
+            drag.last = value
+            session.queue(functools.partial(_preview, session, _edit(field, drag)))
         if imgui.is_item_deactivated():
-            if self._dragged == field.name:
-                session.queue(self._edit(field))
-            self._dragged = None
-
-    def _edit(self, field: NumberField) -> Command:
-        """Make the edit of a drag; values that differ change by as much."""
-        if field.mixed:
-            return field.command(Change(amount=self._last - self._start, operator="+"))
-        return field.command(Change(amount=self._last))
+            self._drag = None
+            if session.editing:
+                session.queue(_edit(field, drag))
 
 
-def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
+def _edit(field: NumberField, drag: _Drag) -> Command:
+    """Make the edit of a drag; values that differ change by as much."""
+    if field.mixed:
+        return field.command(Change(amount=drag.last - drag.start, operator="+"))
+    return field.command(Change(amount=drag.last))
+
+
+def _commit_typed(session: "Session", typing_: _Typing) -> None:
     """Commit what was typed; a value beyond the format's limits stops there, which is said.
 
     Raises:
         CommandError: It is not a number.
     """
+    field, text = typing_.field, typing_.text
     change, info = field.stored(parse(text, field.unit)), field.info
     wanted = [change.of(value) for value in field.values]
     beyond = next((w for w in wanted if not info.low - 1e-9 <= w <= info.high + 1e-9), None)
@@ -220,9 +258,10 @@ def _commit_typed(session: "Session", field: NumberField, text: str) -> None:
         stop = shown_value(limit, info, field.radians)
         typed = shown_value(beyond, info, field.radians) if change.relative else text.strip()
         session.complain(f"{title} is {words} {stop}: {typed} became {stop}.")
-        if not change.relative:
+        if len(field.values) == 1 or not change.relative:
+            # Changes of several values are cut by the edit itself, each where it gets beyond.
             change = Change(amount=limit)
-    session.execute(field.command(change))
+    session.execute(field.command(change), on=typing_.document)
 
 
 def _preview(session: "Session", command: Command) -> None:

@@ -1,5 +1,6 @@
 """Fields of the inspector that no single stored value stands behind: sizes, corners, places."""
 
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -12,6 +13,7 @@ from editor.documents.commands.sizes import (
     SIDE_MAX,
     SIDE_MIN,
     Axis,
+    ResetCorners,
     ResetExtent,
     SetCorner,
     SetExtent,
@@ -23,7 +25,7 @@ from editor.window.panels.fields import Editor
 from editor.window.panels.number_field import NumberField
 from editor.window.panels.number_info import FieldInfo
 from kinetix.level.geometry import body_mass, world_vertices
-from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Joint, Polygon
+from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Joint, Polygon
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -78,10 +80,23 @@ def _former(session: "Session", bodies: list[Body], axis: Axis) -> ResetExtent |
 
 def corner_rows(session: "Session", editor: Editor, body: Body) -> None:
     """Draw rows for the corners of one polygon, in the world."""
+    back = _former_corners(session, body)
     for number, corner in enumerate(world_vertices(body)):
         widgets.row(f"Corner {number + 1}")
-        with editor.resettable(session, ("shape",), name=f"corner.{number}") as room:
+        with editor.arrow(session, f"corner.{number}", back, "Reset to what is saved") as room:
             _corner(session, editor, body, number, corner, room)
+
+
+def _former_corners(session: "Session", body: Body) -> ResetCorners | None:
+    """Return the edit that brings back the saved corners, all of them; None where none differs."""
+    saved = session.document.saved
+    former = next((each for each in saved.bodies if each.id == body.id), None) if saved else None
+    if former is None or isinstance(former.shape, Circle) or isinstance(body.shape, Circle):
+        return None
+    now, before = body.shape.vertices, former.shape.vertices
+    if len(now) == len(before) and all(map(alike, chain(*now), chain(*before))):
+        return None
+    return ResetCorners(body=body.id, shape=former.shape, position=former.position)
 
 
 def _corner(

@@ -4,7 +4,9 @@ import pytest
 
 from editor import actions
 from editor.actions import BY_ID, context
-from tests.editor.core.helpers import Hand, a_level, a_session
+from editor.documents.commands.fields import read_field
+from editor.documents.document import Document
+from tests.editor.core.helpers import Hand, a_level, a_session, texts
 
 
 def menu(session, at):
@@ -86,3 +88,26 @@ def test_leaving_the_menu_changes_nothing():
     session.answer(prompt, None)
     assert session.selection == (1,)
     assert not session.document.dirty
+
+
+@pytest.mark.parametrize("key", ["edit.delete", "change.make red", "0"])
+def test_the_menu_is_about_the_level_in_which_it_was_opened(key):
+    session = a_session()
+    asked = session.document
+    prompt = menu(session, (4.0, 3.0))
+    session.open_tab(Document(a_level()))
+    session.answer(prompt, key)
+    assert session.document.level == asked.level == a_level()
+    assert session.selection == ()
+    assert "open the menu again" in texts(session)[-1]
+
+
+@pytest.mark.parametrize(("entity", "field"), [(5, "motor.binding"), (6, "binding")])
+def test_a_key_goes_to_the_level_that_it_was_asked_for(entity, field):
+    session = a_session()
+    asked = session.document
+    context.ask_key(session, entity, (0.0, 0.0))
+    session.open_tab(Document(a_level()))
+    session.answer(session.prompts[-1], "1")
+    assert read_field(asked.level.entity(entity), field) == 1
+    assert session.document.level == a_level()

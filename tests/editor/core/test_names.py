@@ -14,6 +14,7 @@ from editor.documents.commands import clip
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
 from editor.documents.commands.level import ReplaceLevel
+from editor.documents.document import Document
 from editor.documents.old_names import OldNames
 from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
@@ -62,6 +63,17 @@ def test_a_name_is_an_edit_that_undo_takes_back_and_saving_keeps(session, path):
     assert file.open_path(again, path)
     assert again.document.name_of(1) == "Chassis"
     assert not again.document.dirty
+
+
+def test_a_name_goes_to_the_level_that_it_was_asked_for(session):
+    session.document.commit(ReplaceLevel(level=a_level(), label="Start"))
+    asked = session.document
+    session.selection = (1,)
+    run(session, "edit.rename")
+    session.open_tab(Document(a_level()))
+    session.answer(session.prompts[-1], "Crane")
+    assert asked.level.entity(1).name == "Crane"
+    assert session.document.level == a_level()
 
 
 @pytest.mark.parametrize("nothing", ["Joint 5", "", "   "])

@@ -5,11 +5,11 @@ import math
 import pytest
 
 from editor import actions
-from editor.base.overlay import HandleKind
+from editor.base.overlay import Cursor, HandleKind
 from editor.editing.picking import handles, signed_distance
 from kinetix.level.geometry import bounds_of, referenced_body, to_world
 from kinetix.level.model import Level
-from tests.editor.core.helpers import Hand, a_level, a_session
+from tests.editor.core.helpers import Hand, a_level, a_session, texts
 
 
 def gap(level, joint):
@@ -243,6 +243,30 @@ def test_a_triangles_vertex_can_be_dragged():
     body = session.document.level.bodies[0]
     assert bounds_of([body]) == pytest.approx((1, 1, 2, 3), abs=1e-5)
     assert body.position == pytest.approx((4 / 3, 5 / 3), abs=1e-5)
+
+
+def test_a_vertex_can_be_dragged_across_the_opposite_side():
+    session = a_session(Level(name="Empty"))
+    hand = Hand(session)
+    hand.key("t")
+    for corner in ((1, 1), (2, 1), (1.5, 2)):
+        hand.click(corner)
+    before = session.document.level
+    hand.press((1.5, 2))
+    hand.hold((1.5, 1.5))
+    hand.hold((1.5, 1))
+    assert session.driver.active
+    assert "cannot go there" in session.hint
+    assert session.driver.feedback.cursor is Cursor.REFUSED
+    hand.hold((1.5, 0.5))
+    assert "cannot go there" not in session.hint
+    hand.release((1.5, 0.5))
+    assert bounds_of(session.document.level.bodies) == pytest.approx((1, 0.5, 2, 1), abs=1e-5)
+    session.document.undo()
+    hand.drag((1.5, 2), (1.5, 1))
+    assert "cannot go there" in texts(session)[-1]
+    assert session.document.level.bodies == before.bodies
+    assert not session.document.previewing
 
 
 def test_a_selected_joint_and_thruster_can_be_dragged(session, hand):

@@ -7,14 +7,16 @@ import pytest
 from editor import actions
 from editor.actions import run
 from editor.base.settings import Settings
+from editor.documents.commands.group import Move
 from editor.documents.commands.level import ReplaceLevel
+from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Worker
 from editor.worker.recording import Trace
 from editor.worker.requests import Opened, PlaySolution
 from kinetix.level.codec import load_level
-from kinetix.level.model import Solution
+from kinetix.level.model import Level, Solution
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session
 
 
@@ -87,16 +89,66 @@ def test_a_win_in_the_levels_own_step_is_kept_if_it_wins_in_the_shared_one_too(l
     assert said.startswith("Kept as the solution" if again == "won" else "Not kept")
 
 
-@pytest.mark.parametrize("spoilt", ["perturbed", "lost", "playing"])
-def test_only_a_win_from_the_start_can_be_kept(session, level, spoilt):
+@pytest.mark.parametrize("afterwards", ["restart", "edit", "a moment before", "a loss"])
+def test_a_win_is_kept_from_its_message_whatever_is_played_by_then(session, level, afterwards):
+    if afterwards in ("restart", "a loss"):
+        session.settings.restart_automatically = True
     won(session)
-    if spoilt == "perturbed":
-        session.playback.current.perturbed = True
-    elif spoilt == "lost":
-        session.playback.step_back()
+    if afterwards == "edit":
+        run(session, "run.stop")
+    elif afterwards == "a moment before":
+        run(session, "run.step_back")
     else:
-        run(session, "run.reset")
+        session.playback.simulator.ends_at = 10 if afterwards == "a loss" else 200
+        session.playback.simulator.ends = "lost"
+    for _ in range(100):
+        actions.update(session, 1 / 60)
+    assert session.playback.outcome == ("lost" if afterwards == "a loss" else None)
+    offers = [toast for toast in session.toasts if toast.action == "level.keep_solution"]
+    assert len(offers) == 1
+    assert run(session, "level.keep_solution")
+    assert session.editing
+    assert len(list(session.document.level.solution.unrolled())) == 10
     assert not run(session, "level.keep_solution")
+
+
+def test_of_two_wins_the_last_is_offered(session, level):
+    won(session)
+    run(session, "run.reset")
+    session.playback.simulator.ends_at = 12
+    for _ in range(40):
+        actions.update(session, 1 / 60)
+    offers = [toast.text for toast in session.toasts if toast.action == "level.keep_solution"]
+    assert offers == ["Won in 12 steps: shall that be the level's solution?"]
+    assert run(session, "level.keep_solution")
+    assert len(list(session.document.level.solution.unrolled())) == 12
+
+
+@pytest.mark.parametrize("other", ["changed", "another"])
+def test_a_win_is_no_solution_of_another_level(session, level, other):
+    won(session)
+    run(session, "run.stop")
+    if other == "changed":
+        session.execute(Move(ids=(1,), shift=(0.1, 0.0)))
+    else:
+        session.open_tab(Document(Level(name="Another")))
+    assert not run(session, "level.keep_solution")
+    actions.update(session, 0.0)
+    assert all(toast.action != "level.keep_solution" for toast in session.toasts)
+
+
+@pytest.mark.parametrize("spoilt", ["perturbed", "lost"])
+def test_only_a_win_by_keys_alone_can_be_kept(session, level, spoilt):
+    session.playback.simulator.ends_at = 10
+    session.playback.simulator.ends = "lost" if spoilt == "lost" else "won"
+    run(session, "run.play_human")
+    actions.update(session, 0.0)
+    session.playback.current.perturbed = spoilt == "perturbed"
+    for _ in range(30):
+        actions.update(session, 1 / 60)
+    assert session.mode is Mode.ENDED
+    assert not run(session, "level.keep_solution")
+    assert all(toast.action != "level.keep_solution" for toast in session.toasts)
 
 
 def test_a_recorded_solution_is_a_replay(session, level):

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from editor import actions
+from editor.documents.document import Document
 from editor.editing.tools import TOOLS
 from kinetix.level.geometry import signed_area
 from kinetix.level.model import Circle, Level
@@ -206,6 +207,21 @@ def test_three_shapes_under_a_joint_ask_for_the_pair():
     (joint,) = session.document.level.joints
     assert {joint.a, joint.b} == {1, 9}
     assert session.prompts == []
+
+
+def test_a_pair_is_joined_in_the_level_in_which_it_was_clicked():
+    level = a_level()
+    third = level.bodies[1].replace(id=9, position=(2.1, 2.0))
+    level = level.replace(joints=(), bodies=(*level.bodies, third), next_id=10)
+    session = a_session(level)
+    asked = session.document
+    hand = Hand(session)
+    hand.key("j")
+    hand.click((2.12, 2.0))
+    session.open_tab(Document(level))
+    session.answer(session.prompts[-1], "0")
+    assert len(asked.level.joints) == 1
+    assert session.document.level == level
 
 
 def test_two_selected_shapes_decide_the_pair():

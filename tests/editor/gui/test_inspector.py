@@ -10,6 +10,8 @@ from editor.base.events import QuitEvent
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
 from editor.documents.commands.sizes import extent
+from editor.documents.document import Document
+from editor.editing.picking import joint_position
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
 from tests.editor.core.helpers import a_level, a_session
@@ -160,6 +162,16 @@ def test_a_value_beyond_the_limits_stops_there_and_says_so(make_gui, typed):
     assert said == f"Density is at least 0.001 kg/m²: {typed} became 0.001 kg/m²."
 
 
+def test_a_change_beyond_the_limits_stops_there_too(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.selection = (5,)
+    gui.frames(3)
+    edit_text(gui, "inspector.joint.x", "+=20")
+    assert joint_position(gui.level, gui.level.joints[0]) == pytest.approx((15.0, 2.0), abs=1e-5)
+    said = gui.session.toasts[-1].text
+    assert said.endswith("is at most 15.00 m: 22.20 m became 15.00 m.")
+
+
 def test_several_things_are_changed_each_from_its_own_value(make_gui):
     level = a_level()
     first, second, *rest = level.bodies
@@ -181,6 +193,63 @@ def test_several_things_are_changed_each_from_its_own_value(make_gui):
     assert gui.level.body(2).density == pytest.approx(6.0 + added, abs=1e-5)
     edit_text(gui, "inspector.density", "5")
     assert [gui.level.body(i).density for i in (1, 2)] == pytest.approx([5.0, 5.0])
+
+
+def begin_drag(gui, name):
+    """Drag a number, and keep the button down."""
+    x, y = gui.probe(name).centre
+    gui.move(x, y)
+    gui.button(x, y, pressed=True)
+    for k in range(1, 6):
+        gui.move(x + 12 * k, y)
+    return x + 60, y
+
+
+@pytest.mark.parametrize(
+    ("key", "panels"),
+    [("escape", False), ("space", False), ("space", True), ("ctrl+n", False), ("ctrl+g", False)],
+)
+def test_a_drag_that_is_broken_off_leaves_nothing_behind(make_gui, key, panels):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    gui.session.view.panels_in_play = panels
+    gui.click("outliner.1")
+    document = gui.session.document
+    at = begin_drag(gui, "inspector.density")
+    assert document.shown.body(1).density > 1.5
+    gui.key(key)
+    assert not document.previewing
+    gui.button(*at, pressed=False)
+    gui.frames(3)
+    assert document.level == document.shown == a_level()
+    assert not any("Stop playing" in line for line in gui.session.log.lines)
+
+
+def test_after_a_drag_that_was_broken_off_a_click_changes_nothing(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.1")
+    at = begin_drag(gui, "inspector.density")
+    gui.key("escape")
+    gui.button(*at, pressed=False)
+    gui.click("outliner.1")
+    gui.click("inspector.density")  # it is typed into
+    gui.key("escape")
+    gui.frames(2)
+    assert gui.level == a_level()
+
+
+def test_a_drag_does_not_go_on_in_another_level(make_gui):
+    gui = make_gui(level=a_level())
+    document = gui.session.document
+    document.mark_unsaved()
+    x, y = begin_drag(gui, "level.max_timesteps")
+    assert document.shown.max_timesteps != 256
+    gui.key("ctrl+n")
+    assert gui.session.document is not document
+    gui.move(x + 40, y)
+    gui.button(x + 40, y, pressed=False)
+    gui.frames(3)
+    for each in (document, gui.session.document):
+        assert each.level.max_timesteps == each.shown.max_timesteps == 256
 
 
 def test_tab_goes_to_the_next_field_and_escape_keeps_the_value(make_gui):
@@ -211,6 +280,36 @@ def test_what_is_being_typed_goes_to_what_was_selected_then(make_gui):
     assert gui.session.selection == (3,)
     assert gui.level.body(1).density == pytest.approx(7.0)
     assert gui.level.body(3).density == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "typed"),
+    [
+        ("inspector.density", "7"),
+        ("inspector.name", "Chassis"),
+        ("level.max_timesteps", "99"),
+        ("level.name", "Mine"),
+        ("level.description", "Jump twice"),
+    ],
+)
+def test_what_is_being_typed_stays_with_its_level_when_another_comes_in_front(
+    make_gui, field, typed
+):
+    gui = make_gui(level=a_level(), size=(1440, 1400))
+    document = gui.session.document
+    gui.click("outliner.1")
+    gui.click(field)
+    gui.key("ctrl+a")
+    gui.text(typed)
+    other = Document(a_level())
+    other.selection = (1,)
+    gui.session.open_tab(other)  # as a finished job does
+    gui.frames(3)
+    gui.key("return")
+    gui.click("outliner.3")
+    gui.frames(3)
+    assert other.level == a_level()
+    assert document.level != a_level()
 
 
 @pytest.mark.parametrize(
@@ -267,6 +366,25 @@ def test_a_corner_is_typed_and_a_hollow_shape_refused(make_gui):
     assert "cannot go there" in gui.session.toasts[-1].text
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.5])
+def test_a_corner_goes_back_and_joints_and_thrusters_stay(make_gui, angle):
+    level = a_level()
+    level = level.replace(bodies=(level.bodies[0].replace(angle=angle), *level.bodies[1:]))
+    gui = make_gui(level=level, size=(1440, 1400))
+    gui.click("outliner.1")
+    gui.click("inspector.corners")
+    gui.frames(3)
+    assert not gui.shows("reset.corner.0")
+    edit_text(gui, "inspector.corner.0.x", "2.6")
+    assert gui.level.body(1).position != level.body(1).position
+    gui.click("reset.corner.0")
+    assert gui.level.body(1) == level.body(1)
+    assert gui.level.joints[0].anchor_a == pytest.approx(level.joints[0].anchor_a, abs=1e-6)
+    assert gui.level.thrusters[0].position == pytest.approx(level.thrusters[0].position, abs=1e-6)
+    assert gui.session.document.history.undo_label == "Reset corners"
+    assert not gui.shows("reset.corner.0")
+
+
 def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
     gui = make_gui(level=a_level())
     gui.session.selection = (5,)
@@ -276,8 +394,6 @@ def test_the_bodies_and_the_place_of_a_joint_can_be_changed(make_gui):
     joint = gui.level.joints[0]
     assert (joint.a, joint.b) == (1, 3)
     edit_text(gui, "inspector.joint.x", "1.9")
-    from editor.editing.picking import joint_position
-
     assert joint_position(gui.level, gui.level.joints[0])[0] == pytest.approx(1.9, abs=1e-5)
     gui.click("inspector.body_a")
     gui.click("inspector.body_a.3")

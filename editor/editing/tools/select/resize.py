@@ -10,14 +10,7 @@ from editor.documents.commands.group import Scale, SetVertices, Stretch
 from editor.editing.picking import selected_bodies
 from editor.editing.snapping import apart_from, measured, snap_point
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
-from kinetix.errors import CommandError
-from kinetix.level.geometry import (
-    bounds_of,
-    polygon_fault,
-    to_local,
-    to_world,
-    world_vertices,
-)
+from kinetix.level.geometry import bounds_of, to_local, to_world, world_vertices
 from kinetix.level.model import Body, Circle, Point, Polygon
 
 FACTOR_MIN: Final = 0.02
@@ -70,9 +63,6 @@ def _scaled_group(
 def _moved_vertex(body: Body, handle: Handle, pointer: Point) -> tuple[Command, str]:
     vertices = list(world_vertices(body))
     vertices[handle.index] = pointer
-    fault = polygon_fault(tuple(vertices))
-    if fault is not None and "clockwise" not in fault:
-        raise CommandError(f"This corner cannot go there: {fault}.")
     command = SetVertices(body=body.id, vertices=tuple(vertices))
     return command, f"{pointer[0]:.2f}, {pointer[1]:.2f} m"
 
