@@ -19,7 +19,7 @@ from editor.worker.recording import Trace, channels_of
 from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
-from kinetix.errors import CommandError, KinetixError
+from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.files.atomic import check_target, write_atomically, write_with_backup
 from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
@@ -359,12 +359,55 @@ def record(session: Session) -> None:
         session.recording = Recording.of(session.playback)
         session.toast("Recording: play, then press Ctrl+Shift+R again.")
         return
-    check_target(free_name(session, ".gif"))  # Where that cannot be, the recording goes on.
-    films, session.recording = session.recording.films(), None
+    try:
+        end_recording(session)
+    except LevelError as error:
+        _ask_to_drop(session, error)
+
+
+def end_recording(session: Session) -> None:
+    """Write the films of what was recorded.
+
+    Raises:
+        CommandError: Nothing was played; the recording has ended.
+        LevelError: Nothing can be written there; the recording goes on.
+    """
+    recording = session.recording
+    films = [] if recording is None else recording.films()
+    if films:
+        check_target(free_name(session, ".gif"))
+    session.recording = None
     if not films:
         raise CommandError("Nothing was played while recording.")
     for level, trace in films:
         film(session, level, trace, free_name(session, ".gif"))
+
+
+def why_no_film(error: LevelError) -> str:
+    """Say why a film cannot be written, and what to do to keep it."""
+    return f"{error}\nTo keep the film, save the level in another folder."
+
+
+def _ask_to_drop(session: Session, error: LevelError) -> None:
+    """Ask whether a recording that cannot be written goes on."""
+
+    def answer(choice: str) -> None:
+        if choice == "drop":
+            session.recording = None
+
+    session.ask(
+        Question(
+            title="Drop the film?",
+            message=why_no_film(error),
+            choices=(
+                Choice(id="drop", label="Drop the Film"),
+                Choice(id="go_on", label="Go On Recording"),
+            ),
+            default="go_on",
+            cancel="go_on",
+            answer=answer,
+        )
+    )
 
 
 def update_recording(session: Session) -> None:
