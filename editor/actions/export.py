@@ -56,19 +56,17 @@ def ask_export(session: Session) -> None:
 
 def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
     suffix = f".{choice}" if choice in ("gif", "mp4", "html", "npz", "json") else ".png"
-    document, playback = session.document, session.playback
-    level, snapshot = playback.level or document.level, playback.snapshot
-    state = None if snapshot is None else snapshot.state
-    if snapshot is not None and state is None:
-        level = posed(level, snapshot)
+    document, shown = session.document, _on_show(session)
+    # An episode that is set aside while its level is changed can still be filmed.
+    played = session.playback.level or document.level
 
     def answer(path: Path | None) -> None:
         if path is None:
             return
         if suffix == ".png":
             request = ExportPicture(
-                level=level,
-                state=state,
+                level=shown[0],
+                state=shown[1],
                 path=path,
                 factor=int(choice[-1]),
                 transparent=choice.startswith("clear"),
@@ -78,12 +76,12 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
         elif suffix == ".json":
             write_for_kinetix_env(session, document, path)
         elif trace is not None and suffix == ".npz":
-            write_trace(trace, level, path)
+            write_trace(trace, played, path)
             session.toast(f"Wrote {path}", "success")
         elif trace is not None and suffix == PAGE:
-            write_page(session, level, trace, path)
+            write_page(session, played, trace, path)
         elif trace is not None:
-            film(session, level, trace, path)
+            film(session, played, trace, path)
 
     session.ask(
         FileQuestion(
@@ -95,6 +93,17 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
             answer=answer,
         )
     )
+
+
+def _on_show(session: Session) -> tuple[Level, Any]:
+    """Return the level for a picture and the simulator's state of it; None: as the level says."""
+    playback = session.playback
+    level, snapshot = playback.level, playback.snapshot
+    if not playback.active or level is None:
+        return session.document.level, None
+    if snapshot is None:
+        return level, None
+    return (posed(level, snapshot), None) if snapshot.state is None else (level, snapshot.state)
 
 
 def write_for_kinetix_env(session: Session, document: Document, path: Path) -> None:

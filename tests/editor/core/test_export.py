@@ -6,7 +6,7 @@ import pytest
 from editor import actions
 from editor.actions import export
 from editor.documents import files
-from editor.documents.commands.group import Move
+from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
 from editor.play.trace_files import write_trace
 from editor.worker.jobs import Job, JobState
@@ -208,6 +208,23 @@ def test_an_export_rests_what_is_played_so_that_nothing_is_missing(session, film
     (film,) = films()
     assert session.mode is Mode.PAUSED
     assert film.trace.snapshots[-1].step == seen == session.playback.step_count
+
+
+def test_a_picture_of_a_paused_episode_that_is_changed_shows_the_changes(session, films, tmp_path):
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "run.pause")
+    play(session, 0.1)
+    played = session.playback.level
+    actions.run(session, "run.change")
+    session.execute(Remove(ids=(3,)))
+    for choice in ("png1", "gif"):
+        actions.run(session, "file.export")
+        session.answer(session.prompts[-1], choice)
+        session.answer(session.prompts[-1], tmp_path / f"shown.{choice[:3]}")
+    picture, film = (job.request for job in session.worker.jobs)
+    assert (picture.level, picture.state) == (session.document.level, None)
+    assert film.level == played  # the episode so far, which can still be filmed
 
 
 def test_an_export_can_be_stopped_and_says_so(session, films):
