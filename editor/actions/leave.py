@@ -87,6 +87,7 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
     if not remaining:
         _quit(session)
         return
+    session.leave_moment(remaining[0])
     session.show_tab(session.tabs.index(remaining[0]))
     save(session, lambda: _save_all(session, remaining[1:]))
 
