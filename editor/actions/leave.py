@@ -166,6 +166,6 @@ def _going_on(session: Session) -> list[str]:
 
 def _leave(session: Session) -> None:
     with session.guard():
-        session.keeper.save()
+        session.keeper.save(again=True)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True
