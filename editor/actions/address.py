@@ -74,7 +74,9 @@ def _level(session: Session, path: Path) -> None:
         file.tell(session, "This cannot be opened", str(error))
         return
     session.gallery.open = False
-    session.open_tab(Document(level))
+    document = Document(level)
+    document.mark_unsaved()
+    session.open_tab(document)
 
 
 def open_any(session: Session, words: str) -> bool:

@@ -73,7 +73,9 @@ def paste(session: Session) -> None:
     text = session.clipboard.get()
     level = clip.loads_level(text)
     if level is not None:
-        session.open_tab(Document(level))
+        document = Document(level)
+        document.mark_unsaved()  # The clipboard will soon hold something else.
+        session.open_tab(document)
         session.toast(f"Opened {level.name} from the clipboard.", "success")
         return
     found = clip.loads(text)

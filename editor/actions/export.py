@@ -19,7 +19,7 @@ from editor.worker.recording import Trace, channels_of
 from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
-from kinetix.errors import CommandError, KinetixError
+from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.files.atomic import check_target, write_atomically, write_with_backup
 from kinetix.level.codec import dumps, level_hash
 from kinetix.level.model import Level
@@ -56,19 +56,17 @@ def ask_export(session: Session) -> None:
 
 def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
     suffix = f".{choice}" if choice in ("gif", "mp4", "html", "npz", "json") else ".png"
-    document, playback = session.document, session.playback
-    level, snapshot = playback.level or document.level, playback.snapshot
-    state = None if snapshot is None else snapshot.state
-    if snapshot is not None and state is None:
-        level = posed(level, snapshot)
+    document, shown = session.document, _on_show(session)
+    # An episode that is set aside while its level is changed can still be filmed.
+    played = session.playback.level or document.level
 
     def answer(path: Path | None) -> None:
         if path is None:
             return
         if suffix == ".png":
             request = ExportPicture(
-                level=level,
-                state=state,
+                level=shown[0],
+                state=shown[1],
                 path=path,
                 factor=int(choice[-1]),
                 transparent=choice.startswith("clear"),
@@ -78,12 +76,12 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
         elif suffix == ".json":
             write_for_kinetix_env(session, document, path)
         elif trace is not None and suffix == ".npz":
-            write_trace(trace, level, path)
+            write_trace(trace, played, path)
             session.toast(f"Wrote {path}", "success")
         elif trace is not None and suffix == PAGE:
-            write_page(session, level, trace, path)
+            write_page(session, played, trace, path)
         elif trace is not None:
-            film(session, level, trace, path)
+            film(session, played, trace, path)
 
     session.ask(
         FileQuestion(
@@ -95,6 +93,17 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
             answer=answer,
         )
     )
+
+
+def _on_show(session: Session) -> tuple[Level, Any]:
+    """Return the level for a picture and the simulator's state of it; None: as the level says."""
+    playback = session.playback
+    level, snapshot = playback.level, playback.snapshot
+    if not playback.active or level is None:
+        return session.document.level, None
+    if snapshot is None:
+        return level, None
+    return (posed(level, snapshot), None) if snapshot.state is None else (level, snapshot.state)
 
 
 def write_for_kinetix_env(session: Session, document: Document, path: Path) -> None:
@@ -359,12 +368,55 @@ def record(session: Session) -> None:
         session.recording = Recording.of(session.playback)
         session.toast("Recording: play, then press Ctrl+Shift+R again.")
         return
-    check_target(free_name(session, ".gif"))  # Where that cannot be, the recording goes on.
-    films, session.recording = session.recording.films(), None
+    try:
+        end_recording(session)
+    except LevelError as error:
+        _ask_to_drop(session, error)
+
+
+def end_recording(session: Session) -> None:
+    """Write the films of what was recorded.
+
+    Raises:
+        CommandError: Nothing was played; the recording has ended.
+        LevelError: Nothing can be written there; the recording goes on.
+    """
+    recording = session.recording
+    films = [] if recording is None else recording.films()
+    if films:
+        check_target(free_name(session, ".gif"))
+    session.recording = None
     if not films:
         raise CommandError("Nothing was played while recording.")
     for level, trace in films:
         film(session, level, trace, free_name(session, ".gif"))
+
+
+def why_no_film(error: LevelError) -> str:
+    """Say why a film cannot be written, and what to do to keep it."""
+    return f"{error}\nTo keep the film, save the level in another folder."
+
+
+def _ask_to_drop(session: Session, error: LevelError) -> None:
+    """Ask whether a recording that cannot be written goes on."""
+
+    def answer(choice: str) -> None:
+        if choice == "drop":
+            session.recording = None
+
+    session.ask(
+        Question(
+            title="Drop the film?",
+            message=why_no_film(error),
+            choices=(
+                Choice(id="drop", label="Drop the Film"),
+                Choice(id="go_on", label="Go On Recording"),
+            ),
+            default="go_on",
+            cancel="go_on",
+            answer=answer,
+        )
+    )
 
 
 def update_recording(session: Session) -> None:

@@ -307,7 +307,8 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
         return
 
     def answer(choice: str) -> None:
-        tab.moment = None
+        if choice != "cancel":
+            session.leave_moment(tab)
         if choice == "save":
             session.show_tab(session.tabs.index(tab))
             save(session, then)
@@ -340,7 +341,7 @@ def ask_moment(session: Session, tab: Tab, then: Callable[[], None]) -> None:
         if choice == "keep":
             session.show_tab(session.tabs.index(tab))
             moment.keep(session)
-        tab.moment = None
+        session.leave_moment(tab)
         then()
 
     session.ask(

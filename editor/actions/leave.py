@@ -7,12 +7,15 @@ from editor.actions.file import ask_moment, if_settled, save
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
 from editor.worker.requests import AddEpisode
+from kinetix.errors import LevelError
 from kinetix.level.model import Level
 
 MOST_NAMES: Final = 12
 """So many are listed in a question."""
 _UNSAVED: Final = "Save before closing?"
 _UNDER_WAY: Final = "Wait for what is under way?"
+_NO_FILM: Final = "Close without the film?"
+_QUESTIONS: Final = {_UNSAVED, _UNDER_WAY, _NO_FILM}
 
 
 def quit_app(session: Session) -> None:
@@ -23,8 +26,8 @@ def quit_app(session: Session) -> None:
         ask_moment(session, changed, lambda: quit_app(session))
         return
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
-    titles = [prompt.title for prompt in session.prompts if isinstance(prompt, Question)]
-    if _UNSAVED in titles or _UNDER_WAY in titles:
+    titles = {prompt.title for prompt in session.prompts if isinstance(prompt, Question)}
+    if titles & _QUESTIONS:
         return
     if len(unsaved) < 2:
         if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
@@ -84,6 +87,7 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
     if not remaining:
         _quit(session)
         return
+    session.leave_moment(remaining[0])
     session.show_tab(session.tabs.index(remaining[0]))
     save(session, lambda: _save_all(session, remaining[1:]))
 
@@ -91,7 +95,11 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
 def _quit(session: Session) -> None:
     """Close the app; a film under way is ended, and what is not complete is asked about."""
     if session.recording is not None and session.recording.films():
-        export.record(session)
+        try:
+            export.end_recording(session)
+        except LevelError as error:
+            _ask_about_film(session, error)
+            return
     going_on = _going_on(session)
     if not going_on:
         _leave(session)
@@ -120,6 +128,29 @@ def _quit(session: Session) -> None:
     )
 
 
+def _ask_about_film(session: Session, error: LevelError) -> None:
+    """Ask whether to close although what was recorded cannot be written."""
+
+    def answer(choice: str) -> None:
+        if choice == "quit":
+            session.recording = None
+            _quit(session)
+
+    session.ask(
+        Question(
+            title=_NO_FILM,
+            message=export.why_no_film(error),
+            choices=(
+                Choice(id="quit", label="Close Without It"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="cancel",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
+
+
 def _going_on(session: Session) -> list[str]:
     """Return what would be lost: files that are being written or wait for it, an evaluation."""
     evaluation = session.viewer.evaluation
@@ -135,6 +166,6 @@ def _going_on(session: Session) -> list[str]:
 
 def _leave(session: Session) -> None:
     with session.guard():
-        session.keeper.save()
+        session.keeper.save(again=True)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

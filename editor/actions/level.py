@@ -44,7 +44,8 @@ def _draw(session: Session, request: RandomLevel, title: str) -> None:
         elif job.state is JobState.DONE:
             level: Level = job.result
             document = Document(level.replace(name=f"{title} {request.seed}"))
-            if session.tab.untouched:
+            document.drawn = True
+            if session.tab.untouched and session.tab.document.drawn:
                 session.leave_play()
                 session.tab.document = document
             else:

@@ -3,9 +3,9 @@
 import contextlib
 import dataclasses
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Final, Literal, Self, get_type_hints
+from typing import Annotated, Any, Final, Literal, Self, get_type_hints
 
 import msgspec
 from msgspec import Meta
@@ -17,6 +17,8 @@ from kinetix.paths import config_dir
 from kinetix.render.palette import PALETTES
 
 RECENTS_MAX: Final = 10
+_RECENT: Final = ("recents", "recent_agents")
+"""Settings that list what was used, newest first."""
 GRID_STEPS: Final = (0.05, 0.1, 0.25, 0.5)
 """Choices of the grid [m]."""
 ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
@@ -120,13 +122,9 @@ class Settings:
     @classmethod
     def load(cls, path: Path | None = None) -> Self:
         """Read the file; defaults where it is absent or says something else."""
-        path = path or settings_path()
-        stored = read_state(path)
         settings = cls()
-        for name, kind in get_type_hints(cls, include_extras=True).items():
-            if name in stored:
-                with contextlib.suppress(msgspec.ValidationError, UnicodeError):
-                    setattr(settings, name, msgspec.convert(stored[name], kind))
+        for name, value in _valid(read_state(path or settings_path())).items():
+            setattr(settings, name, value)
         settings.recents = [path for path in settings.recents if is_text(path)]
         settings.recent_agents = [path for path in settings.recent_agents if is_text(path)]
         return settings
@@ -161,35 +159,66 @@ class SettingsKeeper:
         self._settings = settings
         self._path = path
         self._stored = stored
-        self._written = dataclasses.asdict(settings)
+        self._written = self._tried = dataclasses.asdict(settings)
         self.fault = state_fault(path or settings_path()) if stored else ""
         """Why the file could not be read; empty where it could, or there was none."""
 
-    def save(self) -> None:
+    def save(self, *, again: bool = False) -> None:
         """Write what has changed since it was read or written last.
+
+        Args:
+            again: Whether to try also what could not be written before.
 
         Raises:
             LevelError: It cannot be written; it is not tried again before something else changes.
         """
         now = dataclasses.asdict(self._settings)
         changed = {name: value for name, value in now.items() if value != self._written[name]}
-        if not changed or not self._stored:
+        if not changed or not self._stored or (now == self._tried and not again):
             return
-        before, self._written = self._written, now
+        self._tried = now
         path = self._path or settings_path()
         # This window knows what the file held before it was broken.
         there = read_state(path, broken=now)
-        for name in ("recents", "recent_agents"):
-            others = there.get(name)
-            if name in changed and isinstance(others, list):
-                changed[name] = _merged(changed[name], before[name], [str(each) for each in others])
+        theirs = _valid(there)
+        for name in changed.keys() & theirs.keys():
+            changed[name] = _merged(name, changed[name], self._written[name], theirs[name])
         write_state(path, there | changed)
+        self._written = now
 
 
-def _merged(mine: list[str], before: list[str], others: list[str]) -> list[str]:
+def _valid(stored: Mapping[str, Any]) -> dict[str, Any]:
+    """Return those of the stored values that a field can have."""
+    found = {}
+    for name, kind in get_type_hints(Settings, include_extras=True).items():
+        if name in stored:
+            with contextlib.suppress(msgspec.ValidationError, UnicodeError):
+                found[name] = msgspec.convert(stored[name], kind)
+    return found
+
+
+def _merged(name: str, mine: Any, before: Any, theirs: Any) -> Any:
+    """Return a setting that this window has changed, with what another window has made of it."""
+    if name in _RECENT:
+        return _merged_recents(mine, before, theirs)
+    if name == "gallery_folders":
+        return list(_merged_keys(*map(dict.fromkeys, (mine, before, theirs))))
+    return _merged_keys(mine, before, theirs) if isinstance(mine, dict) else mine
+
+
+def _merged_recents(mine: list[str], before: list[str], theirs: list[str]) -> list[str]:
     """Recent paths of two windows: what this one forgot is gone, what the other one added stays."""
-    added = [each for each in others if each not in before]
+    added = [each for each in theirs if each not in before]
     return list(dict.fromkeys([*mine, *added]))[:RECENTS_MAX]
+
+
+def _merged_keys(
+    mine: Mapping[str, Any], before: Mapping[str, Any], theirs: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return what the other window has, with what this one has added, changed and removed."""
+    kept = {key: value for key, value in theirs.items() if key in mine or key not in before}
+    changed = {key: v for key, v in mine.items() if key not in before or before[key] != v}
+    return kept | changed
 
 
 def settings_path() -> Path:

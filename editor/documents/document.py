@@ -133,6 +133,8 @@ class Document:
         """Time of the last copy of unsaved changes; None: there is none."""
         self.origin: tuple[Path, ...] = ()
         """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
+        self.drawn = False
+        """True if it was drawn at random: until it is changed, the next one may take its tab."""
         self.saves = 0
         """Number of saves."""
         self._history: History[Level, Selection] = History(level, ())
@@ -325,7 +327,7 @@ class Document:
         self.format = format or self.format
 
     def mark_unsaved(self) -> None:
-        """Remember that no file holds this level (it was recovered, or its file is gone)."""
+        """Remember that no file holds this level (recovered, pasted, or its file is gone)."""
         self._saved = None
 
     def _show(self, entry: Entry[Level, Selection] | None) -> None:

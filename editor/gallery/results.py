@@ -5,6 +5,7 @@ edited has another hash and starts anew.
 """
 
 import dataclasses
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -55,7 +56,7 @@ class Trial:
 
 
 class Results:
-    """Records by level hash and trial; read once, written at every change."""
+    """Records by level hash and trial; every change keeps what another window has written."""
 
     def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
         """Start with what the file says.
@@ -67,6 +68,8 @@ class Results:
         self._path = path
         self._stored = stored
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
+        self._unwritten: dict[str, dict[Trial, Record]] = {}
+        """What was put since the file was written last: another window cannot know it."""
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
 
@@ -94,9 +97,8 @@ class Results:
         Raises:
             LevelError: The file cannot be written.
         """
-        for sha256, record in levels.items():
-            self._put(trial, sha256, record)
-        self._write()
+        self._refresh()
+        self._put({sha256: {trial: record} for sha256, record in levels.items()})
 
     def add_episode(self, player: str, sha256: str, *, won: bool) -> None:
         """Count one more episode of a player (the user's own play).
@@ -105,39 +107,59 @@ class Results:
             LevelError: The file cannot be written.
         """
         trial = Trial(player=player)
+        self._refresh()
         before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
         after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
-        self._put(trial, sha256, after)
-        self._write()
+        self._put({sha256: {trial: after}})
 
-    def _put(self, trial: Trial, sha256: str, record: Record) -> None:
+    def _put(self, records: Mapping[str, dict[Trial, Record]]) -> None:
+        """Take records in and write the file; those of a failed write go with the next one."""
+        for sha256, trials in records.items():
+            self._unwritten[sha256] = self._unwritten.get(sha256, {}) | trials
+        self._merge(records)
+        self.revision += 1
+        if self._stored:
+            write_state(self.path, _tree(self._read()))
+        self._unwritten.clear()
+
+    def _refresh(self) -> None:
+        """Take over what other windows have written; what is not written yet stays on top.
+
+        A file that was broken meanwhile is passed over.
+        """
+        if not self._stored:
+            return
+        there = read_state(self.path)
+        if there or not os.path.lexists(self.path):
+            self._levels = _parse(there)
+            self._merge(self._unwritten)
+
+    def _merge(self, records: Mapping[str, dict[Trial, Record]]) -> None:
         levels = self._read()
-        # Moved to the end: the file is in the order of the last change.
-        records = levels.pop(sha256, {})
-        levels[sha256] = records | {trial: record}
+        for sha256, trials in records.items():
+            # Moved to the end: the file is in the order of the last change.
+            levels[sha256] = levels.pop(sha256, {}) | trials
         while len(levels) > MAX_LEVELS:
             del levels[next(iter(levels))]
-        self.revision += 1
 
     def _read(self) -> dict[str, dict[Trial, Record]]:
         if self._levels is None:
-            self._levels = _parse(self.path)
+            self._levels = _parse(read_state(self.path))
         return self._levels
 
-    def _write(self) -> None:
-        if not self._stored:
-            return
-        tree = {
-            sha256: [[*dataclasses.astuple(t), r.attempts, r.solved] for t, r in records.items()]
-            for sha256, records in self._read().items()
-        }
-        write_state(self.path, tree)
+
+def _tree(levels: Mapping[str, dict[Trial, Record]]) -> dict[str, list[list[Any]]]:
+    """Return the content of the file."""
+    return {
+        sha256: [[*dataclasses.astuple(t), r.attempts, r.solved] for t, r in records.items()]
+        for sha256, records in levels.items()
+    }
 
 
-def _parse(path: Path) -> dict[str, dict[Trial, Record]]:
-    """Return the results in the file; broken entries are left out."""
+def _parse(tree: Mapping[str, Any]) -> dict[str, dict[Trial, Record]]:
+    """Return the results in the content of the file; broken entries are left out."""
     levels: dict[str, dict[Trial, Record]] = {}
-    for sha256, told in read_state(path).items():
+    for sha256, told in tree.items():
         rows = _rows(told)
         if rows is not None:
             levels[sha256] = dict(filter(None, map(_row, rows)))

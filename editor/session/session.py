@@ -394,10 +394,15 @@ class Session:
             self.playback.stop()
         self.viewer.rival.stop()
 
-    def leave_moment(self) -> None:
-        """Go back to the level from a paused episode that was being changed."""
-        self.tab.moment = None
-        if self.playback.suspended:
+    def leave_moment(self, tab: Tab | None = None) -> None:
+        """Go back to the level from a paused episode that was being changed.
+
+        Args:
+            tab: Whose episode; by default that of the tab in front.
+        """
+        leaving = tab or self.tab
+        leaving.moment = None
+        if leaving is self.tab and self.playback.suspended:
             self.playback.stop()
 
     def release_all(self) -> None:

@@ -321,6 +321,7 @@ def test_the_text_of_a_level_file_is_pasted_as_a_level(session, hand):
     hand.key("v", ctrl=True)
     assert session.document is not before
     assert session.document.level == theirs and session.document.path is None
+    assert session.document.dirty  # the clipboard will hold something else
     session.clipboard.set(dumps(theirs)[:-40])
     hand.key("v", ctrl=True)
     assert "The level in the clipboard cannot be read." in texts(session)[-1]

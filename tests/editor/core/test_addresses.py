@@ -70,6 +70,7 @@ def test_a_level_is_opened_from_an_address(web, tmp_path):
     assert address.open_any(session, f"{web}/mine.json")
     _take(session)
     assert session.document.level == level and session.document.path is None
+    assert session.document.dirty  # no file here has it
 
 
 def test_what_cannot_be_fetched_is_one_sentence(web, tmp_path):

@@ -6,7 +6,7 @@ import pytest
 from editor import actions
 from editor.actions import export
 from editor.documents import files
-from editor.documents.commands.group import Move
+from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
 from editor.play.trace_files import write_trace
 from editor.worker.jobs import Job, JobState
@@ -210,6 +210,23 @@ def test_an_export_rests_what_is_played_so_that_nothing_is_missing(session, film
     assert film.trace.snapshots[-1].step == seen == session.playback.step_count
 
 
+def test_a_picture_of_a_paused_episode_that_is_changed_shows_the_changes(session, films, tmp_path):
+    actions.run(session, "run.play_human")
+    play(session, 0.5)
+    actions.run(session, "run.pause")
+    play(session, 0.1)
+    played = session.playback.level
+    actions.run(session, "run.change")
+    session.execute(Remove(ids=(3,)))
+    for choice in ("png1", "gif"):
+        actions.run(session, "file.export")
+        session.answer(session.prompts[-1], choice)
+        session.answer(session.prompts[-1], tmp_path / f"shown.{choice[:3]}")
+    picture, film = (job.request for job in session.worker.jobs)
+    assert (picture.level, picture.state) == (session.document.level, None)
+    assert film.level == played  # the episode so far, which can still be filmed
+
+
 def test_an_export_can_be_stopped_and_says_so(session, films):
     assert not actions.run(session, "file.stop_export")
     actions.run(session, "run.play_human")
@@ -227,18 +244,47 @@ def test_an_export_can_be_stopped_and_says_so(session, films):
     assert texts(session)[-1] == "mine-001.gif was not written."
 
 
-def test_a_recording_that_cannot_be_written_goes_on(session, films, monkeypatch):
-    actions.run(session, "file.record")
-    actions.run(session, "run.play_human")
-    play(session, 0.3)
+@pytest.fixture
+def unwritable(session, films, monkeypatch):
+    """A session whose film cannot be written."""
 
     def refuse(path):
         raise LevelError(f"{path}: Permission denied")
 
-    monkeypatch.setattr(export, "check_target", refuse)
     actions.run(session, "file.record")
-    assert session.recording is not None and not films()
-    assert "Permission denied" in texts(session)[-1]
+    actions.run(session, "run.play_human")
+    play(session, 0.3)
+    monkeypatch.setattr(export, "check_target", refuse)
+    return session
+
+
+@pytest.mark.parametrize("choice", ["drop", "go_on"])
+def test_a_recording_that_cannot_be_written_goes_on_or_is_dropped(unwritable, films, choice):
+    actions.run(unwritable, "file.record")
+    assert unwritable.recording is not None and not films()
+    assert "Permission denied" in unwritable.prompts[-1].message
+    unwritable.answer(unwritable.prompts[-1], choice)
+    assert (unwritable.recording is None) == (choice == "drop")
+
+
+@pytest.mark.parametrize("choice", ["quit", "cancel"])
+def test_the_app_can_be_closed_without_a_film_that_cannot_be_written(unwritable, films, choice):
+    for _ in range(2):  # one question, however often the window is closed
+        actions.run(unwritable, "file.quit")
+    (question,) = unwritable.prompts
+    assert "Permission denied" in question.message and not unwritable.quitting
+    unwritable.answer(question, choice)
+    assert not unwritable.prompts and not films()
+    assert unwritable.quitting == (choice == "quit")
+    assert (unwritable.recording is None) == (choice == "quit")
+
+
+def test_a_recording_of_nothing_ends_also_where_nothing_can_be_written(unwritable):
+    unwritable.recording.parts.clear()
+    actions.run(unwritable, "run.stop")
+    actions.run(unwritable, "file.record")
+    assert unwritable.recording is None and not unwritable.prompts
+    assert "Nothing was played" in texts(unwritable)[-1]
 
 
 def test_a_film_leaves_out_what_had_ended_before(session, films):

@@ -359,6 +359,60 @@ def test_what_is_forgotten_does_not_come_back_and_what_another_window_adds_stays
     assert getattr(Settings.load(file), name) == ["new", "b", "theirs"]
 
 
+def test_two_windows_keep_the_folders_keys_and_layouts_of_each_other(tmp_path):
+    file = tmp_path / "settings.json"
+    folders = [f"/{k}" for k in range(RECENTS_MAX + 2)]
+    Settings(gallery_folders=folders, keys={"edit.undo": ["u"]}, layouts={"old": "1"}).save(file)
+    windows = [(loaded, SettingsKeeper(loaded, file)) for loaded in map(Settings.load, [file] * 2)]
+    for k, (loaded, keeper) in enumerate(windows):
+        loaded.gallery_folders = [*folders[k + 1 :], f"/mine{k}"]
+        loaded.keys[f"tool.{k}"] = ["o"]
+        loaded.layouts[f"mine{k}"] = "2"
+        keeper.save()
+    first, first_keeper = windows[0]
+    del first.layouts["old"], first.keys["edit.undo"]
+    first_keeper.save()
+    again = Settings.load(file)
+    assert again.gallery_folders == [*folders[2:], "/mine0", "/mine1"]
+    assert again.keys == {"tool.0": ["o"], "tool.1": ["o"]}
+    assert again.layouts == {"mine0": "2", "mine1": "2"}
+
+
+def test_what_no_setting_can_be_is_not_taken_over_from_the_file(tmp_path):
+    file = tmp_path / "settings.json"
+    file.write_text(json.dumps({"keys": {"edit.copy": 3}, "gallery_folders": 7}))
+    loaded = Settings.load(file)
+    keeper = SettingsKeeper(loaded, file)
+    loaded.keys["edit.cut"], loaded.gallery_folders = ["x"], ["/a"]
+    keeper.save()
+    assert Settings.load(file) == loaded
+
+
+def test_settings_that_could_not_be_written_go_with_the_next_change(tmp_path, monkeypatch):
+    file = tmp_path / "settings.json"
+    loaded = Settings()
+    keeper = SettingsKeeper(loaded, file)
+    tries = []
+
+    def full(*_):
+        tries.append(0)
+        raise LevelError("No space left")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("editor.base.settings.write_state", full)
+        loaded.theme = "light"
+        for again in (False, True):
+            with pytest.raises(LevelError):
+                keeper.save(again=again)
+            keeper.save()  # not in every second
+        assert len(tries) == 2
+    keeper.save()
+    assert not file.exists()
+    loaded.volume = 0.25
+    keeper.save()
+    assert Settings.load(file) == loaded
+
+
 def test_folders_that_cannot_be_reached_keep_no_dialog_away(tmp_path):
     unreachable = tmp_path / ("x" * 300)  # an error for everybody, as a locked folder is for most
     session = a_session()

@@ -233,6 +233,44 @@ def test_results_outlive_the_app_and_broken_ones_do_no_harm(tmp_path):
     assert Results(path).players == ()
 
 
+def test_two_windows_keep_the_results_of_each_other(tmp_path):
+    path = tmp_path / "results.json"
+    first, second = Results(path), Results(path)
+    assert first.players == second.players == ()  # both have read the file
+    walker = Trial(player="walker")
+    first.record(walker, {"a": Record(attempts=20, solved=10)})
+    second.add_episode(HUMAN, "a", won=True)
+    first.add_episode(HUMAN, "a", won=False)
+    records = {walker: Record(attempts=20, solved=10)}
+    records[Trial(player=HUMAN)] = Record(attempts=2, solved=1)
+    assert Results(path).of("a") == first.of("a") == records
+    second.record(walker, {"a": Record(attempts=40, solved=30)})
+    first.record(walker, {"b": Record(attempts=1, solved=1)})
+    assert Results(path).of("a")[walker].attempts == 40
+
+
+def test_results_that_could_not_be_written_go_with_the_next(tmp_path, monkeypatch):
+    path = tmp_path / "results.json"
+    results = Results(path)
+
+    def full(*_):
+        raise LevelError("No space left")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("editor.gallery.results.write_state", full)
+        for level in "aab":
+            with pytest.raises(LevelError):
+                results.add_episode(HUMAN, level, won=True)
+    Results(path).add_episode(HUMAN, "c", won=True)
+    results.add_episode(HUMAN, "b", won=False)
+    again = Results(path)
+    you = [again.of(level)[Trial(player=HUMAN)] for level in "abc"]
+    assert [(each.attempts, each.solved) for each in you] == [(2, 2), (2, 1), (1, 1)]
+    path.write_text("{")  # while the app runs
+    results.add_episode(HUMAN, "c", won=True)
+    assert Results(path).of("c")[Trial(player=HUMAN)].attempts == 2
+
+
 def test_results_of_other_parameters_physics_modes_and_seeds_stand_beside_each_other(tmp_path):
     path, level = tmp_path / "results.json", "a" * 64
     trials = [

@@ -2,11 +2,12 @@
 
 import pytest
 
-from editor.actions import file, run
+from editor.actions import file, run, update
 from editor.base.prompts import Question
 from editor.documents.commands.bodies import posed
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move, Remove
+from editor.documents.document import Document
 from editor.play.mode import Mode
 from kinetix.level.codec import load_level, save_level
 from tests.editor.core.helpers import a_level, texts
@@ -180,6 +181,48 @@ def test_leaving_asks_what_shall_become_of_it(paused, way, choice):
     else:
         assert tab.document.dirty
         assert paused.prompts[-1].title == "Unsaved changes"
+
+
+@pytest.mark.parametrize("way", ["file.close_tab", "file.quit"])
+@pytest.mark.parametrize("choice", ["save", "discard", "cancel"])
+def test_only_who_leaves_loses_the_paused_episode(paused, way, choice):
+    run(paused, "run.stop")
+    paused.execute(Move(ids=(1,), shift=(0.3, 0.0)))
+    run(paused, "run.play_human")
+    update(paused, 0.1)
+    run(paused, "run.pause")
+    update(paused, 0.1)
+    assert run(paused, "run.change")
+    run(paused, way)
+    assert paused.prompts[-1].title == "Unsaved changes"
+    moment = paused.tab.moment
+    paused.answer(paused.prompts[-1], choice)
+    assert paused.tab.moment is (moment if choice == "cancel" else None)
+    assert paused.playback.suspended == (choice == "cancel")
+
+
+def test_who_drops_the_changes_and_stays_is_back_in_the_level(paused):
+    paused.tab.document.mark_unsaved()
+    run(paused, "run.change")
+    paused.execute(Move(ids=(1,), shift=(0.3, 0.0)))
+    run(paused, "file.quit")
+    for choice in ("drop", "cancel"):
+        paused.answer(paused.prompts[-1], choice)
+    assert not paused.playback.suspended and paused.document is paused.tab.document
+
+
+def test_all_is_saved_also_where_an_episode_stands_still(paused, tmp_path):
+    other = Document(a_level(), path=tmp_path / "other.json")
+    other.mark_unsaved()
+    paused.tab.document.mark_saved(tmp_path / "mine.json")
+    paused.tab.document.mark_unsaved()
+    run(paused, "run.change")
+    paused.tabs.open(other)
+    paused.show_tab(0)
+    run(paused, "file.quit")
+    paused.answer(paused.prompts[-1], "save")
+    assert paused.quitting, texts(paused)
+    assert load_level(tmp_path / "mine.json") == load_level(tmp_path / "other.json") == a_level()
 
 
 def test_a_file_that_is_opened_takes_no_tab_with_changes(paused, tmp_path):

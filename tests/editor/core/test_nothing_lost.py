@@ -18,7 +18,7 @@ from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Worker
 from kinetix.errors import CommandError, KinetixError
-from kinetix.level.codec import load_level, save_level
+from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sets import load_set
 from tests.editor.core.helpers import a_level, texts
@@ -70,6 +70,26 @@ def test_random_levels_that_nobody_changed_share_a_tab(drawing):
     drawing.execute(MOVE)
     draw(drawing, "level.random_machine")
     assert [tab.document.title for tab in drawing.tabs][2:] == ["Machine 3"]
+
+
+def test_a_random_level_takes_the_place_of_no_other_level(drawing):
+    draw(drawing)
+    drawing.open_tab(Document(a_level().replace(name="An example")))
+    draw(drawing)
+    titles = [tab.document.title for tab in drawing.tabs]
+    assert titles == ["mine.json", "Random 1", "An example", "Random 2"]
+    drawing.show_tab(1)
+    draw(drawing)
+    assert drawing.tabs[1].document.title == "Random 3" and len(drawing.tabs) == 4
+
+
+@pytest.mark.parametrize("way", ["file.close_tab", "file.quit"])
+def test_a_pasted_level_is_asked_about_before_it_is_gone(session, way):
+    session.clipboard.set(dumps(a_level().replace(name="From a friend")))
+    actions.run(session, "edit.paste")
+    actions.run(session, way)
+    assert session.prompts[-1].title == "Unsaved changes" and not session.quitting
+    assert session.document.title == "From a friend"
 
 
 def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # noqa: F811
