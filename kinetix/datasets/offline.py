@@ -68,8 +68,14 @@ class _Origin(msgspec.Struct, frozen=True, kw_only=True):
     player: str = ""
     seed: int = 0
     attempt: int = 0
+    max_timesteps: int = STEPS
+    """The level's time limit."""
 
 
+_KEPT: Final = tuple(
+    name for name in _Origin.__struct_fields__ if name not in ("level", "max_timesteps")
+)
+"""Those that are an episode's own."""
 _FROM_KINETIX_ENV: Final = _Origin(
     # Only successes are published there.
     level="",
@@ -122,6 +128,12 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
                 "level anew with `kinetix dataset record`"
             )
             continue
+        if episode.length > STEPS:
+            left.append(
+                f"{episode.level.name}: left out: its {episode.length} steps are more than the "
+                f"{STEPS} of a trajectory in this layout"
+            )
+            continue
         try:
             rows.append(trajectory(episode, capacity))
         except KinetixError as error:
@@ -141,8 +153,9 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
 
 
 def _origin(episode: RecordedEpisode) -> _Origin:
-    told = {name: getattr(episode, name) for name in _Origin.__struct_fields__ if name != "level"}
-    return _Origin(level=episode.level.name, **told)
+    level = episode.level
+    own = {"level": level.name, "max_timesteps": level.max_timesteps}
+    return _Origin(**own, **{name: getattr(episode, name) for name in _KEPT})
 
 
 def trajectory(episode: RecordedEpisode, capacity: Any) -> dict[str, np.ndarray]:
@@ -250,10 +263,10 @@ def _episode(rows: dict[str, np.ndarray], name: str, origin: _Origin) -> Recorde
     first = {key: values[0] for key, values in rows.items() if key.startswith(PREFIX)}
     outcome = origin.outcome if len(ends) else "timeout"
     reward[-1] = {"won": 1.0, "lost": -1.0}.get(outcome, 0.0)
-    level = _level(first, name)
+    level = _level(first, name).replace(max_timesteps=origin.max_timesteps)
     if origin.level:
         level = level.replace(name=origin.level)
-    told = msgspec.structs.asdict(origin) | {"level": level, "outcome": outcome}
+    told = {each: getattr(origin, each) for each in _KEPT} | {"level": level, "outcome": outcome}
     return RecordedEpisode(control=control.astype(np.float32), reward=reward, replays=False, **told)
 
 

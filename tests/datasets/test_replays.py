@@ -49,8 +49,13 @@ def test_kinetix_env_layout_goes_both_ways(tmp_path: Path) -> None:
     """States and actions of 256 steps, begun again after the end; read back as the same episode."""
     found = solution_episode(load_level(LEVEL))
     assert found is not None
-    told = write_offline(tmp_path / "out", [found, dataclasses.replace(found, replays=False)])
-    assert (told.trajectories, told.shards, len(told.left_out)) == (1, 1, 1)
+    found = dataclasses.replace(found, level=found.level.replace(max_timesteps=1000))
+    times = STEPS // found.length + 1
+    more = {name: np.repeat(getattr(found, name), times, axis=0) for name in ("control", "reward")}
+    refused = [dataclasses.replace(found, replays=False), dataclasses.replace(found, **more)]
+    told = write_offline(tmp_path / "out", [found, *refused])
+    assert (told.trajectories, told.shards, len(told.left_out)) == (1, 1, 2)
+    assert "more than the 256 of a trajectory" in told.left_out[1]
     (shard,) = (tmp_path / "out").glob("*.npz")
     with np.load(shard) as arrays:
         assert arrays["action"].shape == (1, STEPS, 6)
@@ -62,7 +67,7 @@ def test_kinetix_env_layout_goes_both_ways(tmp_path: Path) -> None:
     assert np.array_equal(back.control, found.control)
     for name in ("outcome", "physics", "frame_skip", "source", "player"):
         assert getattr(back, name) == getattr(found, name)
-    assert back.level.name == found.level.name
+    assert back.level.name == found.level.name and back.level.max_timesteps == 1000
     ours = {body.shape for body in found.level.bodies}
     assert len(back.level.bodies) == len(found.level.bodies) and len(ours) > 0
     places = lambda level: sorted(body.position for body in level.bodies)  # noqa: E731
