@@ -10,30 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-_MANY: Final = 20_000
-"""So many maps are worth a moment between two jobs."""
-_NEARLY_ALL: Final = 45_000
-"""So many leave room for what is compiled until the next look."""
+_MOST: Final = 30_000
+"""So many maps, 60 levels' programs of 2.5 GB, leave room for all until the next look."""
 _MORE: Final = 5_000
 """What cannot be dropped is in use; it is tried again after so many more."""
 _LOOK_SECONDS: Final = 5.0
-
-
-def forget_programs(process: Path = Path("/proc/self")) -> bool:
-    """Drop what JAX has compiled, once it takes a large part of the memory maps of the process.
-
-    To be called between two jobs that share no programs: what is needed again is compiled again.
-
-    Args:
-        process: The process's folder in /proc; where there is none, nothing is dropped.
-
-    Returns:
-        True if it was dropped.
-    """
-    if _maps(process) < _MANY:
-        return False
-    _drop()
-    return True
 
 
 class Room:
@@ -46,17 +27,20 @@ class Room:
     ) -> None:
         self._process, self._clock = process, clock
         self._next_look = 0.0
-        self._most = _NEARLY_ALL
+        self._most = _MOST
 
     def make(self) -> bool:
-        """Drop what JAX has compiled where there is hardly any room; True if it was dropped."""
+        """Drop what JAX has compiled where there is hardly any room; True if it was dropped.
+
+        What is needed again is compiled again.
+        """
         if self._clock() < self._next_look:
             return False
         self._next_look = self._clock() + _LOOK_SECONDS
         if _maps(self._process) < self._most:
             return False
         _drop()
-        self._most = max(_NEARLY_ALL, _maps(self._process) + _MORE)
+        self._most = max(_MOST, _maps(self._process) + _MORE)
         return True
 
 

@@ -14,7 +14,6 @@ from kinetix.cli.terminal import Terminal, announced
 from kinetix.command_line.paths import NamedPath
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
-from kinetix.programs import forget_programs
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS
 from kinetix.training.settings import CONFIG, SOURCES, field_notes, settings_of
@@ -127,7 +126,6 @@ def run(command: Common) -> int:
     for number, ((out, own), config) in enumerate(zip(runs.items(), configs, strict=True), start=1):
         if is_leader() and len(runs) > 1:
             terminal.say(f"{number}/{len(runs)}: {out}")
-        forget_programs()
         try:
             own_config = _configured(algorithm, command, like | own, out) if like else config
             _train(algorithm, own_config, out, teacher, terminal)

@@ -14,6 +14,7 @@ from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
+from kinetix.programs import make_room
 from kinetix.training.config import PpoConfig
 from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay
@@ -83,6 +84,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     check_same_run(out, algorithm, config, say)
     if config.levels:
         status("preparing the levels")
+    make_room()
     trainer = make_trainer(config, teacher)
     trainer.work.status = status
     if announce is not None and is_leader():
