@@ -17,7 +17,7 @@ _MORE: Final = 5_000
 _LOOK_SECONDS: Final = 5.0
 
 
-class Room:
+class ProgramRoom:
     """Looks now and then whether the process has room for programs; costs next to nothing."""
 
     def __init__(
@@ -44,7 +44,7 @@ class Room:
         return True
 
 
-make_room: Final = Room().make
+make_room: Final = ProgramRoom().make
 """To be called before anything that may compile, as often as one likes."""
 
 

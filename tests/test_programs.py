@@ -4,7 +4,7 @@ from pathlib import Path
 
 import jax
 
-from kinetix.programs import Room
+from kinetix.programs import ProgramRoom
 
 
 def write_maps(process: Path, count: int) -> None:
@@ -13,7 +13,7 @@ def write_maps(process: Path, count: int) -> None:
 
 def test_a_look_now_and_then_drops_programs_where_there_is_hardly_room(tmp_path: Path) -> None:
     now = [100.0]
-    room = Room(tmp_path, clock=lambda: now[0])
+    room = ProgramRoom(tmp_path, clock=lambda: now[0])
     write_maps(tmp_path, 60_000)
     traced = []
     double = jax.jit(lambda x: traced.append(x) or 2 * x)
@@ -32,6 +32,6 @@ def test_a_look_now_and_then_drops_programs_where_there_is_hardly_room(tmp_path:
 
 
 def test_nothing_is_dropped_where_there_is_room_or_no_such_folder(tmp_path: Path) -> None:
-    assert not Room(tmp_path / "nowhere").make()
+    assert not ProgramRoom(tmp_path / "nowhere").make()
     write_maps(tmp_path, 20_000)
-    assert not Room(tmp_path).make()
+    assert not ProgramRoom(tmp_path).make()
