@@ -44,8 +44,9 @@ def without_permutation(name: str | Path) -> str:
 def permutation_of(name: str | Path) -> int | None:
     """Return N of a level's name that ends in `.permuteN` where no file is called so, or None."""
     found = _PERMUTATION.search(str(name))
-    own = any(os.path.isfile(path) for path in (Path(name), Path(f"{name}.json")))
-    return None if found is None or own else int(found[1])
+    if found is None or os.path.isfile(name) or os.path.isfile(f"{name}.json"):
+        return None
+    return int(found[1])
 
 
 def named_levels(name: str | Path) -> Path | None:

@@ -13,7 +13,7 @@ from typing import Final
 _MOST: Final = 30_000
 """So many maps, 60 levels' programs of 2.5 GB, leave room for all until the next look."""
 _MORE: Final = 5_000
-"""What cannot be dropped is in use; it is tried again after so many more."""
+"""Programs in use cannot be dropped; after so many further maps dropping is tried again."""
 _LOOK_SECONDS: Final = 5.0
 
 

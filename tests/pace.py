@@ -1,4 +1,4 @@
-"""How slow this machine is at the moment, for tests that limit times."""
+"""Measures how slow the machine is now, so that limits of time in tests can follow it."""
 
 import time
 

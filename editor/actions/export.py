@@ -371,7 +371,13 @@ def record(session: Session) -> None:
     try:
         end_recording(session)
     except LevelError as error:
-        _ask_to_drop(session, error)
+        ask_to_drop(
+            session,
+            error,
+            title="Drop the film?",
+            drop=Choice(id="drop", label="Drop the Film"),
+            keep=Choice(id="go_on", label="Go On Recording"),
+        )
 
 
 def end_recording(session: Session) -> None:
@@ -392,28 +398,38 @@ def end_recording(session: Session) -> None:
         film(session, level, trace, free_name(session, ".gif"))
 
 
-def why_no_film(error: LevelError) -> str:
-    """Say why a film cannot be written, and what to do to keep it."""
-    return f"{error}\nTo keep the film, save the level in another folder."
+def ask_to_drop(
+    session: Session,
+    error: LevelError,
+    *,
+    title: str,
+    drop: Choice,
+    keep: Choice,
+    then: Callable[[], None] = lambda: None,
+) -> None:
+    """Ask whether to drop a recording that cannot be written.
 
-
-def _ask_to_drop(session: Session, error: LevelError) -> None:
-    """Ask whether a recording that cannot be written goes on."""
+    Args:
+        session: Whose recording.
+        error: Why it cannot be written.
+        title: Of the question.
+        drop: The answer that drops it.
+        keep: The answer that changes nothing.
+        then: Called once it is dropped.
+    """
 
     def answer(choice: str) -> None:
-        if choice == "drop":
+        if choice == drop.id:
             session.recording = None
+            then()
 
     session.ask(
         Question(
-            title="Drop the film?",
-            message=why_no_film(error),
-            choices=(
-                Choice(id="drop", label="Drop the Film"),
-                Choice(id="go_on", label="Go On Recording"),
-            ),
-            default="go_on",
-            cancel="go_on",
+            title=title,
+            message=f"{error}\nTo keep the film, save the level in another folder.",
+            choices=(drop, keep),
+            default=keep.id,
+            cancel=keep.id,
             answer=answer,
         )
     )

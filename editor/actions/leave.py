@@ -98,7 +98,14 @@ def _quit(session: Session) -> None:
         try:
             export.end_recording(session)
         except LevelError as error:
-            _ask_about_film(session, error)
+            export.ask_to_drop(
+                session,
+                error,
+                title=_NO_FILM,
+                drop=Choice(id="quit", label="Close Without It"),
+                keep=Choice(id="cancel", label="Cancel"),
+                then=lambda: _quit(session),
+            )
             return
     going_on = _going_on(session)
     if not going_on:
@@ -122,29 +129,6 @@ def _quit(session: Session) -> None:
                 Choice(id="cancel", label="Cancel"),
             ),
             default="wait",
-            cancel="cancel",
-            answer=answer,
-        )
-    )
-
-
-def _ask_about_film(session: Session, error: LevelError) -> None:
-    """Ask whether to close although what was recorded cannot be written."""
-
-    def answer(choice: str) -> None:
-        if choice == "quit":
-            session.recording = None
-            _quit(session)
-
-    session.ask(
-        Question(
-            title=_NO_FILM,
-            message=export.why_no_film(error),
-            choices=(
-                Choice(id="quit", label="Close Without It"),
-                Choice(id="cancel", label="Cancel"),
-            ),
-            default="cancel",
             cancel="cancel",
             answer=answer,
         )

@@ -69,7 +69,7 @@ class Results:
         self._stored = stored
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
         self._unwritten: dict[str, dict[Trial, Record]] = {}
-        """What was put since the file was written last: another window cannot know it."""
+        """Records that the file does not have yet; the next write adds them."""
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
 

@@ -16,7 +16,7 @@ class Win:
     level: Level
     """As it was played."""
     solution: Solution
-    """What was played."""
+    """The actions that won it, and the physics they were played under."""
     tailored: bool
     """True if it was played in the step for this level alone."""
 

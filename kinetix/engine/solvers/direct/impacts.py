@@ -141,7 +141,7 @@ def until_the_impact(
 
     Args:
         system: Contacts and limits.
-        force: Impulses of the last substep in which nothing struck.
+        force: Impulses that the last substep kept: see `kept`.
         offset: Speeds of all rows.
         closed: Which contacts are closed at the end of this substep.
         before: Speeds of the contacts at its start.
@@ -183,7 +183,7 @@ def kept(
 
     Args:
         carried: What was given until the impact.
-        force: Impulses of the last substep, both solves together.
+        force: Impulses that the last substep kept, both solves together.
         bias: Of this substep's first solve.
         relax: Of its second.
     """
