@@ -56,9 +56,18 @@ class Used:
 
     def union(self, other: "Used") -> "Used":
         """The slots that either of two scenes fills."""
-        kinds = zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)
+        kinds = zip(self._kinds, other._kinds, strict=True)
         bodies, joints, thrusters = (tuple(sorted({*mine, *theirs})) for mine, theirs in kinds)
         return Used(bodies=bodies, joints=joints, thrusters=thrusters)
+
+    def covers(self, other: "Used") -> bool:
+        """True if another scene fills none but these slots."""
+        kinds = zip(self._kinds, other._kinds, strict=True)
+        return all(set(theirs) <= set(mine) for mine, theirs in kinds)
+
+    @property
+    def _kinds(self) -> tuple[tuple[int, ...], ...]:
+        return self.bodies, self.joints, self.thrusters
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -92,7 +101,7 @@ def _covers(mine: Any, theirs: Any) -> bool:
         case None:
             return True
         case Used():
-            return theirs is not None and mine.union(theirs) == mine
+            return theirs is not None and mine.covers(theirs)
         case _:
             return theirs is not None and set(theirs) <= set(mine)
 

@@ -165,13 +165,22 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         name = "the level"
         state = expand_state(level, static_env_params)
     elif isinstance(level, Level):
-        name = f"level {level.name!r}"
         check_computable(level)
-        engine = physics_engine_of(static_env_params)
-        state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+        return _document_state(level, static_env_params)
     else:
         name = str(level)
         state, _, _ = _loaded(level, static_env_params)
+    return _fitting(state, static_env_params, name)
+
+
+def _document_state(level: Level, static_env_params: StaticEnvParams) -> EnvState:
+    """A level that was found computable as a state of the given sizes."""
+    engine = physics_engine_of(static_env_params)
+    state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
+    return _fitting(state, static_env_params, f"level {level.name!r}")
+
+
+def _fitting(state: EnvState, static_env_params: StaticEnvParams, name: str) -> EnvState:
     check_bindings(state, static_env_params, name=name)
     check_features(state.world, static_env_params.features, name)
     return state
@@ -199,7 +208,7 @@ def make_reset_fn_list_of_levels(
     entries, weights = _entries(levels)
     if not entries:
         raise KinetixError("levels is empty: expected at least one level")
-    stacked = stack_states([level_state(level, static_env_params) for level in entries])
+    stacked = stack_states([_entry_state(level, static_env_params) for level in entries])
     return _one_of(stacked, (np.cumsum(weights) / np.sum(weights))[:-1])
 
 
@@ -217,7 +226,7 @@ def static_env_params_for_levels(
     """
     entries, _ = _entries(levels)
     generic = dataclasses.replace(static_env_params, features=Features())
-    used = (features_of(level_state(level, generic).world) for level in entries)
+    used = (features_of(_entry_state(level, generic).world) for level in entries)
     features = features_union(used, static_env_params.capacity)
     return dataclasses.replace(static_env_params, features=features)
 
@@ -321,7 +330,7 @@ def _draw(
     return sampler(engine, options)(key)
 
 
-def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
+def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
     """The levels, and how likely each is (not normalised)."""
     if isinstance(levels, (str, Path)) and _names_set(levels):
         levels = load_set(levels)
@@ -334,8 +343,17 @@ def _entries(levels: Any) -> tuple[list[LevelLike], np.ndarray]:
         raise KinetixError(f"levels: expected levels, their files or a level set, got {kind}")
     entries = list(levels)
     if entries and all(isinstance(one, SetLevel) for one in entries):
-        return [one.played for one in entries], np.array([one.weight for one in entries])
+        return entries, np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
+
+
+def _entry_state(entry: LevelLike | SetLevel, static_env_params: StaticEnvParams) -> EnvState:
+    """Like `level_state`; what was read from a file was checked there."""
+    if not isinstance(entry, SetLevel):
+        return level_state(entry, static_env_params)
+    if entry.path is None or not entry.native:
+        return level_state(entry.played, static_env_params)
+    return _document_state(entry.level, static_env_params)
 
 
 def _names_set(path: str | Path) -> bool:

@@ -95,13 +95,14 @@ StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, A
 
 def state_of(scene: Scene) -> EnvState:
     """The state in which an episode of a compiled level starts."""
-    timestep, last_distance = on_device((np.int32(0), np.float32(NO_DISTANCE)))
+    none_yet: Any = np.zeros((), np.int32)
+    unknown: Any = np.full((), NO_DISTANCE, np.float32)
     return EnvState(
         world=scene.world,
         physics=scene.state,
         labels=scene.labels,
-        timestep=timestep,
-        last_distance=last_distance,
+        timestep=none_yet,
+        last_distance=unknown,
     )
 
 

@@ -11,15 +11,18 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.environment import reset
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_from_size
 from kinetix.environment.reset import (
     ResetFunction,
+    level_state,
     load_from_json_file,
     make_reset_fn_list_of_levels,
     make_reset_fn_locomotion,
     make_reset_fn_sample_kinetix_level,
     make_reset_fn_sample_sizes,
+    static_env_params_for_levels,
 )
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
@@ -206,6 +209,24 @@ def test_a_loaded_state_is_of_jax_arrays_as_code_for_kinetix_env_changes_them():
         polygon=state.polygon.replace(friction=state.polygon.friction.at[0].set(0.0))
     )
     assert float(slippery.polygon.friction[0]) == 0.0
+
+
+def test_many_levels_of_files_are_checked_once_and_leave_the_device_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a training on ten thousand levels begins a minute later."""
+    for x in (1.0, 2.0):
+        save_level(balls("balls", x), tmp_path / f"{x}.json")
+    listed = gather_levels([tmp_path])
+    static = static_env_params_from_size("s")
+    refused: list[Any] = []
+    monkeypatch.setattr(reset, "check_computable", refused.append)
+    mine = static_env_params_for_levels(listed, static)
+    make_reset_fn_list_of_levels(listed, mine)
+    assert not refused
+    state = level_state(balls("balls", 1.0), mine)
+    assert refused, "what comes from Python is checked"
+    assert all(isinstance(leaf, np.ndarray) for leaf in jax.tree.leaves(state))
 
 
 def test_a_level_is_loaded_as_its_file_is():

@@ -1,6 +1,7 @@
 """Room for contacts in a scene of a given size."""
 
 import dataclasses
+import functools
 from typing import Final
 
 from kinetix.engine.batch import TILE
@@ -31,6 +32,7 @@ def worlds_at_once(spec: SceneSpec) -> int:
     return max(LEAST_TILE, min(TILE, 2 ** (max(1, fit).bit_length() - 1)))
 
 
+@functools.lru_cache(maxsize=64)
 def usual_room(spec: SceneSpec) -> Slots:
     """Return room for all contacts that bodies can have at once.
 
