@@ -130,7 +130,7 @@ def _challenge(session: Session, level: Level) -> bool:
         casting, summary = viewer.casting("b"), viewer.slots["b"].summary
         if casting is None or summary is None:
             return False
-        viewer.rival.start(level, playback.physics, casting, player=summary.name)
+        viewer.rival.start(level, playback.played_under, casting, player=summary.name)
     viewer.compared_episode = playback.episode
     return True
 
@@ -150,7 +150,7 @@ def _ask_why(session: Session) -> None:
     if snapshot is not None and snapshot.state is None:
         return
     body = _asked_body(session, level) if "places" in wanted else None
-    viewer.reasons.ask(level, snapshot, summary.ref, playback.physics, body)
+    viewer.reasons.ask(level, snapshot, summary.ref, playback.played_under, body)
 
 
 def _asked_body(session: Session, level: Level) -> int | None:

@@ -167,7 +167,7 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, corner: Point, *, 
     lines: list[tuple[str, Rgba]] = []
     who = playback.player or "You"
     if session.viewer.other_physics:
-        who = f"{who}, {playback.physics}"
+        who = f"{who}, {playback.played_under}"
     draws = ""
     if playback.casting is not None:
         casting = playback.casting

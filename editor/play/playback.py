@@ -196,7 +196,9 @@ class Playback(Show):
         self.simulator.stop()
         self.episode += 1
         self.failure = ""
-        episode = Episode(level=level, casting=casting, player=player or trace.player)
+        episode = Episode(
+            level=level, casting=casting, player=player or trace.player, physics=trace.physics
+        )
         self.state = Replaying(episode=episode, trace=trace)
         self.scrub(0)
 
@@ -239,8 +241,8 @@ class Playback(Show):
             self.simulator.restore(shown)
         else:
             self.state = Starting(episode=episode, paused=True, moment=shown)
-            self.physics = trace.physics
-            self.simulator.start(episode.level, self.physics, episode.casting)
+            self.physics = episode.physics
+            self.simulator.start(episode.level, episode.physics, episode.casting)
 
     def slower(self) -> None:
         """Halve the speed, down to 1/16."""
@@ -308,9 +310,10 @@ class Playback(Show):
         self.failure = ""
         # Until its first state comes, the last one stays on show.
         episode.snapshot = self.snapshot
+        episode.physics = self.physics
         self.state = Starting(episode=episode, paused=paused)
         since = () if episode.since is None else (episode.since,)
-        self.simulator.start(episode.level, self.physics, episode.casting, *since)
+        self.simulator.start(episode.level, episode.physics, episode.casting, *since)
 
     def _send(
         self, episode: Episode, actions: tuple[Action | None, ...], pull: Pull | None

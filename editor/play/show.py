@@ -20,6 +20,7 @@ class Show:
 
     state: State
     physics: str
+    """Physics preset of the next episode."""
     speed: float
     episode: int
     """Rises with every episode that starts."""
@@ -69,6 +70,11 @@ class Show:
     def player(self) -> str:
         """Name of the agent."""
         return self.current.player if self.current else ""
+
+    @property
+    def played_under(self) -> str:
+        """Physics preset of the episode on show; of the next one while there is none."""
+        return self.current.physics if self.current else self.physics
 
     @property
     def perturbed(self) -> bool:
@@ -152,4 +158,4 @@ class Show:
         """The episode so far."""
         if isinstance(self.state, Replaying):
             return self.state.trace
-        return self.current.trace(self.physics) if self.current else None
+        return self.current.trace if self.current else None

@@ -27,6 +27,8 @@ class Episode:
     """The agent that plays, or None when a person does."""
     player: str
     """Name of the agent."""
+    physics: str = ""
+    """Physics preset that it is played under; empty until it begins."""
     since: Snapshot | None = None
     """The moment whose level was changed: it begins there; None: at the level's first state."""
     snapshot: Snapshot | None = None
@@ -41,14 +43,15 @@ class Episode:
     rate: list[tuple[float, int]] = dataclasses.field(default_factory=list)
     """Times [s] and steps that arrived in the last second."""
 
-    def trace(self, physics: str) -> Trace | None:
-        """Return the episode so far."""
+    @property
+    def trace(self) -> Trace | None:
+        """The episode so far; None before its first moment."""
         snapshots = self.ring.snapshots
         if not snapshots:
             return None
         casting = self.casting
         return Trace(
-            physics=physics,
+            physics=self.physics,
             perturbed=self.perturbed,
             snapshots=snapshots,
             actions=tuple(self.actions),

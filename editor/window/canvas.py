@@ -226,7 +226,7 @@ class Canvas:
         draw.pop_clip_rect()
         names = (session.playback.player or "You", rival.player)
         if session.viewer.other_physics:
-            names = (session.playback.physics, session.viewer.other_physics)
+            names = (session.playback.played_under, session.viewer.other_physics)
         if rival.preparing:
             names = (names[0], tr(f"{names[1]}, preparing …"))
         with font(FONTS.bold, TEXT):

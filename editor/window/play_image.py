@@ -130,7 +130,7 @@ def _request(session: "Session", level: Level, state: object, side: int) -> Rend
         size=(side, side),
         centre=(ARENA_WIDTH / 2, ARENA_WIDTH / 2),
         scale=side / ARENA_WIDTH,
-        physics=session.playback.physics,
+        physics=session.playback.played_under,
         palette=settings.palette,
         glyphs=settings.glyphs,
         patterns=settings.patterns,

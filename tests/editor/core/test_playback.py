@@ -226,6 +226,36 @@ def test_a_replay_can_be_scrubbed_and_not_changed(playback):
     assert playback.snapshot is trace.snapshots[-1]
 
 
+@pytest.mark.parametrize("again", ["played on", "anew"])
+def test_an_episode_keeps_the_physics_that_it_is_played_under(playback, again):
+    playback.play(a_level())
+    run(playback, 0.5, 60)
+    playback.physics = "accurate"
+    assert playback.trace.physics == playback.played_under == "balanced"
+    playback.scrub(3)
+    if again == "anew":
+        playback.reset()
+    else:
+        playback.branch()
+        playback.pause()
+    run(playback, 0.5, 60)
+    expected = "accurate" if again == "anew" else "balanced"
+    assert playback.trace.physics == playback.simulator.physics == expected
+
+
+def test_a_recording_is_played_on_under_its_own_physics(playback):
+    playback.play(a_level())
+    run(playback, 0.5, 60)
+    trace = playback.trace
+    playback.stop()
+    playback.physics = "accurate"
+    playback.replay(trace, a_level())
+    assert playback.played_under == "balanced"
+    playback.branch()
+    run(playback, 0.5, 60)
+    assert playback.trace.physics == playback.simulator.physics == "balanced"
+
+
 def test_the_real_time_factor_is_measured(playback):
     playback.speed = 0.5
     playback.play(a_level())

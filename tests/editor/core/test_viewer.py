@@ -188,6 +188,20 @@ def test_loading_an_agent_takes_its_physics_and_gets_ready(with_agent, stage):
     assert with_agent.settings.recent_agents == ["/agents/Tester"]
 
 
+def test_an_agent_that_is_loaded_while_a_person_plays_leaves_their_physics(session, stage):
+    stage.agents["/agents/Tester"] = a_summary()
+    session.playback.simulator.ends_at, session.playback.simulator.ends = 10, "won"
+    assert actions.run(session, "run.play_human")
+    run(session, 0.1)
+    agents.load_agent(session, "/agents/Tester")
+    settle(session)
+    assert session.playback.physics == "jax2d"
+    run(session, 1.0)
+    assert session.mode is Mode.ENDED
+    assert actions.run(session, "level.keep_solution")
+    assert session.document.level.solution.physics == "balanced"
+
+
 def test_what_cannot_be_loaded_is_one_sentence_and_the_old_agent_stays(with_agent):
     agents.load_agent(with_agent, "/nothing/here")
     settle(with_agent)
