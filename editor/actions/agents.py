@@ -133,8 +133,7 @@ def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None
 def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     """Take a loaded agent; where somebody waits for it to play, it does."""
     _loaded(session, slot, path, job)
-    if session.expected is job:
-        session.expected = None
+    if session.take_expected(job):
         if job.state is JobState.DONE and not session.editing:
             restart(session)
         elif job.state is JobState.DONE and not _busy(session):

@@ -238,9 +238,10 @@ def open_attempt(
     request = OpenEpisode(level=plan.levels[level], casting=casting, physics=plan.physics_of(agent))
 
     def done(job: Job) -> None:
+        awaited = session.take_expected(job) and job.state is JobState.DONE
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
-        elif job.state is JobState.DONE:
+        elif awaited:
             if plan.sources and level_hash(job.result.level) != plan.hashes[level]:
                 name = plan.levels[level].name
                 session.toast(f"{name} is another level by now; evaluate it again.", "error")

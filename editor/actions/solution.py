@@ -51,20 +51,26 @@ def keep(session: Session) -> None:
         PlaySolution(level=session.document.level.replace(solution=win.solution)),
         title="Playing the solution again",
         urgent=True,
-        done=functools.partial(_judged, session, session.document, session.document.level),
+        done=functools.partial(_judged, session, session.document, session.document.level, win),
     )
 
 
-def _judged(session: Session, document: Document, level: Level, job: Job) -> None:
-    """Keep a solution that was played again and has won; another level is left alone."""
+def _judged(session: Session, document: Document, level: Level, win: Win, job: Job) -> None:
+    """Keep a solution that was played again and has won.
+
+    Where nobody waits for it any more, or the level is another one by now, nothing is touched, and
+    the win can be kept as before.
+    """
+    awaited = session.take_expected(job) and job.state is JobState.DONE
     if job.state is JobState.FAILED:
         session.toast(f"The solution was not kept: {job.error}", "error")
-    elif job.state is JobState.DONE and session.document is document and document.level == level:
-        if job.result.trace.snapshots[-1].outcome == "won":
-            session.leave_play()
-            _record(session, job.result.level.solution)
-        else:
-            session.complain(_TOO_CLOSE)
+    elif not awaited or session.document is not document or document.level != level:
+        session.win = session.win or win
+    elif job.result.trace.snapshots[-1].outcome == "won":
+        session.leave_play()
+        _record(session, job.result.level.solution)
+    else:
+        session.complain(_TOO_CLOSE)
 
 
 def _record(session: Session, solution: Solution) -> None:
@@ -90,9 +96,10 @@ def play(session: Session) -> None:
 
 
 def _played(session: Session, job: Job) -> None:
+    awaited = session.take_expected(job) and job.state is JobState.DONE
     if job.state is JobState.FAILED:
         session.toast(job.error, "error")
-    elif job.state is JobState.DONE and session.document.level == job.result.level:
+    elif awaited and session.document.level == job.result.level:
         session.leave_play()
         session.gallery.open = False
         session.playback.replay(job.result.trace, job.result.level, player=PLAYER)

@@ -394,6 +394,13 @@ class Session:
             self.playback.stop()
         self.viewer.rival.stop()
 
+    def take_expected(self, job: Job) -> bool:
+        """Return whether the person waits for a job that has ended; from now on nobody does."""
+        awaited = self.expected is job
+        if awaited:
+            self.expected = None
+        return awaited
+
     def leave_moment(self, tab: Tab | None = None) -> None:
         """Go back to the level from a paused episode that was being changed.
 

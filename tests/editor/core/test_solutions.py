@@ -175,6 +175,48 @@ def test_a_recorded_solution_is_a_replay(session, level):
     worker.stop()
 
 
+@pytest.fixture
+def judged(level):
+    """A session whose recorded solutions win when they are played."""
+
+    def perform(request: PlaySolution, progress: object) -> Opened:
+        simulator = FakeSimulator()
+        simulator.start(request.level, "balanced")
+        last = dataclasses.replace(simulator.state, outcome="won")
+        trace = Trace(physics="balanced", perturbed=False, snapshots=(last,), actions=())
+        return Opened(level=request.level, trace=trace)
+
+    solution = Solution(physics="balanced", frame_skip=2, actions=((10, (1, 0, 0, 0, 0, 0)),))
+    with_one, worker = level.replace(solution=solution), Worker(perform=perform)
+    yield Session(settings=Settings(), worker=worker, simulator=FakeSimulator(), level=with_one)
+    worker.stop()
+
+
+def test_a_recorded_solution_that_comes_too_late_leaves_the_game_alone(judged):
+    assert run(judged, "level.play_solution")
+    assert run(judged, "run.play_human")
+    assert judged.worker.wait(5)
+    for _ in range(10):
+        actions.update(judged, 1 / 60)
+    assert (judged.mode, judged.playback.player) == (Mode.PLAYING, "")
+
+
+def test_a_win_that_is_judged_too_late_can_still_be_kept(judged):
+    won(judged)
+    judged.playback.ring.push(dataclasses.replace(judged.playback.ring.last, tailored=True))
+    judged.playback.current.actions.append((0,) * 6)
+    before = judged.document.level
+    assert run(judged, "level.keep_solution")
+    judged.playback.simulator.ends_at = 256
+    assert run(judged, "run.play_human")
+    assert judged.worker.wait(5)
+    for _ in range(10):
+        actions.update(judged, 1 / 60)
+    assert judged.mode is Mode.PLAYING
+    assert judged.document.level == before
+    assert run(judged, "level.keep_solution")
+
+
 def test_steps_there_and_back_keep_the_solution():
     level = load_level("s/wheelie")
     session = a_session(level)

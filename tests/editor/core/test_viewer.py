@@ -85,6 +85,7 @@ class Stage:
         self.agents = {}
         self.news = RunNews(rows=(), total=0, newest=None)
         self.wait = 0.0
+        self.opens = True
 
     def __call__(self, request, progress):
         self.asked.append(request)
@@ -98,6 +99,8 @@ class Stage:
             case ReadRun():
                 return self.news
             case OpenEpisode():
+                if not self.opens:
+                    raise KinetixError("It cannot be opened")
                 return Opened(level=a_level(), trace=a_trace())
             case Observe():
                 raise KinetixError("the agent is blind")
@@ -623,6 +626,19 @@ def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
     assert (with_agent.mode, playback.player) == (Mode.REPLAY, "Tester")
     assert playback.casting.attempt == 3
     assert with_agent.view.front == "timeline"
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_an_attempt_that_comes_too_late_leaves_the_game_alone(with_agent, stage, fails):
+    evaluation_of(with_agent, "s/a")
+    settle(with_agent)
+    stage.opens = not fails
+    measure.open_attempt(with_agent, 0, 0, 3)
+    assert actions.run(with_agent, "run.play_human")
+    settle(with_agent)
+    run(with_agent, 0.2)
+    assert (with_agent.mode, with_agent.playback.player) == (Mode.PLAYING, "")
+    assert ("It cannot be opened" in texts(with_agent)) == fails
 
 
 def test_levels_are_named_as_on_the_command_line(session, tmp_path):
