@@ -371,7 +371,8 @@ class Session:
 
     def close_tab(self, tab: Tab) -> None:
         """Take a tab away without asking; the last one leaves an empty level."""
-        self.leave_play()
+        if tab is self.tab:
+            self.leave_play()
         self.tabs.close(tab)
 
     def play_quickly(self) -> None:

@@ -9,11 +9,13 @@ from pathlib import Path
 import pytest
 
 from editor import actions
+from editor.actions.tab_menu import open_tab_menu
 from editor.base.events import DropEvent
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
 from editor.documents.document import Document
 from editor.gallery.export import SetPlan, export_set
+from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Worker
@@ -21,7 +23,7 @@ from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sets import load_set
-from tests.editor.core.helpers import a_level, texts
+from tests.editor.core.helpers import a_level, a_session, texts
 from tests.editor.core.test_traces import played  # noqa: F401 - a fixture
 
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
@@ -254,3 +256,21 @@ def test_a_file_of_another_kind_is_told_in_plain_words(tmp_path, content):
     assert session.prompts[-1].message == (
         f"{other}: this is no level; a level is a file that ends in .json"
     )
+
+
+@pytest.mark.parametrize("way", ["close", "others"])
+def test_closing_another_level_leaves_the_game_in_front_alone(way):
+    session = a_session()
+    behind = session.tab
+    session.open_tab(Document(a_level().replace(name="In front")))
+    assert actions.run(session, "run.play_human")
+    for _ in range(20):
+        actions.update(session, 1 / 60)
+    open_tab_menu(session, behind if way == "close" else session.tab, (0.0, 0.0))
+    session.answer(session.prompts[-1], way)
+    actions.update(session, 1 / 60)
+    assert [tab.document.level.name for tab in session.tabs] == ["In front"]
+    assert session.mode is Mode.PLAYING
+    open_tab_menu(session, session.tab, (0.0, 0.0))
+    session.answer(session.prompts[-1], "close")
+    assert session.editing
