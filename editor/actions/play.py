@@ -48,17 +48,24 @@ def pause(session: Session) -> None:
 
 
 def note_end(session: Session) -> None:
-    """Keep how an episode of the user's own ended, once; pulled bodies and agents do not count."""
+    """Note the end of an episode: a win by hand is offered, and the first end is a result."""
     playback = session.playback
-    ended = playback.mode is Mode.ENDED and playback.level is not None
-    if not ended or playback.episode == session.noted_episode:
+    if playback.mode is not Mode.ENDED or playback.snapshot is session.noted_end:
         return
-    session.noted_episode = playback.episode
+    session.noted_end = playback.snapshot
     win = Win.of(playback)
     if win is not None:
         session.win = win
         if win.level.solution is None:
             _offer_to_keep(session)
+    if playback.episode != session.noted_episode:
+        session.noted_episode = playback.episode
+        _keep_result(session)
+
+
+def _keep_result(session: Session) -> None:
+    """Keep how an episode of the user's own ended; pulled bodies and agents do not count."""
+    playback = session.playback
     if playback.casting is None and not playback.perturbed and playback.level is not None:
         won = playback.outcome == "won"
         session.results.add_episode(HUMAN, level_hash(playback.level), won=won)

@@ -45,6 +45,7 @@ from editor.session.tabs import Tab, Tabs
 from editor.session.view import View
 from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
+from editor.worker.recording import Snapshot
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
@@ -128,6 +129,8 @@ class Session:
         """The open levels when somebody chose to wait for files and then close, or None."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
+        self.noted_end: Snapshot | None = None
+        """The last end that was noted: an episode has another one after a moment before it."""
         self.win: Win | None = None
         """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None

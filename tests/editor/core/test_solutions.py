@@ -10,6 +10,7 @@ from editor.base.settings import Settings
 from editor.documents.commands.group import Move
 from editor.documents.commands.level import ReplaceLevel
 from editor.documents.document import Document
+from editor.gallery.results import HUMAN, Trial
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Worker
@@ -122,6 +123,33 @@ def test_of_two_wins_the_last_is_offered(session, level):
     assert offers == ["Won in 12 steps: shall that be the level's solution?"]
     assert run(session, "level.keep_solution")
     assert len(list(session.document.level.solution.unrolled())) == 12
+
+
+@pytest.mark.parametrize("way", ["step back", "start here"])
+def test_a_win_after_a_moment_before_a_loss_is_offered_and_no_further_result(session, level, way):
+    simulator = session.playback.simulator
+    simulator.ends_at, simulator.ends = 10, "lost"
+    run(session, "run.play_human")
+    for _ in range(40):
+        actions.update(session, 1 / 60)
+    assert session.playback.outcome == "lost"
+    if way == "step back":
+        for _ in range(5):
+            run(session, "run.step_back")
+            actions.update(session, 1 / 60)
+    else:
+        session.playback.scrub(5)
+        session.playback.branch()
+    simulator.ends_at, simulator.ends = 15, "won"
+    run(session, "run.pause")
+    for _ in range(40):
+        actions.update(session, 1 / 60)
+    assert session.playback.outcome == "won"
+    assert session.toasts[-1].text == "Won in 15 steps: shall that be the level's solution?"
+    assert session.results.of(session.document.hash)[Trial(player=HUMAN)].attempts == 1
+    run(session, "run.stop")
+    assert run(session, "level.keep_solution")
+    assert len(list(session.document.level.solution.unrolled())) == 15
 
 
 @pytest.mark.parametrize("other", ["changed", "another"])
