@@ -7,7 +7,7 @@ from editor.base.prompts import Choice, MenuQuestion
 from editor.base.wording import describe
 from editor.documents import files
 from editor.documents.commands.level import ReplaceLevel
-from editor.documents.document import Document
+from editor.documents.document import Document, same_content
 from editor.session import Session
 from kinetix.errors import LevelError
 from kinetix.level.model import Level
@@ -39,7 +39,7 @@ def check(session: Session) -> None:
 def _holds_the_same(session: Session) -> bool:
     """Return whether a file that is back holds the level in front."""
     try:
-        return _theirs(session) == session.document.level
+        return same_content(_theirs(session), session.document.level)
     except LevelError:
         return False
 
@@ -110,8 +110,9 @@ def show_differences(session: Session) -> None:
 
 
 def _theirs(session: Session) -> Level:
+    """Return the level in the file as it would be opened, with the old names that wait for it."""
     assert session.document.path is not None
-    return files.open_document(session.document.path).level
+    return files.open_document(session.document.path, session.old_names).level
 
 
 def _differences(mine: Level, theirs: Level) -> list[tuple[int, Level, str]]:

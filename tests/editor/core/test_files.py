@@ -206,6 +206,27 @@ def test_a_file_that_comes_back_is_looked_at_again(path):
     assert session.document.outside == "" and not session.document.dirty
 
 
+@pytest.mark.parametrize("meanwhile", ["a shape was drawn and undone", "an old name waits"])
+def test_a_file_that_comes_back_the_same_is_no_change(path, tmp_path, meanwhile):
+    if meanwhile == "an old name waits":
+        (tmp_path / "state").mkdir()
+        names = {str(path.resolve()): {"3": "Ball"}}
+        (tmp_path / "state" / "names.json").write_text(json.dumps(names))
+    session = outside_session(path)
+    if meanwhile == "an old name waits":
+        assert session.document.level.body(3).name == "Ball"
+    else:
+        session.execute(AddBody(body=a_level().body(3)))
+        actions.run(session, "edit.undo")
+    before = path.read_bytes()
+    path.unlink()
+    actions.update(session, 2.1)
+    assert session.document.dirty
+    path.write_bytes(before)
+    actions.update(session, 4.2)
+    assert session.document.outside == "" and not session.document.dirty
+
+
 def test_a_change_from_outside_is_told_and_can_be_taken(path):
     session = outside_session(path)
     theirs = MOVE.apply(a_level())
