@@ -1,6 +1,7 @@
 """Files from an address: bounded in size and time, only from the web, nothing runs."""
 
 import os
+import re
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -13,6 +14,11 @@ from kinetix.files.regular import FileError
 SCHEMES: Final = ("https", "http")
 SECONDS: Final = 20.0
 """Longest silence of a server."""
+_NOT_IN_NAMES: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
+"""Characters that some system allows in no file's name."""
+_LONGEST_STEM: Final = 40
+_LONGEST_SUFFIX: Final = 10
+"""Characters of a name, which are up to four bytes each; disks take 255 bytes."""
 
 
 class _Redirects(urllib.request.HTTPRedirectHandler):
@@ -36,9 +42,13 @@ def is_address(words: str | os.PathLike[str]) -> bool:
 
 
 def name_of(address: str) -> str:
-    """Return the file's name at the end of an address; `file` where it has none."""
+    """Return the file's name at the end of an address, shortened to one that every disk takes.
+
+    Where the address has none, or nothing of it can be part of a file's name, it is `file`.
+    """
     path = urllib.parse.unquote(urllib.parse.urlsplit(address).path)
-    return PurePosixPath(path).name or "file"
+    name = PurePosixPath(_NOT_IN_NAMES.sub("", PurePosixPath(path).name).strip(". "))
+    return f"{name.stem[:_LONGEST_STEM]}{name.suffix[:_LONGEST_SUFFIX]}" or "file"
 
 
 def fetch(address: str, kind: Kind) -> bytes:

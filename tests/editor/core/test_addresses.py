@@ -95,6 +95,28 @@ def test_addresses_are_only_those_of_the_web(web):
         fetch(f"{web}/elsewhere.json", "level")
 
 
+@pytest.mark.parametrize(
+    ("end", "name"),
+    [
+        ("a" * 300 + ".json", "a" * 40 + ".json"),
+        ("lev%00el.json", "level.json"),
+        ("a.json/..", "file"),
+        ("..%5Ca.json", "a.json"),
+        (".json", "json"),
+        ("%E8%BB%8A" * 100 + ".npz", "車" * 40 + ".npz"),
+        ("a." + "b" * 300, "a.bbbbbbbbb"),
+    ],
+)
+def test_an_address_may_end_in_what_no_file_can_be_called(monkeypatch, end, name):
+    level = load_level("s/goalkeeper")
+    monkeypatch.setattr(address, "fetch", lambda *_: dumps(level).encode())
+    session = Session(settings=Settings())
+    assert name_of(f"https://example.org/{end}") == name
+    address.open_address(session, f"https://example.org/{end}")
+    _take(session)
+    assert session.document.level == level
+
+
 def test_a_stored_comparison_is_a_table_again(tmp_path):
     """Rates, provenance and a second save are those of the file."""
     level = load_level("s/goalkeeper")
