@@ -110,7 +110,7 @@ class Replayer:
             raise KinetixError(error.reason) from error
         if not isinstance(event, dict) or "do" not in event:
             raise KinetixError('expected an object with the key "do"')
-        if event["do"] not in self._verbs:
+        if not isinstance(event["do"], str) or event["do"] not in self._verbs:
             known = ", ".join(self._verbs)
             raise KinetixError(f"unknown event {event['do']!r}; there are {known}")
         try:
@@ -119,6 +119,9 @@ class Replayer:
             raise KinetixError(f"{event['do']}: the key {error} is missing") from error
         except (TypeError, ValueError) as error:
             raise KinetixError(f"{event['do']}: {error}") from error
+        except OSError as error:
+            reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+            raise KinetixError(f"{event['do']}: {reason}") from error
         self._frames(1)
 
     def _step(self, *batch: events.InputEvent) -> None:
@@ -191,15 +194,13 @@ class Replayer:
     def _place(self, event: Event) -> tuple[float, float]:
         """Return the position of an event [px]; by default where the pointer was."""
         if "world" in event:
-            x, y = event["world"]
-            return self._session.camera.to_screen((float(x), float(y)))
+            return self._session.camera.to_screen(_point(event, "world"))
         if "widget" in event:
             found = self._session.probe.get(event["widget"])
             if not isinstance(found, Probe):
                 raise KinetixError(f"no widget {event['widget']!r} is on the screen")
             return found.centre
-        x, y = event.get("at", self._at)
-        return float(x), float(y)
+        return _point(event, "at") if "at" in event else self._at
 
     def _hold_mods(self, event: Event) -> None:
         """Press and release modifier keys so that exactly the event's are down."""
@@ -229,14 +230,14 @@ class Replayer:
     def _down(self, event: Event) -> None:
         self._hold_mods(event)
         self._move_to(self._place(event))
-        button = _BUTTONS[event.get("button", 1)]
+        button = _button(event)
         self._pointer(events.Pointer.PRESS, button)
         self._buttons.add(button)
 
     def _up(self, event: Event) -> None:
         self._hold_mods(event)
         self._move_to(self._place(event))
-        button = _BUTTONS[event.get("button", 1)]
+        button = _button(event)
         self._pointer(events.Pointer.RELEASE, button)
         self._buttons.discard(button)
         if not self._buttons:
@@ -245,7 +246,7 @@ class Replayer:
     def _drag(self, event: Event) -> None:
         keys = {name: event[name] for name in ("button", "mods") if name in event}
         to_screen = self._session.camera.to_screen
-        (ax, ay), (bx, by) = to_screen(tuple(event["from"])), to_screen(tuple(event["to"]))
+        (ax, ay), (bx, by) = to_screen(_point(event, "from")), to_screen(_point(event, "to"))
         self._down({"at": (ax, ay), **keys})
         for k in range(1, _DRAG_FRAMES + 1):
             share = k / _DRAG_FRAMES
@@ -346,6 +347,24 @@ class Replayer:
 
 def _key(name: str, pressed: bool) -> events.KeyEvent:
     return events.KeyEvent(key=name, pressed=pressed)
+
+
+def _point(event: Event, key: str) -> tuple[float, float]:
+    """Return the two numbers that an event has under a key."""
+    told = event[key]
+    try:
+        x, y = told
+        return float(x), float(y)
+    except (TypeError, ValueError):
+        raise KinetixError(f"{key} is {told!r}: expected two numbers") from None
+
+
+def _button(event: Event) -> int:
+    """Return the button of an event, by default the left one."""
+    told = event.get("button", 1)
+    if told not in tuple(_BUTTONS):
+        raise KinetixError(f"button is {told!r}: expected 1, 2 or 3")
+    return _BUTTONS[told]
 
 
 def _count(event: Event) -> int:

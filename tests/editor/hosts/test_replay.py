@@ -102,6 +102,16 @@ def test_text_goes_to_the_field_that_has_the_keyboard(play):
         ('{"do":"wait_until","what":"playing","seconds":0.1}', "the app is in Edit"),
         ('{"do":"screenshot","file":"a.png"}', "draws no pixels"),
         ('{"do":"agent","dir":"a","slot":"a"}', "nor a bundled agent"),
+        ('{"do":["drag"]}', "unknown event ['drag']"),
+        ('{"do":"drag","from":[1],"to":[2,3]}', "from is [1]: expected two numbers"),
+        ('{"do":"drag","from":[1,2],"to":5}', "to is 5: expected two numbers"),
+        ('{"do":"move","world":["a","b"]}', "world is ['a', 'b']: expected two numbers"),
+        ('{"do":"move","at":[1,2,3]}', "at is [1, 2, 3]: expected two numbers"),
+        ('{"do":"down","button":4}', "button is 4: expected 1, 2 or 3"),
+        ('{"do":"up","button":[]}', "button is []: expected 1, 2 or 3"),
+        ('{"do":"state","file":"/"}', "state: /: Is a directory"),
+        ('{"do":"state","file":"/dev/null/a.json"}', "state: /dev/null: "),
+        ('{"do":"save","file":"/dev/null/a.json"}', "save: /dev/null: "),
     ],
 )
 def test_what_cannot_be_applied_ends_the_run_with_its_line(play, line, said):
