@@ -1,5 +1,6 @@
 """Files from an address: bounded in size and time, only from the web, nothing runs."""
 
+import http.client
 import os
 import re
 import urllib.error
@@ -16,6 +17,8 @@ SECONDS: Final = 20.0
 """Longest silence of a server."""
 _NOT_IN_NAMES: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
 """Characters that some system allows in no file's name."""
+_KEPT: Final = "%/:@!$&'()*+,;=~?"
+"""Characters of a path and a query that mean themselves, besides letters and digits."""
 _LONGEST_STEM: Final = 40
 _LONGEST_SUFFIX: Final = 10
 """Characters of a name, which are up to four bytes each; disks take 255 bytes."""
@@ -66,14 +69,21 @@ def fetch(address: str, kind: Kind) -> bytes:
     largest = LIMITS[kind].largest
     opener = urllib.request.build_opener(_Redirects)
     try:
-        with opener.open(address, timeout=SECONDS) as answer:
+        with opener.open(_in_ascii(address), timeout=SECONDS) as answer:
             data = answer.read(largest + 1)
     except urllib.error.HTTPError as error:
         error.close()
         raise FileError(address, f"the server says {error.code} {error.reason}") from None
-    except (urllib.error.URLError, OSError, ValueError) as error:
+    except (urllib.error.URLError, http.client.HTTPException, OSError, ValueError) as error:
         reason = getattr(error, "reason", None) or error
         raise FileError(address, f"cannot be reached: {reason}") from None
     if len(data) > largest:
         raise FileError(address, f"expected at most {largest // MIB} MiB")
     return data
+
+
+def _in_ascii(address: str) -> str:
+    """The address with spaces and letters of other alphabets in the form that servers take."""
+    parts = urllib.parse.urlsplit(address)
+    path, query = (urllib.parse.quote(part, safe=_KEPT) for part in (parts.path, parts.query))
+    return parts._replace(path=path, query=query).geturl()

@@ -86,6 +86,14 @@ def test_what_cannot_be_fetched_is_one_sentence(web, tmp_path):
     assert session.prompts
 
 
+def test_a_place_may_be_written_as_people_write_it(web, tmp_path):
+    (tmp_path / "grüne Kugel.json").write_text("{}")
+    for end in ("grüne Kugel.json", "gr%C3%BCne%20Kugel.json"):
+        assert fetch(f"{web}/{end}", "level") == b"{}"
+    with pytest.raises(FileError):
+        fetch("http://grüne kugel.invalid/a.json", "level")
+
+
 def test_addresses_are_only_those_of_the_web(web):
     assert is_address("https://example.org/a.json") and not is_address("/tmp/a.json")
     assert not is_address("file:///etc/passwd") and not is_address("https://")
