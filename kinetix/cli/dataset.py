@@ -126,6 +126,8 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]", terminal: Terminal) -
     except KeyboardInterrupt:
         print(f"{out}: keeps the episodes that were there until now", file=sys.stderr)
         raise
+    for sentence in told.unfit:
+        print(sentence, file=sys.stderr)
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
