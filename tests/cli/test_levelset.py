@@ -1,6 +1,7 @@
 """`kinetix levelset`; the playing of `verify` stands in for itself here."""
 
 import json
+import os
 import sys
 import types
 from pathlib import Path
@@ -198,3 +199,26 @@ def test_weights_set_by_hand_are_kept_beside_a_set_that_is_built_anew(folder, ca
     assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
     assert "set.json.bak" in capsys.readouterr().err
     assert (folder / "set.json.bak").read_text() == by_hand
+
+
+@pytest.mark.parametrize("word", ["mine", "sets/s"])
+def test_a_set_is_split_where_it_lies(folder, monkeypatch, word):
+    monkeypatch.chdir(folder)
+    assert main(["levelset", "build", f"{word}.json", "--levels", "."]) == 0
+    assert main(["levelset", "split", word, "--seed", "4", "--split", "0"]) == 0
+    assert not (folder / word).exists()
+    assert {each.split for each in load_set(folder / f"{word}.json").levels} == {"eval"}
+
+
+def test_the_name_of_a_set_is_as_long_as_it_may_be(folder):
+    out = folder / f"{'x' * 200}.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0
+    assert load_set(out).manifest.name == "x" * 120
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
+def test_files_with_names_that_are_no_text(folder, capsys):
+    odd = os.fsdecode(os.fsencode(folder) + b"/caf\xe9")
+    (folder / "c0.json").rename(f"{odd}.json")
+    assert main(["levelset", "build", f"{odd}-set.json", "--levels", str(folder)]) == 0
+    assert load_set(f"{odd}-set.json").manifest.name == "caf?-set"
