@@ -17,7 +17,7 @@ from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
-from kinetix.errors import LevelError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
 from kinetix.level.codec import load_document, resolve_path
@@ -175,11 +175,15 @@ class Verdict:
     """True if the level is tagged so, which makes it only reported."""
     records: bool = True
     """True if its file can record a solution: those of kinetix-env cannot."""
+    unplayed: str = ""
+    """Why it could not be played; empty where it was, or has an error."""
 
     @property
     def problems(self) -> list[str]:
         """Reasons for which the level does not pass."""
         found = [f"{i.code} {i.path}: {i.message}" for i in self.issues if i.severity == "error"]
+        if self.unplayed:
+            found.append(f"it cannot be played: {self.unplayed}")
         if self.noop == "won":
             found.append("doing nothing wins it")
         if self.solution is None and self.noop is not None and self.records:
@@ -226,10 +230,14 @@ def verdict_on(each: SetLevel) -> Verdict:
     level, issues = each.level, validate(each.level)
     playable = not has_errors(issues)
     noop = solution = None
+    unplayed = ""
     if playable:
         physics = level.solution.physics if level.solution else "balanced"
-        noop = noop_outcome(level, physics)
-        solution = replay_solution(level) if level.solution else None
+        try:
+            noop = noop_outcome(level, physics)
+            solution = replay_solution(level) if level.solution else None
+        except KinetixError as error:
+            unplayed = str(error)
     return Verdict(
         level=each.name,
         issues=issues,
@@ -237,6 +245,7 @@ def verdict_on(each: SetLevel) -> Verdict:
         solution=solution,
         unsolved=_UNSOLVED in level.tags,
         records=each.path is None or load_document(each.path).format != "kinetix-env",
+        unplayed=unplayed,
     )
 
 

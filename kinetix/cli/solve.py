@@ -15,7 +15,7 @@ from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
-from kinetix.errors import LevelError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.level.codec import level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
@@ -143,9 +143,13 @@ def _check(each: SetLevel, *, write: bool) -> None:
 
 
 def _proven(level: Level) -> bool:
+    """Return whether a level's recorded solution wins; one of unknown physics does not."""
     from kinetix.environment.replay import replay_solution
 
-    return level.solution is not None and replay_solution(level) == "won"
+    try:
+        return level.solution is not None and replay_solution(level) == "won"
+    except KinetixError:
+        return False
 
 
 def _with_environments(

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.cli import main
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sets import load_set
 
@@ -222,3 +223,24 @@ def test_files_with_names_that_are_no_text(folder, capsys):
     (folder / "c0.json").rename(f"{odd}.json")
     assert main(["levelset", "build", f"{odd}-set.json", "--levels", str(folder)]) == 0
     assert load_set(f"{odd}-set.json").manifest.name == "caf?-set"
+
+
+def test_a_solution_that_cannot_be_played_is_a_problem_of_its_level(folder, outcomes, capsys):
+    replay = sys.modules["kinetix.environment.replay"]
+    played = replay.noop_outcome
+
+    def noop_outcome(level, physics):
+        if physics == "warped":
+            raise KinetixError("physics 'warped': expected one of balanced")
+        return played(level, physics)
+
+    replay.noop_outcome = noop_outcome
+    level = load_level(folder / "c1.json")
+    warped = level.solution.replace(physics="warped")
+    save_level(level.replace(solution=warped), folder / "c1.json")
+    assert main(["levelset", "verify", str(folder), "--json"]) == 1
+    found = verdicts(capsys)
+    assert [verdict["ok"] for verdict in found] == [True, False, True, True, True]
+    assert found[1]["problems"] == [
+        "it cannot be played: physics 'warped': expected one of balanced"
+    ]

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.cli import main
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Solution
 from kinetix.level.validate import validate
@@ -77,6 +78,19 @@ def test_a_solution_that_wins_no_more_is_replaced_or_dropped(search, folder):
     assert main(["solve", str(folder / "11.json"), "--unsolved", "--write"]) == 1
     assert load_level(folder / "11.json").solution is None
     assert load_level(folder / "11.json").tags == ("cart", "unsolved")
+
+
+def test_a_solution_under_unknown_physics_does_not_win(search, folder, monkeypatch):
+    def replay_solution(level):
+        raise KinetixError("physics 'warped': expected one of balanced")
+
+    monkeypatch.setattr(
+        sys.modules["kinetix.environment.replay"], "replay_solution", replay_solution
+    )
+    path = folder / "10.json"
+    save_level(load_level(path).replace(solution=SOLUTION.replace(physics="warped")), path)
+    assert main(["solve", str(path), "--unsolved", "--write"]) == 0
+    assert load_level(path).solution == SOLUTION
 
 
 def test_nothing_is_written_unless_asked(search, folder):
