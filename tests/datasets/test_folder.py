@@ -186,3 +186,13 @@ def test_solutions_become_episodes() -> None:
     assert found.action.tolist() == [list(row) for row in level.solution.unrolled()]
     assert found.source == "solver" and found.outcome == "won" and found.reward[-1] == 1.0
     assert solution_episode(level.replace(solution=None)) is None
+
+
+def test_controls_become_the_nearest_action() -> None:
+    """Half of the way to full drive decides."""
+    control = np.zeros((6, 6), np.float32)
+    control[:, 0] = [0.01, -0.01, 0.4, 0.6, -0.6, 1.0]
+    control[:, 4] = [0.0, 0.1, 0.4, 0.6, 0.9, 1.0]
+    action = dataclasses.replace(episode(), control=control).action
+    assert action[:, 0].tolist() == [0, 0, 0, 1, 2, 1]
+    assert action[:, 4].tolist() == [0, 0, 0, 1, 1, 1]
