@@ -6,6 +6,7 @@ import pytest
 
 from kinetix.cli.sample import Sample, run
 from kinetix.engine.spec import Capacity
+from kinetix.environment.generators import documents
 from kinetix.environment.generators.documents import (
     MUTATIONS,
     mutate_level,
@@ -17,6 +18,7 @@ from kinetix.environment.generators.params import UEDParams
 from kinetix.errors import KinetixError
 from kinetix.level.codec import dumps, load_level, loads, save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
+from kinetix.level.sizes import SIZES
 from kinetix.level.validate import validate
 
 BY_CHANCE = {"E104", "E105"}
@@ -111,6 +113,15 @@ def test_a_size_is_that_of_the_whole_shape() -> None:
         assert isinstance(shape, Polygon)
         sides += [max(axis) - min(axis) for axis in zip(*shape.vertices, strict=True)]
     assert 2 * UEDParams().max_shape_size >= max(sides) > 0.82 > min(sides) > 0.05
+
+
+def test_creatures_are_drawn_for_their_name_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(documents, "_drawer", lambda *of: asked.append(of))
+    for size in ("locomotion", SIZES["locomotion"]):
+        with pytest.raises(TypeError):  # nothing draws
+            random_level(0, size)
+    assert asked == [(SIZES["locomotion"], True), (SIZES["locomotion"], False)]
 
 
 def test_removing_and_adding_keep_ids() -> None:
