@@ -261,6 +261,12 @@ def save_agent(
                     f"{directory}: the kinetix-env form cannot carry the normalisation of "
                     "observations that this agent was trained with"
                 )
+            if options := agent.card.observation.options:
+                raise CheckpointError(
+                    f"{directory}: the kinetix-env form cannot carry the options of observations "
+                    f"that this agent was trained with ({', '.join(options)}); "
+                    "format='kinetix-agent' can"
+                )
             if agent.card.network.kind == "relational":
                 raise CheckpointError(
                     f"{directory}: kinetix-env has no relational network, so its form cannot carry "

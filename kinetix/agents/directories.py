@@ -24,8 +24,13 @@ def replacing_directory(directory: Path) -> Iterator[Path]:
         Path of a folder beside it.
 
     Raises:
-        CheckpointError: It cannot be written.
+        CheckpointError: It cannot be written, or is the current folder.
     """
+    if not directory.name:
+        raise CheckpointError(
+            f"{directory}: a new folder takes the place of the old one, which this one cannot be; "
+            "name a folder inside it"
+        )
     temporary = directory.with_name(f".{directory.name}.{os.getpid()}.tmp")
     try:
         directory.parent.mkdir(parents=True, exist_ok=True)

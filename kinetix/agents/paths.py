@@ -66,17 +66,20 @@ def attempt_paths(
         episodes = begin(env, player, asked, settings.seed)
         places = [_place(episodes, green)]
         while not bool(jnp.all(episodes.over)):
-            over = np.asarray(episodes.over)
-            episodes = advance(
-                env,
-                player.policy,
-                player.params,
-                episodes,
-                _EVERY,
-                deterministic=settings.deterministic,
-            )
-            # What is over goes on being stepped, but it is of no interest.
-            places.append(np.where(over[:, None], places[-1], _place(episodes, green)))
+            place = places[-1]
+            for _ in range(_EVERY):
+                over = np.asarray(episodes.over)
+                episodes = advance(
+                    env,
+                    player.policy,
+                    player.params,
+                    episodes,
+                    1,
+                    deterministic=settings.deterministic,
+                )
+                # What is over goes on being stepped, but it is of no interest.
+                place = np.where(over[:, None], place, _place(episodes, green))
+            places.append(place)
             yield None
         parts.append(np.stack(places, axis=1)[: len(asked)])
         results += episode_results(episodes)[: len(asked)]

@@ -80,12 +80,13 @@ def run(command: Compare) -> int:
     )
     players = [player for name in command.agents for player in _players(name, command.checkpoints)]
     contenders = _measured(players, named(found), settings)
-    _print(contenders, found, as_json=command.json)
+    # Written first: what reads the lines may close the pipe before the last of them.
     if command.out is not None:
         hashes = {level.name: level.sha256 for level in found}
         text = text_of(command.out.suffix.lower(), contenders, hashes, __version__)
         write_atomically(command.out, text.encode())
         print(command.out, file=sys.stderr)
+    _print(contenders, found, as_json=command.json)
     failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)
     return 1 if failed else 0
 

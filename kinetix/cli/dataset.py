@@ -102,7 +102,7 @@ def run(command: RecordEpisodes | GatherEpisodes | VerifyDataset | ExportDataset
             case RecordEpisodes():
                 return _add(command.out, _recorded(command, terminal), terminal)
             case GatherEpisodes():
-                _check(command.sources)
+                _check(command.sources, terminal)
                 return _add(command.out, _gathered(command.sources, terminal), terminal)
             case VerifyDataset():
                 return _verify(command, terminal)
@@ -126,6 +126,8 @@ def _add(out: Path, episodes: "Iterator[RecordedEpisode]", terminal: Terminal) -
     except KeyboardInterrupt:
         print(f"{out}: keeps the episodes that were there until now", file=sys.stderr)
         raise
+    for sentence in told.unfit:
+        print(sentence, file=sys.stderr)
     manifest = read_manifest(out) if told.added or told.known else None
     if manifest is None:
         print(f"{out}: nothing to add", file=sys.stderr)
@@ -184,12 +186,13 @@ def _recorded(command: RecordEpisodes, terminal: Terminal) -> "Iterator[Recorded
             terminal.say(f"{level.name}: left out: {error}")
 
 
-def _check(sources: tuple[str, ...]) -> None:
-    """Refuse a wrong name now: it must not cost the time that the names before it take."""
+def _check(sources: tuple[str, ...], terminal: Terminal) -> None:
+    """Refuse a wrong name now, before the names before it take their time; tell of other files."""
     from kinetix.datasets.sources import check_source
 
     for source in sources:
-        check_source(source)
+        for sentence in check_source(source):
+            terminal.say(f"left out: {sentence}")
 
 
 def _gathered(sources: tuple[str, ...], terminal: Terminal) -> "Iterator[RecordedEpisode]":

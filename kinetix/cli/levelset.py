@@ -17,12 +17,13 @@ from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
-from kinetix.errors import LevelError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
-from kinetix.level.codec import load_document
+from kinetix.level.codec import load_document, resolve_path
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
+    LONGEST_NAME,
     LoadedSet,
     SetLevel,
     build_set,
@@ -102,7 +103,7 @@ def _build(command: Build) -> int:
     found = gather_levels(command.levels)
     made = build_set(
         found,
-        name=command.out.stem,
+        name=_name_after(command.out),
         folder=command.out.parent,
         split=command.split,
         seed=command.seed,
@@ -112,6 +113,11 @@ def _build(command: Build) -> int:
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
     print(_where_levels_are(made, inline=command.inline))
     return 0
+
+
+def _name_after(path: Path) -> str:
+    """The name of a set after its file's, as far as a name may go."""
+    return path.stem.encode(errors="replace").decode()[:LONGEST_NAME]
 
 
 def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
@@ -129,16 +135,16 @@ def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
 
 
 def _split(command: Split) -> int:
-    if not os.path.exists(command.source) and named_levels(command.source):
+    here = (command.source, f"{command.source}.json")
+    if not any(map(os.path.exists, here)) and named_levels(command.source):
         raise LevelError(
             f"{command.source}: is bundled, and stays as it is; make a set of your own from it: "
             f"kinetix levelset build mine.json --levels {command.source}"
         )
-    loaded = load_set(command.source)
-    folder = command.source.parent
-    made = split_set(loaded, split=command.split, seed=command.seed, folder=folder)
-    _save(made, command.source, inline=False)
-    print(_summary(command.source, made))
+    source = resolve_path(command.source)
+    made = split_set(load_set(source), split=command.split, seed=command.seed, folder=source.parent)
+    _save(made, source, inline=False)
+    print(_summary(source, made))
     return 0
 
 
@@ -169,11 +175,15 @@ class Verdict:
     """True if the level is tagged so, which makes it only reported."""
     records: bool = True
     """True if its file can record a solution: those of kinetix-env cannot."""
+    unplayed: str = ""
+    """Why it could not be played; empty where it was, or has an error."""
 
     @property
     def problems(self) -> list[str]:
         """Reasons for which the level does not pass."""
         found = [f"{i.code} {i.path}: {i.message}" for i in self.issues if i.severity == "error"]
+        if self.unplayed:
+            found.append(f"it cannot be played: {self.unplayed}")
         if self.noop == "won":
             found.append("doing nothing wins it")
         if self.solution is None and self.noop is not None and self.records:
@@ -220,10 +230,14 @@ def verdict_on(each: SetLevel) -> Verdict:
     level, issues = each.level, validate(each.level)
     playable = not has_errors(issues)
     noop = solution = None
+    unplayed = ""
     if playable:
         physics = level.solution.physics if level.solution else "balanced"
-        noop = noop_outcome(level, physics)
-        solution = replay_solution(level) if level.solution else None
+        try:
+            noop = noop_outcome(level, physics)
+            solution = replay_solution(level) if level.solution else None
+        except KinetixError as error:
+            unplayed = str(error)
     return Verdict(
         level=each.name,
         issues=issues,
@@ -231,6 +245,7 @@ def verdict_on(each: SetLevel) -> Verdict:
         solution=solution,
         unsolved=_UNSOLVED in level.tags,
         records=each.path is None or load_document(each.path).format != "kinetix-env",
+        unplayed=unplayed,
     )
 
 

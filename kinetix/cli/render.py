@@ -14,7 +14,7 @@ from tyro.conf import Positional
 from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
 from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError
-from kinetix.files.atomic import replacing
+from kinetix.files.atomic import check_target, replacing
 from kinetix.files.folders import made_folder
 from kinetix.level.geometry import ARENA_WIDTH, bounds, outside_arena
 from kinetix.level.model import Level
@@ -109,6 +109,7 @@ def run(command: Render) -> int:
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
     made_folder(command.out.parent)
+    check_target(command.out)
     if kind == PAGE:
         _write_page(command)
         print(command.out)

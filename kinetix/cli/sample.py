@@ -33,7 +33,8 @@ class Sample:
     machines: bool = False
     """Machines with a task (cars, arms, rockets, …; sizes s, m, l) instead of heaps of shapes."""
     overwrite: bool = False
-    """Replace files of these names that hold other levels; those stay beside them as NAME.bak."""
+    """Replace files of these names that hold other levels; those stay beside them as NAME.bak,
+    older ones as NAME.bak2 and so on."""
     cores: int | None = None
     """Processor cores to use (KINETIX_CORES, else all)."""
 
@@ -92,4 +93,4 @@ def _write(path: Path, data: bytes, *, overwrite: bool) -> None:
             f"{path}: the file holds another level, perhaps this one with changes; choose another "
             "folder or --seed, or pass --overwrite, which keeps it as a .bak file"
         )
-    write_with_backup(path, data)
+    write_with_backup(path, data, keep_all=True)

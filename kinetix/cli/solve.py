@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import math
+import os
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -12,14 +13,16 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from tyro.conf import Positional
 
+from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
-from kinetix.errors import LevelError
-from kinetix.level.codec import load_document, save_level
+from kinetix.errors import KinetixError, LevelError
+from kinetix.level.codec import level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import SetLevel, read_levels
 from kinetix.level.sizes import capacity_of
 from kinetix.level.validate import validate
+from kinetix.paths import levels_dir
 from kinetix.wording import plural
 
 if TYPE_CHECKING:
@@ -67,6 +70,9 @@ def run(command: Solve) -> int:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
     if not 0 <= command.seconds < math.inf:
         raise LevelError(f"--seconds {command.seconds}: expected a number from 0")
+    if command.write:
+        for word in command.levels:
+            _refuse_bundled(word)
     given, unreadable = read_levels(command.levels)
     chosen = list(_tasks(given, list(unreadable.values()), write=command.write))
     complete = len(chosen) == len(given) + len(unreadable)
@@ -81,6 +87,18 @@ def run(command: Solve) -> int:
         for each, env in _with_environments(chosen, command)
     ]
     return 0 if complete and all(found) else 1
+
+
+def _refuse_bundled(word: str) -> None:
+    """Refuse to write to what is bundled; the path of such a file is somebody's own choice."""
+    found = named_levels(word)
+    is_path = os.path.exists(word) or os.path.exists(f"{word}.json")
+    if found is None or is_path or not found.resolve().is_relative_to(levels_dir().resolve()):
+        return
+    raise LevelError(
+        f"{word}: is bundled, and stays as it is; solutions are recorded in a copy of your own of "
+        f"{found}"
+    )
 
 
 def _tasks(
@@ -125,9 +143,13 @@ def _check(each: SetLevel, *, write: bool) -> None:
 
 
 def _proven(level: Level) -> bool:
+    """Return whether a level's recorded solution wins; one of unknown physics does not."""
     from kinetix.environment.replay import replay_solution
 
-    return level.solution is not None and replay_solution(level) == "won"
+    try:
+        return level.solution is not None and replay_solution(level) == "won"
+    except KinetixError:
+        return False
 
 
 def _with_environments(
@@ -181,22 +203,48 @@ def _solve(each: SetLevel, title: str, command: Solve, env: "KinetixEnv") -> boo
         still = "" if channels_in_use(level) else "; it has no motor or thruster that a key drives"
         print(f"{title}: no solution found {_searched(last)}{still}", file=sys.stderr)
         if command.write and each.path and level.solution and not _proven(level):
-            tags = (*(tag for tag in level.tags if tag != _UNSOLVED), _UNSOLVED)
-            save_level(level.replace(solution=None, tags=tags), each.path)
-            print(f"dropped the solution in {each.path}: it does not win", flush=True)
+            _drop(level, each.path)
         return False
     steps = solution.steps
     print(f"{title}: won after {plural(steps, 'step')} under {solution.physics}", flush=True)
     if command.write and each.path:
-        _record(level, solution, each.path)
+        return _record(level, solution, each.path)
     return True
 
 
-def _record(level: Level, solution: Solution, path: Path) -> None:
+def _record(level: Level, solution: Solution, path: Path) -> bool:
+    """Put a solution into a level's file; return whether it is still the level of the search."""
+    now = _unchanged(level, path)
+    if now is None:
+        return False
     # What is solved is no longer unsolved.
-    tags = tuple(tag for tag in level.tags if tag != _UNSOLVED)
-    save_level(level.replace(solution=solution, tags=tags), path)
+    tags = tuple(tag for tag in now.tags if tag != _UNSOLVED)
+    save_level(now.replace(solution=solution, tags=tags), path)
     print(f"recorded in {path}", flush=True)
+    return True
+
+
+def _drop(level: Level, path: Path) -> None:
+    """Take a solution that does not win out of a level's file."""
+    now = _unchanged(level, path)
+    if now is None or now.solution != level.solution:
+        return
+    tags = (*(tag for tag in now.tags if tag != _UNSOLVED), _UNSOLVED)
+    save_level(now.replace(solution=None, tags=tags), path)
+    print(f"dropped the solution in {path}: it does not win", flush=True)
+
+
+def _unchanged(level: Level, path: Path) -> Level | None:
+    """Return what a level's file holds now; None, and a sentence, where it is another level."""
+    try:
+        now = load_level(path)
+        if level_hash(now) == level_hash(level):
+            return now
+        why = f"{path}: was changed during the search"
+    except LevelError as error:
+        why = str(error)
+    print(f"{why}; nothing is recorded, search it again", file=sys.stderr)
+    return None
 
 
 def _searched(last: "SearchProgress | None") -> str:

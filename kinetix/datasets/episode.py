@@ -76,7 +76,7 @@ class RecordedEpisode:
     def action(self) -> Int[np.ndarray, "k 6"]:
         """The multi-discrete action nearest to each control: 1 forward, 2 backward; 1 burning."""
         motors, thrusters = np.split(self.control, [MOTOR_BINDINGS], axis=1)
-        signs = np.where(motors > 0, 1, np.where(motors < 0, 2, 0))
+        signs = np.where(motors > 0.5, 1, np.where(motors < -0.5, 2, 0))
         return np.concatenate([signs, thrusters > 0.5], axis=1).astype(np.int8)
 
     @property

@@ -12,7 +12,7 @@ from typing import Final
 import msgspec
 
 from kinetix.datasets.episode import Origin, RecordedEpisode
-from kinetix.datasets.shard import FORMAT, VERSION, pack, read_ids, read_shard
+from kinetix.datasets.shard import FORMAT, VERSION, misfit_of, pack, read_ids, read_shard
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import begun_folder
@@ -67,6 +67,8 @@ class Added:
     """Left out, because the data set has the very same."""
     empty: int
     """Left out, because they have no step."""
+    unfit: tuple[str, ...] = ()
+    """A sentence per episode that is left out because it could not be read again."""
 
 
 def read_manifest(folder: Path) -> Manifest:
@@ -137,7 +139,8 @@ def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
 
     Args:
         folder: The data set; a new or an empty folder, or one.
-        episodes: Taken one by one; those that are there already are left out.
+        episodes: Taken one by one; those that are there already are left out, and those that could
+            not be read again.
 
     Raises:
         KinetixError: The folder holds something else, another process writes to it, or the disk
@@ -183,14 +186,18 @@ class DatasetWriter:
         """Write episodes; afterwards all that were taken are on disk, also where taking one failed.
 
         Args:
-            episodes: Taken one by one; those that are there already are left out.
+            episodes: As for `add_episodes`.
         """
         waiting: list[RecordedEpisode] = []
+        unfit: list[str] = []
         steps = added = twice = empty = 0
         try:
             for episode in episodes:
                 if episode.identity in self._known or not episode.length:
                     twice, empty = twice + bool(episode.length), empty + (not episode.length)
+                    continue
+                if why := misfit_of(episode):
+                    unfit.append(f"{episode.level.name}: left out: {why}")
                     continue
                 self._known.add(episode.identity)
                 waiting.append(episode)
@@ -201,7 +208,7 @@ class DatasetWriter:
         finally:
             if waiting:
                 self._write(waiting)
-        return Added(added=added, known=twice, empty=empty)
+        return Added(added=added, known=twice, empty=empty, unfit=tuple(unfit))
 
     def _write(self, episodes: list[RecordedEpisode]) -> None:
         data = pack(episodes)

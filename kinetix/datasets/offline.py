@@ -118,7 +118,7 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
     rows: list[dict[str, np.ndarray]] = []
     left: list[str] = []
     origins: list[_Origin] = []
-    shards = count = 0
+    shards = 0
     for episode in episodes:
         if not episode.replays:
             left.append(
@@ -139,17 +139,14 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
         except KinetixError as error:
             left.append(f"{episode.level.name}: left out: {error}")
             continue
-        count += 1
         origins.append(_origin(episode))
         if len(rows) == PER_SHARD:
-            _write(out, shards, rows)
+            _write(out, shards, rows, origins)
             rows, shards = [], shards + 1
-    if rows:
-        _write(out, shards, rows)
-        shards += 1
-    told = {"trajectories": msgspec.to_builtins(origins)}
-    write_atomically(out / ORIGINS, (json.dumps(told, indent=1) + "\n").encode())
-    return Written(trajectories=count, shards=shards, left_out=tuple(left))
+    if rows or not shards:
+        _write(out, shards, rows, origins)
+        shards += bool(rows)
+    return Written(trajectories=len(origins), shards=shards, left_out=tuple(left))
 
 
 def _origin(episode: RecordedEpisode) -> _Origin:
@@ -166,11 +163,16 @@ def trajectory(episode: RecordedEpisode, capacity: Any) -> dict[str, np.ndarray]
         capacity: Sizes of the states.
 
     Raises:
-        KinetixError: The level does not fit.
+        KinetixError: The level does not fit, or the episode ends otherwise in such states.
     """
     from kinetix.datasets.replays import replay  # only here is JAX needed
 
     again = replay(episode, capacity)
+    if again.length != episode.length or again.outcome != episode.outcome:
+        raise KinetixError(
+            f"played again in states of this size, it ends with {again.outcome} after "
+            f"{plural(again.length, 'step')}, not with {episode.outcome} after {episode.length}"
+        )
     index = np.arange(STEPS) % again.length
     arrays = {name: np.asarray(value)[index] for name, value in state_arrays(again.states).items()}
     return {
@@ -341,7 +343,15 @@ def _refuse_filled(out: Path) -> None:
         raise KinetixError(f"{out}: is not empty; choose a new folder")
 
 
-def _write(out: Path, number: int, rows: list[dict[str, np.ndarray]]) -> None:
+def _write(
+    out: Path, number: int, rows: list[dict[str, np.ndarray]], origins: list[_Origin]
+) -> None:
+    """Write the origins of all trajectories until now and then a shard, if it has any."""
+    # Origins first: a shard without them is read as one of kinetix-env.
+    told = {"trajectories": msgspec.to_builtins(origins)}
+    write_atomically(out / ORIGINS, (json.dumps(told, indent=1) + "\n").encode())
+    if not rows:
+        return
     stacked = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     packed = io.BytesIO()
     np.savez_compressed(packed, **stacked)  # pyright: ignore[reportArgumentType]

@@ -59,17 +59,27 @@ def pack(episodes: Sequence[RecordedEpisode]) -> bytes:
             index[key] = len(texts)
             texts.append(dumps(episode.level).encode())
         levels.append(index[key])
-    lengths = [episode.length for episode in episodes]
-    done = np.zeros(sum(lengths), bool)
-    done[np.cumsum(lengths) - 1] = True
     head = {"format": FORMAT, "version": VERSION, "arrays": SCHEMA}
     arrays: dict[str, Any] = {
         "schema": np.array(json.dumps(head)),
         "level": np.frombuffer(b"".join(texts), np.uint8),
         "level_end": np.cumsum([len(text) for text in texts]),
         "level_hash": np.array(list(index)),
-        "episode_id": np.array([episode.identity for episode in episodes]),
         "episode_level": np.array(levels, np.int32),
+        **_played(episodes),
+    }
+    packed = io.BytesIO()
+    np.savez_compressed(packed, **arrays)  # pyright: ignore[reportArgumentType]
+    return packed.getvalue()
+
+
+def _played(episodes: Sequence[RecordedEpisode]) -> dict[str, np.ndarray]:
+    """The arrays of a shard that tell of its episodes, not of their levels."""
+    lengths = [episode.length for episode in episodes]
+    done = np.zeros(sum(lengths), bool)
+    done[np.cumsum(lengths) - 1] = True
+    arrays: dict[str, np.ndarray] = {
+        "episode_id": np.array([episode.identity for episode in episodes]),
         "episode_end": np.cumsum(lengths),
         "frame_skip": np.array([episode.frame_skip for episode in episodes], np.int32),
         "seed": np.array([episode.seed for episode in episodes], np.int64),
@@ -82,9 +92,21 @@ def pack(episodes: Sequence[RecordedEpisode]) -> bytes:
     }
     for name in ("outcome", "physics", "source", "player", "digest", "deterministic", "replays"):
         arrays[name] = np.array([getattr(episode, name) for episode in episodes])
-    packed = io.BytesIO()
-    np.savez_compressed(packed, **arrays)  # pyright: ignore[reportArgumentType]
-    return packed.getvalue()
+    return arrays
+
+
+def misfit_of(episode: RecordedEpisode) -> str | None:
+    """Return why `read_shard` would refuse a shard with an episode; None where it would not.
+
+    Args:
+        episode: Of at least one step.
+    """
+    one_level = {"level": np.zeros(1), "level_end": np.ones(1), "level_hash": np.zeros(1)}
+    try:
+        _check_shapes({**one_level, "episode_level": np.zeros(1), **_played([episode])})
+    except (ValueError, TypeError, OverflowError) as error:
+        return str(error)
+    return None
 
 
 def read_ids(path: Path) -> tuple[str, ...]:

@@ -20,6 +20,8 @@ Frames = Iterable[UInt8[np.ndarray, "h w 3"]]
 FILM_SUFFIXES: Final = (".gif", ".mp4")
 _COLOURS: Final = 64
 """Colours of a GIF's picture: levels have few, and the file half the bytes of 256."""
+_SHORTEST: Final = 2
+"""Least time of a GIF's picture [0.01 s]: browsers show anything shorter for 0.1 s."""
 
 
 def write_film(
@@ -71,6 +73,8 @@ def write_gif(
 ) -> None:
     """Write pictures from `gif_picture` as a film that repeats for ever.
 
+    Of more than 50 pictures per second some are left out; the film lasts as long.
+
     Args:
         path: The file, whatever it is called.
         pictures: At least one.
@@ -80,10 +84,9 @@ def write_gif(
     Raises:
         OSError: The file cannot be written.
     """
-    first, *rest = pictures
-    # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
-    moments = [round(100 * k / per_second) for k in range(len(rest) + 2)]
-    durations = [10 * (end - start) for start, end in itertools.pairwise(moments)]
+    all_pictures = list(pictures)
+    shown, durations = _gif_times(len(all_pictures), per_second)
+    first, *rest = (all_pictures[k] for k in shown)
     first.save(
         path,
         format="GIF",
@@ -94,6 +97,21 @@ def write_gif(
         optimize=True,
         comment=comment.encode(),
     )
+
+
+def _gif_times(count: int, per_second: float) -> tuple[list[int], list[int]]:
+    """Return which pictures a GIF shows, the last one always, and how long each lasts [ms]."""
+    # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
+    moments = [round(100 * k / per_second) for k in range(count + 1)]
+    begins = [0]
+    for k in range(1, count):
+        if min(moments[k] - moments[begins[-1]], moments[-1] - moments[k]) >= _SHORTEST:
+            begins.append(k)
+    times = [
+        10 * (end - start)
+        for start, end in itertools.pairwise(moments[k] for k in (*begins, count))
+    ]
+    return [*begins[:-1], count - 1], times
 
 
 def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:

@@ -136,6 +136,15 @@ def test_normalisation_travels_with_the_agent(agent, tmp_path):
         save_agent(made, tmp_path / "peer", format="kinetix-env")
 
 
+def test_options_of_observations_travel_with_the_agent(agent, tmp_path):
+    seen = ObservationCard(type=CARD.observation.type, options={"symmetric_contacts": True})
+    made = Agent(CARD.replace(observation=seen), agent.params["params"])
+    save_agent(made, tmp_path / "agent")
+    assert load_agent(tmp_path / "agent").card.observation == seen
+    with pytest.raises(CheckpointError, match=r"cannot carry the options .*symmetric_contacts"):
+        save_agent(made, tmp_path / "peer", format="kinetix-env")
+
+
 def test_the_newest_checkpoint_of_a_run_is_taken(agent, tmp_path):
     for step in (9, 10):
         save_agent(
@@ -327,6 +336,13 @@ def test_nothing_else_is_overwritten(agent, tmp_path):
     with pytest.raises(CheckpointError, match="is not empty and holds no agent"):
         save_agent(agent, tmp_path)
     assert (tmp_path / "letter.txt").read_text() == "mine"
+
+
+def test_the_current_folder_is_not_replaced(agent, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CheckpointError, match=r"^\.: .*name a folder inside it"):
+        save_agent(agent, ".")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.fixture

@@ -148,3 +148,17 @@ def test_a_bad_comparison_is_one_sentence(tmp_path, change, sentence):
     path.write_text(json.dumps(tree))
     with pytest.raises(KinetixError, match=sentence):
         read_comparison(path)
+
+
+def test_what_is_written_is_there_before_anything_is_printed(tmp_path, monkeypatch):
+    out, there = tmp_path / "all.json", []
+    for name, value in (
+        ("levels_to_measure", lambda levels: []),
+        ("named", lambda levels: []),
+        ("_players", lambda name, every: []),
+        ("_measured", lambda *of: [A, C]),
+        ("_print", lambda *of, as_json: there.append(out.exists())),
+    ):
+        monkeypatch.setattr(f"kinetix.cli.compare.{name}", value)
+    assert main(["compare", "--agents", "noop", "--levels", "s", "--out", str(out)]) == 0
+    assert there == [True]

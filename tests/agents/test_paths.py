@@ -1,9 +1,12 @@
 """Ways of attempts: those of an evaluation, and where wins leave losses."""
 
+from types import SimpleNamespace
+
+import jax
 import numpy as np
 import pytest
 
-from kinetix.agents.evaluate import evaluate
+from kinetix.agents.evaluate import Settings, evaluate
 from kinetix.agents.paths import Paths, attempt_paths, endings, parting
 from kinetix.agents.results import EpisodeResult
 from kinetix.agents.scripted import ScriptedPlayer
@@ -28,6 +31,37 @@ def test_wins_and_losses_part_where_they_stay_apart():
     assert parting(ways) == 4
     assert parting(_paths([_LEFT, _RIGHT], ["won", "won"])) is None
     assert parting(_paths([_LEFT, _RIGHT, _LEFT, _RIGHT], ["won", "won", "lost", "lost"])) is None
+
+
+def test_the_last_place_is_that_in_which_the_attempt_ends(monkeypatch):
+    """A body goes 0.1 m a step; what ended after 7 steps is stepped on, as a batch is."""
+
+    def at(step):
+        place = np.array([[[0.1 * step, 0.0]], [[0.2 * step, 0.0]]])
+        physics = SimpleNamespace(position=place)
+        over = np.array([step >= 7, step >= 12])
+        return SimpleNamespace(step=step, over=over, state=SimpleNamespace(physics=physics))
+
+    green = SimpleNamespace(
+        labels=SimpleNamespace(role=np.array([1])),
+        world=SimpleNamespace(bodies=SimpleNamespace(active=np.array([True]))),
+    )
+    for name, value in {
+        "prepare": lambda *of: SimpleNamespace(capacity=None, key=0),
+        "environment_for": lambda *of, **more: SimpleNamespace(static_env_params=None),
+        "level_state": lambda *of: green,
+        "rows": lambda policy: 2,
+        "begin": lambda *of: at(0),
+        "advance": lambda e, p, q, now, steps, deterministic: at(now.step + steps),
+        "episode_results": lambda episodes: [None, None],
+    }.items():
+        monkeypatch.setattr(f"kinetix.agents.paths.{name}", value)
+    monkeypatch.setattr(jax.tree, "map", lambda function, tree: tree)
+    *_, found = attempt_paths(ScriptedPlayer("noop"), LEVELS[0], Settings(attempts=2))
+    assert found.step.tolist() == [0, 2, 4, 6, 8, 10, 12]
+    first, second = found.position[..., 0]
+    assert first == pytest.approx([0.0, 0.2, 0.4, 0.6, 0.7, 0.7, 0.7])
+    assert second == pytest.approx([0.0, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4])
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """`kinetix levelset`; the playing of `verify` stands in for itself here."""
 
 import json
+import os
 import sys
 import types
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.cli import main
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sets import load_set
 
@@ -198,3 +200,47 @@ def test_weights_set_by_hand_are_kept_beside_a_set_that_is_built_anew(folder, ca
     assert main(["levelset", "build", str(made), "--levels", str(folder)]) == 0
     assert "set.json.bak" in capsys.readouterr().err
     assert (folder / "set.json.bak").read_text() == by_hand
+
+
+@pytest.mark.parametrize("word", ["mine", "sets/s"])
+def test_a_set_is_split_where_it_lies(folder, monkeypatch, word):
+    monkeypatch.chdir(folder)
+    assert main(["levelset", "build", f"{word}.json", "--levels", "."]) == 0
+    assert main(["levelset", "split", word, "--seed", "4", "--split", "0"]) == 0
+    assert not (folder / word).exists()
+    assert {each.split for each in load_set(folder / f"{word}.json").levels} == {"eval"}
+
+
+def test_the_name_of_a_set_is_as_long_as_it_may_be(folder):
+    out = folder / f"{'x' * 200}.json"
+    assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0
+    assert load_set(out).manifest.name == "x" * 120
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
+def test_files_with_names_that_are_no_text(folder, capsys):
+    odd = os.fsdecode(os.fsencode(folder) + b"/caf\xe9")
+    (folder / "c0.json").rename(f"{odd}.json")
+    assert main(["levelset", "build", f"{odd}-set.json", "--levels", str(folder)]) == 0
+    assert load_set(f"{odd}-set.json").manifest.name == "caf?-set"
+
+
+def test_a_solution_that_cannot_be_played_is_a_problem_of_its_level(folder, outcomes, capsys):
+    replay = sys.modules["kinetix.environment.replay"]
+    played = replay.noop_outcome
+
+    def noop_outcome(level, physics):
+        if physics == "warped":
+            raise KinetixError("physics 'warped': expected one of balanced")
+        return played(level, physics)
+
+    replay.noop_outcome = noop_outcome
+    level = load_level(folder / "c1.json")
+    warped = level.solution.replace(physics="warped")
+    save_level(level.replace(solution=warped), folder / "c1.json")
+    assert main(["levelset", "verify", str(folder), "--json"]) == 1
+    found = verdicts(capsys)
+    assert [verdict["ok"] for verdict in found] == [True, False, True, True, True]
+    assert found[1]["problems"] == [
+        "it cannot be played: physics 'warped': expected one of balanced"
+    ]

@@ -104,3 +104,16 @@ def test_what_a_picture_does_not_show_is_said(tmp_path, capsys):
     save_level(b.build(), tmp_path / "outside.json")
     assert main(["render", str(tmp_path / "outside.json"), str(tmp_path / "o.png")]) == 0
     assert "1 of 2 shapes start outside the picture" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.gif", "a.html"])
+def test_what_cannot_be_written_is_said_before_anything_is_played(
+    tmp_path, capsys, monkeypatch, name
+):
+    def showing(*of):
+        raise AssertionError("it is played")
+
+    monkeypatch.setattr("kinetix.cli.render._showing", showing)
+    (tmp_path / name).mkdir()
+    assert main(["render", "s/first_flight", str(tmp_path / name)]) == 1
+    assert "it is a folder" in capsys.readouterr().err

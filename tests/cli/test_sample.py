@@ -42,6 +42,16 @@ def test_a_level_that_was_edited_is_kept(sample, tmp_path, capsys):
     assert load_level(edited.with_name(f"{NAMES[1]}.bak")).name == "mine"
 
 
+def test_every_edited_level_is_kept(sample, tmp_path):
+    sample()
+    edited = tmp_path / NAMES[1]
+    for name in ("first", "second"):
+        save_level(load_level(edited).replace(name=name), edited)
+        assert sample("--overwrite") == 0
+    assert load_level(f"{edited}.bak").name == "second"
+    assert load_level(f"{edited}.bak2").name == "first"
+
+
 def test_levels_that_are_over_as_they_begin_are_counted(sample, tmp_path, capsys, monkeypatch):
     assert sample() == 0
     assert capsys.readouterr().err == f"{tmp_path}: 3 levels\n"

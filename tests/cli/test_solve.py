@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.cli import main
+from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Solution
 from kinetix.level.validate import validate
@@ -79,6 +80,19 @@ def test_a_solution_that_wins_no_more_is_replaced_or_dropped(search, folder):
     assert load_level(folder / "11.json").tags == ("cart", "unsolved")
 
 
+def test_a_solution_under_unknown_physics_does_not_win(search, folder, monkeypatch):
+    def replay_solution(level):
+        raise KinetixError("physics 'warped': expected one of balanced")
+
+    monkeypatch.setattr(
+        sys.modules["kinetix.environment.replay"], "replay_solution", replay_solution
+    )
+    path = folder / "10.json"
+    save_level(load_level(path).replace(solution=SOLUTION.replace(physics="warped")), path)
+    assert main(["solve", str(path), "--unsolved", "--write"]) == 0
+    assert load_level(path).solution == SOLUTION
+
+
 def test_nothing_is_written_unless_asked(search, folder):
     assert main(["solve", str(folder / "10.json"), str(folder / "12.json")]) == 0
     assert load_level(folder / "10.json").solution is None
@@ -146,3 +160,65 @@ def test_a_folder_of_which_nothing_can_be_read_is_an_error(search, tmp_path, cap
     assert main(["solve", str(tmp_path)]) == 1
     assert not search.levels
     assert "torn.json" in capsys.readouterr().err
+
+
+@pytest.fixture
+def edit(search, monkeypatch):
+    """Returns a function that has a level's file edited while the level is searched."""
+    module = sys.modules["kinetix.environment.search"]
+    searched = module.solve_level
+
+    def during(path, **changes):
+        def solve_level(level, **options):
+            save_level(load_level(path).replace(**changes), path)
+            return searched(level, **options)
+
+        monkeypatch.setattr(module, "solve_level", solve_level)
+
+    return during
+
+
+def test_a_level_that_is_changed_during_the_search_is_left_as_it_is(edit, folder, capsys):
+    path = folder / "10.json"
+    edit(path, gravity=(0.0, -3.0))
+    assert main(["solve", str(path), "--write"]) == 1
+    assert load_level(path).gravity == (0.0, -3.0)
+    assert load_level(path).solution is None
+    told = capsys.readouterr()
+    assert f"{path}: was changed during the search" in told.err and "recorded in" not in told.out
+
+
+def test_words_that_are_changed_during_the_search_stay(edit, folder):
+    path = folder / "10.json"
+    edit(path, description="better words")
+    assert main(["solve", str(path), "--write"]) == 0
+    assert load_level(path).description == "better words"
+    assert load_level(path).solution == SOLUTION
+
+
+@pytest.mark.parametrize("changes", [{"gravity": (0.0, -3.0)}, {"solution": SOLUTION}])
+def test_a_solution_that_came_during_the_search_is_not_dropped(edit, folder, changes):
+    path = folder / "11.json"
+    stale = SOLUTION.replace(actions=((9, (2, 0, 0, 0, 0, 0)),))
+    save_level(load_level(path).replace(solution=stale), path)
+    edit(path, **changes)
+    assert main(["solve", str(path), "--write"]) == 1
+    assert load_level(path).solution == changes.get("solution", stale)
+
+
+def test_bundled_levels_are_not_written_to_by_name(search, tmp_path, monkeypatch, capsys):
+    bundled = tmp_path / "installed" / "levels"
+    (bundled / "s").mkdir(parents=True)
+    path = bundled / "s" / "tried.json"
+    save_level(load_level(CART).replace(solution=None, max_timesteps=10), path)
+    monkeypatch.chdir(tmp_path)
+    for place in ("bundled", "cli.solve"):
+        monkeypatch.setattr(f"kinetix.{place}.levels_dir", lambda: bundled, raising=False)
+    for word in ("s/tried", "levels/s/tried.json", "s", "levels"):
+        assert main(["solve", word, "--write"]) == 1
+        assert f"{word}: is bundled" in capsys.readouterr().err
+    assert load_level(path).solution is None
+    assert main(["solve", "s/tried"]) == 0
+    monkeypatch.chdir(bundled.parent)
+    assert main(["solve", "levels/s/tried.json", "--write"]) == 0
+    assert load_level(path).solution == SOLUTION

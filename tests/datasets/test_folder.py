@@ -19,6 +19,7 @@ from kinetix.datasets.folder import (
 from kinetix.datasets.shard import SCHEMA, read_shard
 from kinetix.errors import KinetixError
 from kinetix.level.codec import level_hash, load_level
+from kinetix.level.model import MAX_STEPS
 
 
 def episode(name: str = "s/goalkeeper", steps: int = 5) -> RecordedEpisode:
@@ -58,6 +59,33 @@ def test_episodes_are_added_once(tmp_path: Path) -> None:
     assert (told.added, told.known, told.empty) == (1, 1, 1)
     manifest = read_manifest(tmp_path)
     assert (len(manifest.shards), manifest.episodes, manifest.steps) == (2, 2, 14)
+
+
+UNFIT = {
+    "no number": {"control": np.full((5, 6), np.nan, np.float32)},
+    "beyond 1": {"control": np.full((5, 6), 1.5, np.float32)},
+    "too long": {
+        "control": np.zeros((MAX_STEPS + 1, 6), np.float32),
+        "reward": np.zeros(MAX_STEPS + 1, np.float32),
+    },
+    "of another length": {"reward": np.zeros(4, np.float32)},
+    "too few controls": {"control": np.zeros((5, 5), np.float32)},
+    "no such outcome": {"outcome": "draw"},
+    "no such source": {"source": "nobody"},
+    "a vast seed": {"seed": 2**64},
+}
+"""Changes after which an episode could not be read again."""
+
+
+@pytest.mark.parametrize("name", UNFIT)
+def test_what_could_not_be_read_again_is_left_out_and_told(tmp_path: Path, name: str) -> None:
+    """The other episodes of the shard are there."""
+    unfit = dataclasses.replace(episode(), **UNFIT[name])
+    told = add_episodes(tmp_path, [episode(steps=3), unfit, episode(steps=4)])
+    assert told.added == 2
+    (sentence,) = told.unfit
+    assert sentence.startswith("Goalkeeper: left out: ")
+    assert [one.length for one in read_dataset(tmp_path)] == [3, 4]
 
 
 def test_a_stopped_recording_keeps_whole_shards(
@@ -158,3 +186,13 @@ def test_solutions_become_episodes() -> None:
     assert found.action.tolist() == [list(row) for row in level.solution.unrolled()]
     assert found.source == "solver" and found.outcome == "won" and found.reward[-1] == 1.0
     assert solution_episode(level.replace(solution=None)) is None
+
+
+def test_controls_become_the_nearest_action() -> None:
+    """Half of the way to full drive decides."""
+    control = np.zeros((6, 6), np.float32)
+    control[:, 0] = [0.01, -0.01, 0.4, 0.6, -0.6, 1.0]
+    control[:, 4] = [0.0, 0.1, 0.4, 0.6, 0.9, 1.0]
+    action = dataclasses.replace(episode(), control=control).action
+    assert action[:, 0].tolist() == [0, 0, 0, 1, 2, 1]
+    assert action[:, 4].tolist() == [0, 0, 0, 1, 1, 1]

@@ -1,6 +1,8 @@
 """Recorded play that is played again, and kinetix-env's layout of it."""
 
 import dataclasses
+import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +12,18 @@ from kinetix.agents.evaluate import NamedLevel, Settings, evaluate
 from kinetix.agents.recording import recorded_attempts
 from kinetix.agents.scripted import ScriptedPlayer
 from kinetix.cli.dataset import ExportDataset, GatherEpisodes, RecordEpisodes, VerifyDataset, run
-from kinetix.datasets.episode import solution_episode
+from kinetix.datasets.episode import RecordedEpisode, solution_episode
 from kinetix.datasets.folder import add_episodes, read_dataset
-from kinetix.datasets.offline import STEPS, is_offline, read_offline, write_offline
-from kinetix.datasets.replays import checked, replay
+from kinetix.datasets.offline import (
+    ORIGINS,
+    PER_SHARD,
+    STEPS,
+    is_offline,
+    read_offline,
+    write_offline,
+)
+from kinetix.datasets.replays import ReplayedEpisode, checked, replay
+from kinetix.datasets.sources import check_source, episodes_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import SIZES
@@ -141,3 +151,75 @@ def test_sources_are_checked_before_anything_is_played(
     with pytest.raises(KinetixError, match=r"mine\.npz: cannot be read"):
         run(GatherEpisodes(out=tmp_path / "set", sources=(LEVEL, missing)))
     assert played == [] and not (tmp_path / "set").exists()
+
+
+@pytest.fixture
+def states(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Stands in for playing again: changes to how it ends."""
+    changes: dict[str, object] = {}
+
+    def played(episode: RecordedEpisode, capacity: object = None) -> ReplayedEpisode:
+        again = ReplayedEpisode(
+            states=None, reward=episode.reward, length=episode.length, outcome=episode.outcome
+        )
+        return dataclasses.replace(again, **changes)
+
+    def arrays(states: object) -> dict[str, np.ndarray]:
+        return {"env_state/timestep": np.arange(STEPS)}
+
+    monkeypatch.setattr("kinetix.datasets.replays.replay", played)
+    monkeypatch.setattr("kinetix.datasets.offline.state_arrays", arrays)
+    return changes
+
+
+def _solution() -> RecordedEpisode:
+    found = solution_episode(load_level(LEVEL))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("change", [{"length": 3}, {"outcome": "lost"}])
+def test_what_ends_otherwise_at_the_size_of_an_export_is_left_out(
+    tmp_path: Path, states: dict[str, object], change: dict[str, object]
+) -> None:
+    """The trajectory would not be that of its outcome."""
+    states |= change
+    told = write_offline(tmp_path / "out", [_solution()])
+    assert told.trajectories == told.shards == 0
+    assert "in states of this size, it ends with" in told.left_out[0]
+
+
+def test_an_interrupted_export_says_where_its_shards_are_from(
+    tmp_path: Path, states: dict[str, object]
+) -> None:
+    """What has no origin is read as kinetix-env's."""
+
+    def until_now() -> Iterator[RecordedEpisode]:
+        yield from [_solution()] * (PER_SHARD + 1)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_offline(tmp_path / "out", until_now())
+    assert len(list((tmp_path / "out").glob("*.npz"))) == 1
+    told = json.loads((tmp_path / "out" / ORIGINS).read_text())
+    assert len(told["trajectories"]) == PER_SHARD
+
+
+def test_a_folder_of_everything_is_gathered(
+    tmp_path: Path, states: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Data sets, exports and solutions below one folder; what is no level is told."""
+    found = _solution()
+    add_episodes(tmp_path / "set", [found])
+    write_offline(tmp_path / "out", [found])
+    save_level(found.level, tmp_path / "a.json")
+    (tmp_path / "notes.json").write_text("{}")
+    (sentence,) = check_source(str(tmp_path))
+    assert sentence.startswith(str(tmp_path / "notes.json"))
+    monkeypatch.setattr("kinetix.datasets.sources.read_offline", lambda folder: iter([found]))
+    places = [(one.place, one.name) for one in episodes_of(str(tmp_path))]
+    assert places == [
+        ("dataset", str(tmp_path / "set")),
+        ("offline", str(tmp_path / "out")),
+        ("solution", "a"),
+    ]

@@ -1,6 +1,8 @@
 """Level sets: building, loading, splitting, refusing."""
 
+import dataclasses
 import json
+import os
 from collections import Counter
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from kinetix.errors import LevelError
 from kinetix.level.codec import level_hash, load_level, loads, save_level
 from kinetix.level.model import Body, Circle, Level, Thruster
 from kinetix.level.sets import (
+    MAX_LEVELS,
+    SetLevel,
     build_set,
     common_capacity,
     distinct,
@@ -137,6 +141,52 @@ def test_the_common_size_must_fit(folder):
     assert build_set(levels, name="x", folder=folder, size="l").capacity == SIZES["l"]
     with pytest.raises(LevelError, match="at least one level"):
         common_capacity([])
+
+
+def test_a_set_is_built_in_time_that_grows_with_its_levels(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        "kinetix.level.sets.manifest.capacity_of", lambda level: asked.append(1) or SIZES["s"]
+    )
+    levels = [SetLevel(name=str(k), level=game(k)) for k in range(10)]
+    build_set(levels, name="games", folder=Path())
+    assert len(asked) == len(levels)
+
+
+def unreadable(made, name):
+    levels, manifest = made.levels, made.manifest
+    match name:
+        case "long name":
+            manifest = manifest.replace(name="x" * 121)
+        case "no name":
+            manifest = manifest.replace(name="")
+        case "heavy level":
+            entries = (manifest.levels[0].replace(weight=1e9), *manifest.levels[1:])
+            manifest = manifest.replace(levels=entries)
+        case "broken text":
+            manifest = manifest.replace(name="caf\udce9")
+        case "many levels":
+            manifest = manifest.replace(levels=manifest.levels[:1] * (MAX_LEVELS + 1))
+            levels = levels[:1] * (MAX_LEVELS + 1)
+    return dataclasses.replace(made, manifest=manifest, levels=levels)
+
+
+@pytest.mark.parametrize(
+    "name", ["long name", "no name", "heavy level", "broken text", "many levels"]
+)
+def test_no_set_is_written_that_cannot_be_read(made, folder, name):
+    with pytest.raises(LevelError, match=r"^set '.*': \$\.(name|levels)"):
+        save_set(unreadable(made, name), folder / "set.json")
+    assert not (folder / "set.json").exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
+def test_a_level_whose_file_name_is_no_text_stands_in_the_set(folder):
+    odd = Path(os.fsdecode(os.fsencode(folder) + b"/caf\xe9.json"))
+    (folder / "s" / "g0.json").rename(odd)
+    made = build_set(gather_levels([folder]), name="games", folder=folder)
+    save_set(made, folder / "set.json")
+    assert sum(each.path is None for each in load_set(folder / "set.json").levels) == 1
 
 
 def test_the_split_depends_on_hashes_and_seed_alone():

@@ -30,6 +30,23 @@ def test_the_pictures_of_a_gif_last_as_long_as_they_should(tmp_path):
     assert sum(durations) == 500
 
 
+@pytest.mark.parametrize("rate", [25, 30, 50, 60, 75, 100, 120, 240])
+@pytest.mark.parametrize("count", [2, 3, 13, 60])
+def test_no_picture_of_a_gif_is_so_short_that_browsers_show_it_for_longer(tmp_path, rate, count):
+    frames = list(_frames(count, side=64))
+    write_film(tmp_path / "a.gif", frames, kind=".gif", per_second=rate)
+    durations = []
+    with Image.open(tmp_path / "a.gif") as film:
+        for k in range(film.n_frames):
+            film.seek(k)
+            durations.append(film.info.get("duration", 0))
+        assert np.array_equal(film.convert("RGB"), frames[-1])
+    assert sum(durations) == 10 * round(100 * count / rate)
+    assert len(durations) == 1 or min(durations) >= 20
+    if rate <= 50:
+        assert len(durations) == count
+
+
 def test_an_mp4_is_written_without_forking(tmp_path):
     pytest.importorskip("imageio_ffmpeg")
     forks = []

@@ -15,7 +15,8 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
         A sentence: what the data set holds now.
 
     Raises:
-        KinetixError: The controls alone do not tell the episode, or the folder cannot take it.
+        KinetixError: The controls alone do not tell the episode, or the folder or a data set cannot
+            take it.
     """
     progress.report(None, "Playing the episode again")
     trace, level = request.trace, request.level
@@ -26,6 +27,8 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
             "played in a step that rounds differently."
         )
     told = add_episodes(request.folder, [episode])
+    if told.unfit:
+        raise KinetixError(told.unfit[0])
     manifest = read_manifest(request.folder)
     many = plural(manifest.episodes, "episode")
     holds = f"{request.folder} holds {many}, {plural(manifest.steps, 'step')}."

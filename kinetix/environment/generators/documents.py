@@ -43,6 +43,7 @@ MUTATIONS: Final[tuple[tuple[str, str], ...]] = (
 
 _BATCH: Final = 64
 """Levels that are drawn at once for the command line."""
+_CREATURES: Final = "locomotion"
 _LARGEST_SEED: Final = 2**32
 
 
@@ -61,14 +62,16 @@ def random_levels(seed: int, size: str | Capacity, count: int) -> Iterator[Level
 
     Args:
         seed: Any integer.
-        size: A named size (`s`, `m`, `l`, `locomotion`) or a capacity.
+        size: A named size (`s`, `m`, `l`, `locomotion`) or a capacity; creatures are drawn for the
+            name `locomotion` alone.
         count: How many.
     """
     capacity = SIZES[size] if isinstance(size, str) else size
-    label = size if isinstance(size, str) else size_name(size) or "custom"
+    creatures = size == _CREATURES
+    label = size if isinstance(size, str) else _label(size)
     first = jax.random.key(seed % _LARGEST_SEED)
     batch = 1 if count == 1 else _BATCH
-    draw = _drawer(capacity, label == "locomotion")
+    draw = _drawer(capacity, creatures)
     for start in range(0, count, batch):
         numbers = jnp.arange(start, start + batch)
         drawn = draw(jax.vmap(functools.partial(jax.random.fold_in, first))(numbers))
@@ -76,6 +79,12 @@ def random_levels(seed: int, size: str | Capacity, count: int) -> Iterator[Level
         for row in range(min(batch, count - start)):
             one = jax.tree.map(lambda leaf, row=row: leaf[row], drawn)
             yield random_document(one, f"Random {label} {seed}-{start + row}")
+
+
+def _label(capacity: Capacity) -> str:
+    """How a level of this capacity is called, which is no creature."""
+    name = size_name(capacity)
+    return "custom" if name is None or name == _CREATURES else name
 
 
 @functools.cache

@@ -13,6 +13,7 @@ from kinetix.level.sets.gather import (
 )
 from kinetix.level.sets.manifest import (
     DEFAULT_SPLIT,
+    LONGEST_NAME,
     MAX_LEVELS,
     VERSION,
     LevelSet,
@@ -29,6 +30,7 @@ from kinetix.level.sets.write import dumps_set, save_set
 
 __all__ = [
     "DEFAULT_SPLIT",
+    "LONGEST_NAME",
     "MAX_LEVELS",
     "VERSION",
     "LevelSet",

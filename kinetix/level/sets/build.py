@@ -51,9 +51,7 @@ def build_set(
         manifest=LevelSet(name=name, size=size, seed=seed, engine_version=__version__),
         levels=tuple(chosen),
     )
-    for each in chosen:
-        if not made.capacity.covers(needed_capacity(each.level)):
-            raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
+    _refuse_larger(made)
     return _with_split(made, split, seed, folder)
 
 
@@ -70,6 +68,18 @@ def _refuse_errors(levels: Sequence[SetLevel]) -> None:
             first = errors[0]
             wrong.append(f"{each.path or each.name}: {first.path}: {first.code} {first.message}")
     refuse_all(wrong, of=len(levels), what="levels have errors")
+
+
+def _refuse_larger(made: LoadedSet) -> None:
+    """Refuse a level that does not fit the set's size.
+
+    Raises:
+        LevelError: One does not.
+    """
+    capacity = made.capacity if made.levels else None
+    for each in made.levels:
+        if capacity is not None and not capacity.covers(needed_capacity(each.level)):
+            raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
 
 
 def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:

@@ -19,6 +19,8 @@ Split = Literal["train", "eval"]
 VERSION: Final = 1
 MAX_LEVELS: Final = 10_000
 """Most levels of a set: a bound against hostile files."""
+LONGEST_NAME: Final = 120
+"""Characters of a set's name."""
 DEFAULT_SPLIT: Final = 0.8
 
 
@@ -40,7 +42,7 @@ class SetEntry(Record, frozen=True, kw_only=True):
 class LevelSet(Record, frozen=True, kw_only=True):
     """A manifest."""
 
-    name: Annotated[str, Meta(min_length=1, max_length=120)]
+    name: Annotated[str, Meta(min_length=1, max_length=LONGEST_NAME)]
     size: Annotated[
         SizeName | SizeHint | None,
         Meta(description="Common capacity; none: the largest of each", extra={"optional": True}),

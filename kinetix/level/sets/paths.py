@@ -17,9 +17,21 @@ def within_reach(path: str) -> bool:
 
 
 def path_in_set(path: Path, folder: Path) -> str | None:
-    """Return how a set names a level; None where it is out of reach and must stand in the set."""
+    """Return how a set names a level; None where it must stand in the set.
+
+    That is where it is out of reach, and where its name is not text that JSON can hold.
+    """
     name = relative_path(path, folder)
-    return name if within_reach(name) else None
+    return name if within_reach(name) and is_text(name) else None
+
+
+def is_text(name: str) -> bool:
+    """Return whether a name can be written as UTF-8, which file systems do not ask for."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def relative_path(path: Path, folder: Path) -> str:

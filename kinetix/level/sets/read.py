@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from kinetix.errors import LevelError
+from kinetix.level.canonical import record_tree, unsayable_paths
 from kinetix.level.codec import (
     LEVELSET_FORMAT,
     level_from_tree,
@@ -49,6 +50,26 @@ def load_set(path: str | Path) -> LoadedSet:
     """
     file = resolve_path(path)
     return loads_set(read_text(file, "set"), str(file), folder=file.parent)
+
+
+def check_manifest(manifest: LevelSet, file: str) -> None:
+    """Refuse a manifest that could not be read again.
+
+    Args:
+        manifest: To be written.
+        file: Name for messages.
+
+    Raises:
+        LevelError: Something in it is out of range, or it has too many levels.
+    """
+    faults = FaultCollector()
+    tree = record_tree(manifest)
+    with contextlib.suppress(EnoughFaults):
+        for path in unsayable_paths(tree):
+            faults.add("E006", path, "expected text that UTF-8 can hold, and finite numbers")
+        check_tree(tree, LevelSet, "$", faults)
+    if faults.faults:
+        fail(file, faults.faults)
 
 
 def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:

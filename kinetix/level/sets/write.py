@@ -8,8 +8,8 @@ from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.limits import LIMITS, MIB
 from kinetix.level.canonical import level_tree, record_tree, tree_text
 from kinetix.level.codec import LEVELSET_FORMAT
-from kinetix.level.sets.manifest import VERSION, LoadedSet
-from kinetix.level.sets.read import is_set_file
+from kinetix.level.sets.manifest import LONGEST_NAME, VERSION, LoadedSet
+from kinetix.level.sets.read import check_manifest, is_set_file
 
 
 def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
@@ -19,7 +19,11 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
         loaded: The set.
         inline: Whether the levels themselves stand in it instead of paths; levels without a file
             and those out of the set's reach always do.
+
+    Raises:
+        LevelError: It could not be read again: its name is too long, or it has too many levels.
     """
+    check_manifest(loaded.manifest, f"set {loaded.manifest.name[:LONGEST_NAME]!r}")
     tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)
     tree["levels"] = []
     for entry, each in zip(loaded.manifest.levels, loaded.levels, strict=True):
@@ -47,8 +51,8 @@ def save_set(
         Whether there is such a backup now.
 
     Raises:
-        LevelError: The file cannot be written, would be too large to be read, or there is a file
-            that is no set, such as one of the levels.
+        LevelError: The file cannot be written, could not be read again, or there is a file that is
+            no set, such as one of the levels.
     """
     if os.path.isfile(path) and not is_set_file(Path(path)):
         raise LevelError(f"{path}: there is a file that is no level set; choose another name")

@@ -1,5 +1,8 @@
 """The episode on show goes into a data set."""
 
+import dataclasses
+
+import numpy as np
 import pytest
 
 from editor import actions
@@ -7,7 +10,9 @@ from editor.actions import datasets, run
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.level import ReplaceLevel
 from editor.play.mode import Mode
+from editor.worker.recording import Trace
 from editor.worker.requests import AddEpisode, Advance, StartEpisode
+from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.folder import read_dataset
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.codec import load_level
@@ -62,7 +67,7 @@ def test_only_data_sets_and_empty_folders_will_do(tmp_path):
 @pytest.mark.slow(seconds=40)
 def test_a_played_episode_becomes_data_once(tmp_path):
     from editor.worker import simulation
-    from editor.worker.recording import Trace, channels_of
+    from editor.worker.recording import channels_of
 
     def perform(request):
         return simulation.perform(request, Unheard())
@@ -84,3 +89,17 @@ def test_a_played_episode_becomes_data_once(tmp_path):
     broken = Trace(physics="balanced", perturbed=False, snapshots=tuple(snapshots[3:]), actions=())
     with pytest.raises(KinetixError, match="does not begin at the level's start"):
         perform(AddEpisode(level=level, trace=broken, folder=folder))
+
+
+def test_what_a_data_set_cannot_hold_is_told(tmp_path, monkeypatch):
+    from editor.worker.simulation import dataset
+
+    level = load_level("s/goalkeeper")
+    episode = solution_episode(level)
+    unfit = dataclasses.replace(episode, control=episode.control * np.nan)
+    monkeypatch.setattr(dataset, "checked", lambda episode: episode)
+    monkeypatch.setattr(dataset, "episode_of_arrays", lambda *of: unfit)
+    trace = Trace(physics="balanced", perturbed=False, snapshots=(), actions=())
+    monkeypatch.setattr(Trace, "arrays", lambda trace: {})
+    with pytest.raises(KinetixError, match="Goalkeeper: left out: control"):
+        dataset.add_episode(AddEpisode(level=level, trace=trace, folder=tmp_path), Unheard())

@@ -6,6 +6,7 @@ import pytest
 
 from kinetix.cli.sample import Sample, run
 from kinetix.engine.spec import Capacity
+from kinetix.environment.generators import documents
 from kinetix.environment.generators.documents import (
     MUTATIONS,
     mutate_level,
@@ -13,9 +14,11 @@ from kinetix.environment.generators.documents import (
     random_levels,
 )
 from kinetix.environment.generators.mutators import MUTATORS
+from kinetix.environment.generators.params import UEDParams
 from kinetix.errors import KinetixError
 from kinetix.level.codec import dumps, load_level, loads, save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
+from kinetix.level.sizes import SIZES
 from kinetix.level.validate import validate
 
 BY_CHANCE = {"E104", "E105"}
@@ -93,6 +96,32 @@ def test_a_mutation_touches_nothing_else() -> None:
         assert moved in ([3], [5, 9])
         stayed = [body for body in after.bodies if body.id not in moved]
         assert all(body in before.bodies for body in stayed)
+
+
+def test_a_size_is_that_of_the_whole_shape() -> None:
+    """No corner of a triangle says how large it is: one may lie at the height of the centre."""
+    before = level()
+    corners = ((-0.53, 0.02), (0.27, -0.42), (0.27, 0.4))
+    bodies = tuple(
+        body.replace(shape=Polygon(vertices=corners)) if body.id == 5 else body
+        for body in before.bodies
+    )
+    sides = []
+    for seed in range(12):
+        after = mutate_level(before.replace(bodies=bodies), "change_size", seed)
+        (shape,) = (body.shape for body in after.bodies if body.id == 5)
+        assert isinstance(shape, Polygon)
+        sides += [max(axis) - min(axis) for axis in zip(*shape.vertices, strict=True)]
+    assert 2 * UEDParams().max_shape_size >= max(sides) > 0.82 > min(sides) > 0.05
+
+
+def test_creatures_are_drawn_for_their_name_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(documents, "_drawer", lambda *of: asked.append(of))
+    for size in ("locomotion", SIZES["locomotion"]):
+        with pytest.raises(TypeError):  # nothing draws
+            random_level(0, size)
+    assert asked == [(SIZES["locomotion"], True), (SIZES["locomotion"], False)]
 
 
 def test_removing_and_adding_keep_ids() -> None:

@@ -47,6 +47,8 @@ def after(before: Draft) -> dict[str, Draft]:
         dense_draft = dataclasses.replace(draft, figures=dense)
         for name, ued in (("quirks", QUIRKS), ("plain", PLAIN)):
             found[f"density_{name}"] = MUTATORS["add_shape"](dense_draft, u, marked, ued, SIZE)
+        left = dataclasses.replace(draft, motor_auto=draft.motor_auto | ~draft.joints.active)
+        found["left"] = MUTATORS["add_connected_shape"](left, u, marked, QUIRKS, SIZE)
         return found
 
     return jax.tree.map(np.asarray, apply(before))
@@ -110,6 +112,13 @@ def test_removing_and_adding(before: Draft, after: dict[str, Draft]) -> None:
     free = drawn(before) & ~np.asarray(before.figures.fixed)
     room = (np.asarray(thrusters) < SIZE.thrusters) & free.any(0)
     assert (after["add_thruster"].thrusters.active.sum(0) - thrusters == (marked & room)).all()
+
+
+def test_a_new_joint_has_nothing_of_a_removed_one(before: Draft, after: dict[str, Draft]) -> None:
+    grown = after["left"]
+    new = grown.joints.active & ~np.asarray(before.joints.active)
+    assert new.any() and not grown.motor_auto[new].any()
+    assert (grown.motor_auto | grown.joints.active)[:, 1::2].all()
 
 
 def test_swapping_roles_keeps_them(before: Draft, after: dict[str, Draft]) -> None:

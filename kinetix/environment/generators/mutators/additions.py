@@ -126,7 +126,10 @@ def add_connected_shape(
         revolute_count=jnp.sum((joints.active & ~joints.fixed).astype(jnp.int32), axis=0),
         ued=ued,
     )
-    return with_joint(grown, joint, binding, marked)
+    grown = with_joint(grown, joint, binding, marked)
+    # A joint that was removed may have left its motor's mark in the slot.
+    kept = draft.motor_auto & (joints.active | ~marked[None])
+    return dataclasses.replace(grown, motor_auto=kept)
 
 
 def add_thruster(

@@ -121,9 +121,9 @@ def change_size(
     new = jax.tree.map(
         lambda leaf: leaf[0], new_dimensions(draws, circle[None], size_limit(ued).limit, ued)
     )
-    # The drawn rectangle says how large the bounding box's corner is to be, whatever the shape.
-    was = jnp.abs(_leftmost(pick(old.vertices, row), pick(old.vertex_count, row)))
-    drawn = jnp.abs(_leftmost(new.vertices, new.vertex_count))
+    # The drawn rectangle says how large the bounding box is to be, whatever the shape.
+    was = _half_extents(pick(old.vertices, row), pick(old.vertex_count, row))
+    drawn = _half_extents(new.vertices, new.vertex_count)
     scale = jnp.where(was > 1e-6, drawn / jnp.maximum(was, 1e-6), 1.0)
     round_scale = new.radius / jnp.maximum(pick(old.radius, row), 1e-6)
     scale = jnp.where(circle[None], round_scale[None], scale)
@@ -151,11 +151,11 @@ def change_size(
     return dataclasses.replace(draft, figures=figures, joints=joints, thrusters=thrusters)
 
 
-def _leftmost(vertices: Float[Array, "4 2 n"], count: Int[Array, " n"]) -> Float[Array, "2 n"]:
-    """The corner with the least 100·x + y."""
-    score = 100 * vertices[:, 0] + vertices[:, 1]
-    real = jnp.arange(vertices.shape[0])[:, None] < count[None]
-    return pick(vertices, jnp.argmin(jnp.where(real, score, jnp.inf), axis=0).astype(jnp.int32))
+def _half_extents(vertices: Float[Array, "4 2 n"], count: Int[Array, " n"]) -> Float[Array, "2 n"]:
+    """Half the width and the height of a polygon's bounding box [m]."""
+    real = (jnp.arange(vertices.shape[0])[:, None] < count[None])[:, None]
+    low = jnp.min(jnp.where(real, vertices, jnp.inf), axis=0)
+    return (jnp.max(jnp.where(real, vertices, -jnp.inf), axis=0) - low) / 2
 
 
 def change_location(
