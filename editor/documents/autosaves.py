@@ -176,6 +176,7 @@ class Autosaves:
 
     def forget(self, document: Document) -> None:
         """Remove the copy of a document that the user has given up, and what it was made from."""
+        document.given_up = document.committed
         if self._stored:
             self._remove(self._watch(document), with_origin=True)
 

@@ -5,6 +5,7 @@ import json
 import multiprocessing
 import os
 import shutil
+import threading
 import time
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
 from editor.documents.commands.group import Move
 from editor.documents.document import Document
 from editor.session import Session
+from editor.worker.jobs import Worker
+from editor.worker.requests import ExportPicture
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
@@ -55,8 +58,9 @@ def start(clock):
     """Starts runs; one that is killed leaves what it has written."""
     runs = []
 
-    def begin(*paths, level=None):
-        session = Session(autosaves=Autosaves(clock=clock), level=level or Level(name="Untitled"))
+    def begin(*paths, level=None, **parts):
+        level = level or Level(name="Untitled")
+        session = Session(autosaves=Autosaves(clock=clock), level=level, **parts)
         for each in paths:
             actions.file.open_path(session, each)
         recover.offer(session)
@@ -581,6 +585,60 @@ def test_quitting_can_discard_all(three, clock):
     three.autosaves.flush()
     assert copies() == []
     assert all(load_level(tab.document.path) == a_level() for tab in three.tabs)
+
+
+@pytest.fixture
+def held_up(start, path):
+    """A file with changes, a picture that is being written, and what lets it be written."""
+    gate = threading.Event()
+
+    def perform(request, progress):
+        assert gate.wait(30)
+        return request.path
+
+    session = start(path, worker=Worker(perform))
+    session.execute(MOVE)
+    picture = ExportPicture(level=a_level(), state=None, path=path.with_name("a.png"))
+    session.worker.submit(picture, title="A picture")
+    actions.run(session, "file.quit")
+    yield session, gate
+    gate.set()
+    session.worker.stop()
+
+
+def let_close(session, gate, clock):
+    """Let the picture be written and frames pass until the app closes or asks."""
+    gate.set()
+    while not (session.quitting or session.prompts):
+        later(session, clock, 0.25)
+    session.autosaves.flush()
+
+
+@pytest.mark.parametrize("choice", ["wait", "quit"])
+def test_what_is_not_to_be_saved_is_not_kept_by_a_wait_at_the_end(held_up, clock, choice):
+    session, gate = held_up
+    session.answer(session.prompts[-1], "discard")
+    later(session, clock, 4)  # the question stands
+    session.answer(session.prompts[-1], choice)
+    if choice == "wait":
+        later(session, clock, 4)
+        assert not session.quitting
+    let_close(session, gate, clock)
+    assert session.quitting and copies() == []
+
+
+def test_what_is_changed_or_kept_after_all_is_copied_during_a_wait(held_up, clock):
+    session, gate = held_up
+    session.answer(session.prompts[-1], "discard")
+    session.answer(session.prompts[-1], "wait")
+    session.execute(MOVE)
+    later(session, clock, 4)
+    assert len(copies()) == 1
+    let_close(session, gate, clock)
+    assert not session.quitting and session.prompts[-1].title == "Unsaved changes"
+    session.answer(session.prompts[-1], "cancel")
+    later(session, clock, 4)
+    assert len(copies()) == 1
 
 
 def test_a_save_that_is_given_up_keeps_the_app_open(three):
