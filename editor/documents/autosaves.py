@@ -86,7 +86,7 @@ class Autosaves:
         self._busy = self._ended = False
         self._locking = threading.Lock()
         self._failed: list[tuple[_Watched, str]] = []
-        """Copies that could not be written, with the reason."""
+        """Copies that could not be written, or are gone, with the reason; empty: it is not told."""
 
     @property
     def folder(self) -> Path:
@@ -120,7 +120,8 @@ class Autosaves:
     def _complain(self) -> None:
         reason = ""
         while self._failed:
-            watched, reason = self._failed.pop()
+            watched, told = self._failed.pop()
+            reason = told or reason
             watched.document.autosaved_at = None  # so that it is tried again
         if reason:
             raise KinetixError(f"No copy of unsaved changes could be kept. {reason}")
@@ -273,14 +274,18 @@ class Autosaves:
         write_atomically(file, content)
 
     def _begin(self) -> None:
-        """Make the folder of the run and lock it.
+        """Make the folder of the run and lock it, again where somebody has removed it.
 
         Raises:
             LevelError: It cannot be made.
         """
         with self._locking:
             if self._lock is not None:
-                return
+                if self._lock.stands:
+                    return
+                self._lock.release()
+                self._lock = None
+                self._write_again()
             for _ in range(3):
                 try:
                     self.folder.mkdir(parents=True, exist_ok=True)
@@ -293,6 +298,15 @@ class Autosaves:
                     reason = error.strerror or str(error)
                     raise LevelError(f"{self.folder}: cannot be made: {reason}") from error
             raise LevelError(f"{self.folder}: cannot be made: it is removed again and again")
+
+    def _write_again(self) -> None:
+        """Have what was on the disk written once more."""
+        self._open = ()
+        with self._wake:
+            gone = [each for each in self._watched.values() if each.on_disk]
+        for each in gone:
+            each.on_disk = False
+            self._failed.append((each, ""))
 
 
 def _runs(base: Path | None = None) -> list[Path]:

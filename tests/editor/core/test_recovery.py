@@ -435,6 +435,29 @@ def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
     assert session.autosaves.kept_at(session.document) is not None
 
 
+@pytest.mark.parametrize("gone", ["the folder", "the lock"])
+def test_copies_are_made_again_where_their_folder_is_gone(start, clock, path, gone):
+    session = start(path)
+    session.execute(MOVE)
+    session.open_tab(Document(a_level()))
+    session.execute(MOVE)
+    later(session, clock, 4)
+    assert len(copies()) == 2
+    if gone == "the folder":
+        shutil.rmtree(autosave_dir())
+    else:
+        (session.autosaves.folder / "lock").unlink()
+    session.execute(MOVE)
+    later(session, clock, 4)
+    later(session, clock, 4)  # the others, once it is known that they are gone
+    levels = [recovery._read(copy).level for copy in copies()]
+    assert len(levels) == 2 and session.document.level in levels
+    assert not texts(session)
+    assert autosaves.goes_on(session.autosaves.folder)
+    assert not start().prompts
+    assert Autosaves().open_elsewhere(path)
+
+
 def test_an_ended_run_leaves_no_folder(start, clock, path):
     session = start(path)
     session.execute(MOVE)
