@@ -106,16 +106,29 @@ class Autosaves:
     def follow(self, documents: Iterable[Document]) -> None:
         """Look for changes; call it in every frame.
 
+        Args:
+            documents: All that are open.
+
         Raises:
             KinetixError: The last copy could not be written.
         """
         if not self._stored:
             return
         now = self._clock()
-        for document in documents:
+        followed = tuple(documents)
+        for document in followed:
             if document.number in self._watched or document.dirty:
                 self._look(self._watch(document), now)
         self._complain()
+        self._drop_closed({document.number for document in followed})
+
+    def _drop_closed(self, followed: set[int]) -> None:
+        """Let go of documents that are not open any more, once the thread has done with them."""
+        with self._wake:
+            for number in self._watched.keys() - followed:
+                watched = self._watched[number]
+                if not watched.gone and watched.wanted is None:
+                    del self._watched[number]
 
     def _complain(self) -> None:
         reason = ""
@@ -247,24 +260,30 @@ class Autosaves:
             self._thread.start()
 
     def _write_all(self) -> None:
-        while True:
-            with self._wake:
-                self._busy = False
-                self._wake.notify_all()
-                while not (due := self._due()) and not self._ended:
-                    self._wake.wait()
-                if not due:
-                    return
-                self._busy = True
-                work = [(each, each.wanted) for each in due]
-                for each in due:
-                    each.wanted, each.gone = None, False
-            for watched, content in work:
-                try:
-                    self._write(watched.file, content)
-                    watched.on_disk = content is not None
-                except (OSError, KinetixError) as error:
-                    self._failed.append((watched, str(error)))
+        # A call for each time: what was written is not held while nothing is to be written.
+        while self._write_due():
+            pass
+
+    def _write_due(self) -> bool:
+        """Wait until something is to be written and write it; return False after the end."""
+        with self._wake:
+            self._busy = False
+            self._wake.notify_all()
+            while not (due := self._due()) and not self._ended:
+                self._wake.wait()
+            if not due:
+                return False
+            self._busy = True
+            work = [(each, each.wanted) for each in due]
+            for each in due:
+                each.wanted, each.gone = None, False
+        for watched, content in work:
+            try:
+                self._write(watched.file, content)
+                watched.on_disk = content is not None
+            except (OSError, KinetixError) as error:
+                self._failed.append((watched, str(error)))
+        return True
 
     def _write(self, file: Path, content: bytes | None) -> None:
         if content is None:

@@ -1,12 +1,14 @@
 """Copies of unsaved work: soon made, offered to the next run, kept until saved or given up."""
 
 import contextlib
+import gc
 import json
 import multiprocessing
 import os
 import shutil
 import threading
 import time
+import weakref
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
 from editor.documents.commands.group import Move
 from editor.documents.document import Document
 from editor.session import Session
+from editor.session.messages import TOAST_SECONDS
 from editor.worker.jobs import Worker
 from editor.worker.requests import ExportPicture
 from kinetix.errors import KinetixError
@@ -456,6 +459,22 @@ def test_copies_are_made_again_where_their_folder_is_gone(start, clock, path, go
     assert autosaves.goes_on(session.autosaves.folder)
     assert not start().prompts
     assert Autosaves().open_elsewhere(path)
+
+
+@pytest.mark.parametrize("choice", ["save", "discard"])
+def test_what_was_closed_is_let_go(start, clock, path, choice):
+    session = start(path)
+    session.open_tab(Document(a_level()))
+    session.show_tab(0)
+    session.execute(MOVE)
+    later(session, clock, 4)
+    closed = weakref.ref(session.document)
+    actions.run(session, "file.close_tab")
+    session.answer(session.prompts[-1], choice)
+    later(session, clock, 1)
+    later(session, clock, TOAST_SECONDS)  # a message may be about it
+    gc.collect()
+    assert closed() is None
 
 
 def test_an_ended_run_leaves_no_folder(start, clock, path):
