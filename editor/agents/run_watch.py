@@ -25,6 +25,8 @@ class RunWatch:
         self.error = ""
         self._asked = -POLL_SECONDS
         self._pending = False
+        self._watches = 0
+        """Number of times that a run was pointed at: an answer to an earlier time is not taken."""
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -36,6 +38,7 @@ class RunWatch:
         self.path, self.error = path, ""
         self.rows, self.newest = [], None
         self._asked = -POLL_SECONDS
+        self._watches += 1
 
     def tick(self, now: float, changed: Callable[[int], None]) -> None:
         """Look at the folder when it is time.
@@ -50,12 +53,12 @@ class RunWatch:
         self._worker.submit(
             ReadRun(path=self.path, after=len(self.rows)),
             title="Reading the training run",
-            done=functools.partial(self._done, self.path, changed),
+            done=functools.partial(self._done, self._watches, changed),
         )
 
-    def _done(self, path: str, changed: Callable[[int], None], job: Job) -> None:
+    def _done(self, watch: int, changed: Callable[[int], None], job: Job) -> None:
         self._pending = False
-        if path != self.path:
+        if watch != self._watches:
             return
         if job.state is JobState.FAILED:
             self.error = job.error

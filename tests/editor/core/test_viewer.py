@@ -15,6 +15,7 @@ from editor import actions
 from editor.actions import agents, measure, watch
 from editor.actions.file import open_path
 from editor.agents.evaluation import Plan, best
+from editor.agents.run_watch import RunWatch
 from editor.agents.viewer import mismatch
 from editor.base.events import DropEvent
 from editor.base.settings import Settings
@@ -654,6 +655,29 @@ def test_a_run_that_was_set_back_is_read_anew(session, stage):
     run(session, 2.1)
     settle(session)
     assert session.viewer.run.rows == [{"x": 7.0}]
+
+
+def test_a_run_that_is_pointed_at_again_while_it_is_read_has_each_row_once(session, stage):
+    watched = RunWatch(session.worker)
+
+    def read(now):
+        watched.tick(now, lambda steps: None)
+        while session.worker.jobs:
+            time.sleep(0.001)
+
+    stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}), total=2, newest=None)
+    watched.watch("/runs/one")
+    read(0.0)
+    session.worker.poll()
+    stage.news = RunNews(rows=({"x": 3.0},), total=3, newest=None)
+    read(3.0)  # what comes after two rows
+    watched.watch("/runs/one")
+    session.worker.poll()
+    assert watched.rows == []
+    stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}, {"x": 3.0}), total=3, newest=None)
+    read(4.0)
+    session.worker.poll()
+    assert [row["x"] for row in watched.rows] == [1.0, 2.0, 3.0]
 
 
 def test_a_mismatch_is_explained():
