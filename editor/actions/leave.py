@@ -149,6 +149,11 @@ def _going_on(session: Session) -> list[str]:
 
 
 def _leave(session: Session) -> None:
+    for tab in session.tabs:
+        document = tab.document
+        # While the app asked and waited, what is not to be saved was copied again.
+        if document.dirty and document.given_up is document.committed:
+            session.autosaves.forget(document)
     with session.guard():
         session.keeper.save(again=True)
     session.training.stop()  # It saves; the command line can go on with it.

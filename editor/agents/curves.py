@@ -3,16 +3,19 @@
 import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float
 
-from editor.agents.run_watch import RunWatch
+from editor.agents.metrics import Metrics
 
-STEPS = "timing/num_env_steps"
-"""Horizontal axis of the metrics."""
 _GRID = 200
 """Places at which a band is worked out."""
+_BLOCK = 128
+"""Values that are smoothed at a time."""
+_MOST = 1000
+"""Parts of a thinned curve, each with its lowest and highest value: about a plot's pixels."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -48,18 +51,53 @@ def run_names(paths: Sequence[str]) -> list[str]:
     return list(paths)
 
 
-def curve_of(run: RunWatch, metric: str, smoothing: float) -> Curve:
+class Curves:
+    """Curves of runs, which are worked out again when a run has more rows."""
+
+    def __init__(self) -> None:
+        self._kept: WeakKeyDictionary[Metrics, dict[str, tuple[int, float, Curve, Curve]]]
+        self._kept = WeakKeyDictionary()
+
+    def of(self, metrics: Metrics, name: str, smoothing: float) -> tuple[Curve, Curve]:
+        """Return a metric of a run whole, and thinned to be drawn.
+
+        Args:
+            metrics: Of the run.
+            name: Of the metric.
+            smoothing: See `smoothed`.
+        """
+        of_run = self._kept.setdefault(metrics, {})
+        known = of_run.get(name)
+        if known is None or known[:2] != (len(metrics), smoothing):
+            curve = curve_of(metrics, name, smoothing)
+            known = of_run[name] = (len(metrics), smoothing, curve, thinned(curve))
+        return known[2:]
+
+
+def curve_of(metrics: Metrics, name: str, smoothing: float) -> Curve:
     """Return a metric of a run.
 
     Args:
-        run: The run.
-        metric: Its name.
+        metrics: Of the run.
+        name: Of the metric.
         smoothing: See `smoothed`.
     """
-    known = [row for row in run.rows if metric in row]
-    x = np.array([row.get(STEPS, k) for k, row in enumerate(known)], np.float64)
-    y = np.array([row[metric] for row in known], np.float64)
+    x, y = metrics.column(name)
     return Curve(x=x, y=smoothed(y, smoothing))
+
+
+def thinned(curve: Curve) -> Curve:
+    """Return a curve of a bounded number of points that looks the same: extremes and ends stay."""
+    size = -(-len(curve.y) // _MOST)
+    if size <= 2:
+        return curve
+    whole = len(curve.y) // size * size
+    parts = curve.y[:whole].reshape(-1, size)
+    first = np.arange(0, whole, size)
+    low = first + np.where(np.isnan(parts), np.inf, parts).argmin(axis=1)
+    high = first + np.where(np.isnan(parts), -np.inf, parts).argmax(axis=1)
+    kept = np.unique(np.concatenate([[0], low, high, np.arange(whole, len(curve.y))]))
+    return Curve(x=curve.x[kept], y=curve.y[kept])
 
 
 def smoothed(values: Float[np.ndarray, " k"], weight: float) -> Float[np.ndarray, " k"]:
@@ -75,12 +113,23 @@ def smoothed(values: Float[np.ndarray, " k"], weight: float) -> Float[np.ndarray
     if weight <= 0.0:
         return values
     out = np.full(len(values), np.nan)
-    total = count = 0.0
-    for k, value in enumerate(values.tolist()):
-        if np.isfinite(value):
-            total, count = total * weight + value, count * weight + 1.0
-            out[k] = total / count
+    finite = np.isfinite(values)
+    kept = values[finite]
+    counts = (1.0 - weight ** np.arange(1, len(kept) + 1)) / (1.0 - weight)
+    out[finite] = _fading_sums(kept, weight) / counts
     return out
+
+
+def _fading_sums(values: Float[np.ndarray, " k"], weight: float) -> Float[np.ndarray, " k"]:
+    """Return for each value the sum of it and `weight` times the sum before it."""
+    powers = weight ** np.arange(_BLOCK + 1)
+    ages = np.subtract.outer(np.arange(_BLOCK), np.arange(_BLOCK))
+    within = np.where(ages >= 0, powers[np.maximum(ages, 0)], 0.0)
+    blocks = np.pad(values, (0, -len(values) % _BLOCK)).reshape(-1, _BLOCK)
+    sums = blocks @ within.T
+    for k in range(1, len(sums)):
+        sums[k] += sums[k - 1, -1] * powers[1:]
+    return sums.reshape(-1)[: len(values)]
 
 
 def band_of(curves: Sequence[Curve]) -> Band | None:

@@ -4,8 +4,9 @@ import functools
 from collections.abc import Callable
 from typing import Final
 
+from editor.agents.metrics import Metrics
 from editor.worker.jobs import Job, JobState, Worker
-from editor.worker.requests import ReadRun, RunNews
+from editor.worker.requests import Place, ReadRun, RunNews
 
 POLL_SECONDS: Final = 2.0
 """Interval at which the folder is read [s]."""
@@ -18,24 +19,24 @@ class RunWatch:
         self._worker = worker
         self.path = ""
         """The run's folder; empty: none is watched."""
-        self.rows: list[dict[str, float]] = []
-        """Its metrics, one row an update."""
+        self.metrics = Metrics()
+        """Its metrics; others where they were read anew."""
         self.newest: int | None = None
         """Environment steps of the newest checkpoint."""
         self.error = ""
         self._asked = -POLL_SECONDS
         self._pending = False
-
-    @property
-    def metrics(self) -> tuple[str, ...]:
-        """Names of all metrics that have occurred."""
-        return tuple(dict.fromkeys(name for row in self.rows for name in row))
+        self._place: Place | None = None
+        self._watches = 0
+        """Number of times that a run was pointed at: an answer to an earlier time is not taken."""
 
     def watch(self, path: str) -> None:
         """Watch a run; an empty path watches none."""
         self.path, self.error = path, ""
-        self.rows, self.newest = [], None
+        self.metrics, self.newest = Metrics(), None
+        self._place = None
         self._asked = -POLL_SECONDS
+        self._watches += 1
 
     def tick(self, now: float, changed: Callable[[int], None]) -> None:
         """Look at the folder when it is time.
@@ -48,14 +49,14 @@ class RunWatch:
             return
         self._asked, self._pending = now, True
         self._worker.submit(
-            ReadRun(path=self.path, after=len(self.rows)),
+            ReadRun(path=self.path, after=self._place),
             title="Reading the training run",
-            done=functools.partial(self._done, self.path, changed),
+            done=functools.partial(self._done, self._watches, changed),
         )
 
-    def _done(self, path: str, changed: Callable[[int], None], job: Job) -> None:
+    def _done(self, watch: int, changed: Callable[[int], None], job: Job) -> None:
         self._pending = False
-        if path != self.path:
+        if watch != self._watches:
             return
         if job.state is JobState.FAILED:
             self.error = job.error
@@ -64,9 +65,10 @@ class RunWatch:
             return
         news: RunNews = job.result
         self.error = ""
-        if news.total < len(self.rows):
-            self.rows = []
-        self.rows += news.rows
+        if news.total == len(news.rows):
+            self.metrics = Metrics()
+        self.metrics.extend(news.rows)
+        self._place = news.place
         if news.newest is not None and news.newest != self.newest:
             self.newest = news.newest
             changed(news.newest)

@@ -19,6 +19,8 @@ from kinetix.paths import config_dir
 
 ENGLISH: Final = "en"
 _OWN: Final = Path(__file__).resolve().parents[1] / "languages"
+_CODE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{1,15}")
+"""The codes of languages that are offered and read."""
 _MOST_KEPT: Final = 8192
 """Of more sentences that were translated once, all are forgotten: some change with every frame."""
 _AROUND: Final = re.compile(r"^([\s\ue000-\uf8ff●]*)(.*?)(\s*)$", re.DOTALL)
@@ -162,8 +164,10 @@ def languages() -> tuple[tuple[str, str], ...]:
     found: dict[str, str] = {}
     for folder in (_OWN, config_dir() / "languages"):
         for path in sorted(folder.glob("*.json")):
+            if path.stem == ENGLISH or not _CODE.fullmatch(path.stem):
+                continue
             name = _content(path).get("name")
-            if isinstance(name, str) and name and path.stem != ENGLISH:
+            if isinstance(name, str) and name:
                 found[path.stem] = name
     return ((ENGLISH, "English"), *found.items())
 
@@ -171,7 +175,7 @@ def languages() -> tuple[tuple[str, str], ...]:
 def read_words(code: str) -> dict[str, str]:
     """Return the words of a language, the user's own before those of the app."""
     words: dict[str, str] = {}
-    if re.fullmatch(r"[A-Za-z_-]{2,16}", code):
+    if _CODE.fullmatch(code):
         for folder in (_OWN, config_dir() / "languages"):
             stored = _content(folder / f"{code}.json").get("words")
             if isinstance(stored, dict):

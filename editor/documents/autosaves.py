@@ -86,7 +86,7 @@ class Autosaves:
         self._busy = self._ended = False
         self._locking = threading.Lock()
         self._failed: list[tuple[_Watched, str]] = []
-        """Copies that could not be written, with the reason."""
+        """Copies that could not be written, or are gone, with the reason; empty: it is not told."""
 
     @property
     def folder(self) -> Path:
@@ -106,21 +106,35 @@ class Autosaves:
     def follow(self, documents: Iterable[Document]) -> None:
         """Look for changes; call it in every frame.
 
+        Args:
+            documents: All that are open.
+
         Raises:
             KinetixError: The last copy could not be written.
         """
         if not self._stored:
             return
         now = self._clock()
-        for document in documents:
+        followed = tuple(documents)
+        for document in followed:
             if document.number in self._watched or document.dirty:
                 self._look(self._watch(document), now)
         self._complain()
+        self._drop_closed({document.number for document in followed})
+
+    def _drop_closed(self, followed: set[int]) -> None:
+        """Let go of documents that are not open any more, once the thread has done with them."""
+        with self._wake:
+            for number in self._watched.keys() - followed:
+                watched = self._watched[number]
+                if not watched.gone and watched.wanted is None:
+                    del self._watched[number]
 
     def _complain(self) -> None:
         reason = ""
         while self._failed:
-            watched, reason = self._failed.pop()
+            watched, told = self._failed.pop()
+            reason = told or reason
             watched.document.autosaved_at = None  # so that it is tried again
         if reason:
             raise KinetixError(f"No copy of unsaved changes could be kept. {reason}")
@@ -176,6 +190,7 @@ class Autosaves:
 
     def forget(self, document: Document) -> None:
         """Remove the copy of a document that the user has given up, and what it was made from."""
+        document.given_up = document.committed
         if self._stored:
             self._remove(self._watch(document), with_origin=True)
 
@@ -245,24 +260,30 @@ class Autosaves:
             self._thread.start()
 
     def _write_all(self) -> None:
-        while True:
-            with self._wake:
-                self._busy = False
-                self._wake.notify_all()
-                while not (due := self._due()) and not self._ended:
-                    self._wake.wait()
-                if not due:
-                    return
-                self._busy = True
-                work = [(each, each.wanted) for each in due]
-                for each in due:
-                    each.wanted, each.gone = None, False
-            for watched, content in work:
-                try:
-                    self._write(watched.file, content)
-                    watched.on_disk = content is not None
-                except (OSError, KinetixError) as error:
-                    self._failed.append((watched, str(error)))
+        # A call for each time: what was written is not held while nothing is to be written.
+        while self._write_due():
+            pass
+
+    def _write_due(self) -> bool:
+        """Wait until something is to be written and write it; return False after the end."""
+        with self._wake:
+            self._busy = False
+            self._wake.notify_all()
+            while not (due := self._due()) and not self._ended:
+                self._wake.wait()
+            if not due:
+                return False
+            self._busy = True
+            work = [(each, each.wanted) for each in due]
+            for each in due:
+                each.wanted, each.gone = None, False
+        for watched, content in work:
+            try:
+                self._write(watched.file, content)
+                watched.on_disk = content is not None
+            except (OSError, KinetixError) as error:
+                self._failed.append((watched, str(error)))
+        return True
 
     def _write(self, file: Path, content: bytes | None) -> None:
         if content is None:
@@ -272,14 +293,18 @@ class Autosaves:
         write_atomically(file, content)
 
     def _begin(self) -> None:
-        """Make the folder of the run and lock it.
+        """Make the folder of the run and lock it, again where somebody has removed it.
 
         Raises:
             LevelError: It cannot be made.
         """
         with self._locking:
             if self._lock is not None:
-                return
+                if self._lock.stands:
+                    return
+                self._lock.release()
+                self._lock = None
+                self._write_again()
             for _ in range(3):
                 try:
                     self.folder.mkdir(parents=True, exist_ok=True)
@@ -292,6 +317,15 @@ class Autosaves:
                     reason = error.strerror or str(error)
                     raise LevelError(f"{self.folder}: cannot be made: {reason}") from error
             raise LevelError(f"{self.folder}: cannot be made: it is removed again and again")
+
+    def _write_again(self) -> None:
+        """Have what was on the disk written once more."""
+        self._open = ()
+        with self._wake:
+            gone = [each for each in self._watched.values() if each.on_disk]
+        for each in gone:
+            each.on_disk = False
+            self._failed.append((each, ""))
 
 
 def _runs(base: Path | None = None) -> list[Path]:

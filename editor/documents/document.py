@@ -133,6 +133,8 @@ class Document:
         """Time of the last copy of unsaved changes; None: there is none."""
         self.origin: tuple[Path, ...] = ()
         """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
+        self.given_up: Level | None = None
+        """The level that the user chose not to save; None: there was no such choice."""
         self.drawn = False
         """True if it was drawn at random: until it is changed, the next one may take its tab."""
         self.saves = 0

@@ -56,6 +56,11 @@ class RunLock:
         self._heart = threading.Thread(target=self._beat, name="heartbeat", daemon=True)
         self._heart.start()
 
+    @property
+    def stands(self) -> bool:
+        """True if other runs can see it: nobody has removed its file."""
+        return os.path.isfile(self._path)
+
     def _beat(self) -> None:
         while not self._released.wait(BEAT):
             with contextlib.suppress(OSError):

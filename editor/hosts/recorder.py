@@ -76,7 +76,10 @@ class Recorder:
             case events.WheelEvent():
                 self._tell({"do": "wheel", "dy": event.dy, "at": event.screen})
             case events.TextEvent():
-                self._tell({"do": "text", "text": event.text})
+                # Half of a surrogate pair is no text, and no field takes it.
+                text = event.text.encode("utf-8", "ignore").decode()
+                if text:
+                    self._tell({"do": "text", "text": text})
             case events.KeyEvent():
                 self._key(event.key, event.pressed)
             case events.FocusEvent(focused=False):

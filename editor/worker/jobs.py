@@ -166,6 +166,8 @@ class Worker:
         self._perform = perform
         self._lanes: dict[str, _Lane] = {}
         self._finished: list[_Waiting] = []
+        self._untold: list[Exception] = []
+        """What callbacks raised and `poll` has not raised yet."""
         self._condition = threading.Condition()
         self._numbers = itertools.count()
         self._stopping = False
@@ -183,9 +185,9 @@ class Worker:
 
     @property
     def idle(self) -> bool:
-        """True if no job is running, waiting or untaken."""
+        """True if no job is running, waiting or untaken, and no error of a callback is untold."""
         with self._condition:
-            return self._resting and not self._finished
+            return self._resting and not self._finished and not self._untold
 
     @property
     def _resting(self) -> bool:
@@ -225,12 +227,22 @@ class Worker:
         return job
 
     def poll(self) -> list[Job]:
-        """Take the finished jobs and call what waits for them; call it once a frame."""
+        """Take the finished jobs and call what waits for them; call it once a frame.
+
+        Raises:
+            Exception: One of them failed, and all were called. Of several errors the next calls
+                raise the others.
+        """
         with self._condition:
             finished, self._finished = self._finished, []
         for waiting in finished:
             if waiting.done is not None:
-                waiting.done(waiting.job)
+                try:
+                    waiting.done(waiting.job)
+                except Exception as error:  # the others must hear of theirs
+                    self._untold.append(error)
+        if self._untold:
+            raise self._untold.pop(0)
         return [waiting.job for waiting in finished]
 
     def wait(self, seconds: float) -> bool:

@@ -149,9 +149,17 @@ def read_metrics(run: Path) -> list[dict[str, float]]:
     path = run / JSONL
     if not os.path.isfile(path):
         return []
+    return parse_rows(read_bytes(path, "metrics"))
+
+
+def parse_rows(data: bytes) -> list[dict[str, float]]:
+    """Return the rows that some lines hold; see `read_metrics`.
+
+    Args:
+        data: Lines of the file.
+    """
     rows: dict[float, dict[str, float]] = {}
-    text = read_bytes(path, "metrics").decode("utf-8", errors="replace")
-    for line in text.split("\n"):
+    for line in data.decode("utf-8", errors="replace").split("\n"):
         row = _row(line)
         if row is not None:
             rows.pop(row[UPDATE], None)

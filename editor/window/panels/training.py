@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
 from imgui_bundle import imgui, implot
 
 from editor.actions import watch
-from editor.agents.curves import STEPS, Curve, band_of, curve_of, run_names
+from editor.agents.curves import Curve, Curves, band_of, run_names
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
@@ -55,6 +56,7 @@ class TrainingPanel(Panel):
         self._log = False
         self._band = False
         self._levels: frozenset[str] = frozenset()
+        self._curves = Curves()
 
     def draw(self, session: "Session") -> None:
         """Draw the training under way, the head line and the plots."""
@@ -77,7 +79,7 @@ class TrainingPanel(Panel):
         self._head(session)
         if run.error:
             widgets.wrapped(run.error, COLOURS.bad)
-        if not run.rows:
+        if not run.metrics:
             widgets.muted("No metrics yet.")
             return
         self._plots(session)
@@ -86,11 +88,9 @@ class TrainingPanel(Panel):
         viewer = session.viewer
         run = viewer.run
         imgui.align_text_to_frame_padding()
-        last = run.rows[-1] if run.rows else {}
-        steps = last.get(STEPS)
-        words = plural(len(run.rows), "update")
-        if steps is not None:
-            words += f", {thousands(int(steps))} environment steps"
+        words = plural(len(run.metrics), "update")
+        if run.metrics.steps is not None:
+            words += f", {thousands(run.metrics.steps)} environment steps"
         if run.newest is not None:
             words += f", newest agent at {thousands(run.newest)}"
         widgets.wrapped(words)
@@ -170,7 +170,7 @@ class TrainingPanel(Panel):
         if widgets.button(session, "training.metrics", "Metrics…"):
             imgui.open_popup("metrics")
         if imgui.begin_popup("metrics"):
-            for name in session.viewer.run.metrics:
+            for name in session.viewer.run.metrics.names:
                 changed, on = widgets.checkbox(
                     session, f"training.metric.{name}", name, self._shows(name)
                 )
@@ -184,7 +184,7 @@ class TrainingPanel(Panel):
 
     def _plots(self, session: "Session") -> None:
         run = session.viewer.run
-        metrics = run.metrics
+        metrics = run.metrics.names
         self._levels = level_rates(metrics)
         names = [name for name in metrics if self._shows(name)]
         if not names:
@@ -201,7 +201,7 @@ class TrainingPanel(Panel):
             if index % columns:
                 imgui.same_line(0, px(6))
             runs = (run, *session.viewer.other_runs)
-            curves = [curve_of(one, name, self._smoothing) for one in runs]
+            curves = [self._curves.of(one.metrics, name, self._smoothing) for one in runs]
             _plot(name, curves, (width, height), log=self._log, band=self._band)
             widgets.probe(session, f"training.plot.{name}")
         implot.pop_style_var()
@@ -222,13 +222,13 @@ def title_of(metric: str) -> str:
 
 def _plot(
     name: str,
-    curves: Sequence[Curve],
+    curves: Sequence[tuple[Curve, Curve]],
     size: tuple[float, float],
     *,
     log: bool,
     band: bool,
 ) -> None:
-    """One metric of all runs."""
+    """One metric of all runs: their curves whole, and thinned."""
     flags = implot.Flags_.no_menus.value | implot.Flags_.no_box_select.value
     # The names of the runs stand in their colours over the plots.
     flags |= implot.Flags_.no_legend.value
@@ -236,7 +236,8 @@ def _plot(
         return
     fit = implot.AxisFlags_.auto_fit.value
     implot.setup_axes("", "", fit, fit)
-    places = {x for curve in curves for x in curve.x.tolist()}
+    ends = [curve.x[[0, -1]] for curve, _ in curves if len(curve.x)]
+    places = set(np.concatenate(ends).tolist()) if ends else set()
     if len(places) == 1:
         # Else the same number would stand at every tick.
         implot.setup_axis_ticks(implot.ImAxis_.x1, list(places), [f"{min(places):g}"])
@@ -244,7 +245,7 @@ def _plot(
         implot.setup_axis_limits_constraints(implot.ImAxis_.y1.value, *_RATES)
     if log:
         implot.setup_axis_scale(implot.ImAxis_.y1.value, implot.Scale_.log10.value)
-    spread = band_of(curves) if band else None
+    spread = band_of([curve for curve, _ in curves]) if band else None
     if spread is not None:
         spec = implot.Spec()
         spec.fill_color = imgui.ImVec4(*COLOURS.info[:3], 1.0)
@@ -252,7 +253,7 @@ def _plot(
         implot.plot_shaded("range", spread.x, spread.low, spread.high, spec)
         _line("mean", Curve(x=spread.x, y=spread.mean), COLOURS.info)
     else:
-        for index, curve in enumerate(curves):
+        for index, (_, curve) in enumerate(curves):
             _line(str(index), curve, _colour(index))
     implot.end_plot()
 

@@ -42,7 +42,7 @@ from editor.worker.requests.levels import (
 )
 from editor.worker.requests.programs import GetReady, KeepPrograms, Tailor, WarmUp
 from editor.worker.requests.progress import Cancelled, Progress
-from editor.worker.requests.training import CurriculumNews, ReadCurriculum, ReadRun, RunNews
+from editor.worker.requests.training import CurriculumNews, Place, ReadCurriculum, ReadRun, RunNews
 
 __all__ = [
     "BUILT_IN",
@@ -76,6 +76,7 @@ __all__ = [
     "OpenEpisode",
     "Opened",
     "Perform",
+    "Place",
     "PlaySolution",
     "Progress",
     "Pull",

@@ -6,12 +6,26 @@ from kinetix.training.curricula.pages import BufferPage
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Place:
+    """A place in a run's metrics up to which they are known."""
+
+    rows: int
+    """Rows before it."""
+    offset: int
+    """Bytes before it; the end of a line."""
+    last_line: bytes
+    """The line before it, by which a file that was written anew is known."""
+    update: float
+    """The last update before it."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class ReadRun:
     """Look at a training run's folder. Gives a `RunNews`."""
 
     path: str
-    after: int = 0
-    """Rows of metrics that are known already."""
+    after: Place | None = None
+    """The place up to which its metrics are known already."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -19,11 +33,13 @@ class RunNews:
     """News of a training run."""
 
     rows: tuple[dict[str, float], ...]
-    """Metrics, one row an update."""
+    """Metrics, one row an update: those that are new, or all where the file was read anew."""
     total: int
-    """Rows in all; fewer than were known before: the run was set back."""
+    """Rows in all; as many as `rows`: they take the place of those that were known."""
     newest: int | None
     """Environment steps of the newest complete checkpoint."""
+    place: Place | None = None
+    """The place up to which the metrics were read; None: the next reading begins anew."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

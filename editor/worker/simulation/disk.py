@@ -5,6 +5,7 @@ The files are machine code of this computer, like those of JAX's cache beside th
 user's cache folder, are never exchanged, and a file that is not whole is thrown away.
 """
 
+import contextlib
 import functools
 import hashlib
 import importlib.resources
@@ -88,9 +89,11 @@ def load(key: object, arguments: Any, results: Any) -> Any | None:
     except FileNotFoundError:
         return None
     except Exception:  # whatever is wrong with it, it is compiled anew
-        path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # the folder may be one that can only be read
+            path.unlink(missing_ok=True)
         return None
-    os.utime(path)
+    with contextlib.suppress(OSError):
+        os.utime(path)
     return program
 
 

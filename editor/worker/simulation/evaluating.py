@@ -1,8 +1,6 @@
 """Evaluations in the background, their episodes opened again, training runs looked at."""
 
 import dataclasses
-import os
-from pathlib import Path
 from typing import Any
 
 from editor.worker.recording import Mind, Snapshot, Trace, channels_of
@@ -14,15 +12,12 @@ from editor.worker.requests import (
     Opened,
     OpenEpisode,
     Progress,
-    ReadRun,
-    RunNews,
     Score,
     Standing,
     TracePaths,
 )
 from editor.worker.simulation.cast import Step, mind_of, player_of
 from editor.worker.simulation.level_view import LevelView
-from kinetix.agents.checkpoint import steps_of_run
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.evaluate import (
     NamedLevel,
@@ -42,7 +37,6 @@ from kinetix.environment.state import document_slots
 from kinetix.errors import KinetixError
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
-from kinetix.training.logging import read_metrics
 from kinetix.wording import plural
 
 _SEGMENT = 4
@@ -219,18 +213,3 @@ class _Recorder:
             entropy=float(said.entropy),
             chances=said.chances,
         )
-
-
-def read_run(request: ReadRun) -> RunNews:
-    """Return the news of a training run.
-
-    Raises:
-        KinetixError: There is no such folder.
-    """
-    run = Path(request.path)
-    if not os.path.isdir(run):
-        raise KinetixError(f"{run}: expected the folder of a training run, found none")
-    rows = read_metrics(run)
-    steps = steps_of_run(run)
-    first = request.after if request.after <= len(rows) else 0
-    return RunNews(rows=tuple(rows[first:]), total=len(rows), newest=steps[-1] if steps else None)

@@ -39,11 +39,12 @@ from editor.worker.simulation.cast import load, rehearse
 from editor.worker.simulation.curriculum import read_curriculum
 from editor.worker.simulation.dataset import add_episode
 from editor.worker.simulation.episode import Episode, play_solution
-from editor.worker.simulation.evaluating import open_episode, read_run, run_evaluation, trace_paths
+from editor.worker.simulation.evaluating import open_episode, run_evaluation, trace_paths
 from editor.worker.simulation.explaining import explain
 from editor.worker.simulation.levels import check_dynamics, drawn, mutated
 from editor.worker.simulation.observing import observe
 from editor.worker.simulation.pictures import export_film, export_picture, render_state
+from editor.worker.simulation.run_news import read_run
 from editor.worker.simulation.stepping import get_ready, keep_programs, tailor, warm_up
 from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS

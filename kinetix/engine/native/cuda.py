@@ -61,7 +61,8 @@ def compiled(source: str, target: str) -> str:
     file = cache_folder("kernels") / f"{name}.ptx"
     with contextlib.suppress(OSError):
         code = file.read_bytes()
-        os.utime(file)
+        with contextlib.suppress(OSError):  # what can only be read is good too
+            os.utime(file)
         return code.decode()
     code = _compiled(source, target)
     with contextlib.suppress(OSError, LevelError):  # a cache that cannot be written to is none

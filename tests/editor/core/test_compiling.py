@@ -1,9 +1,11 @@
 """Programs are compiled in threads of their own: who waits may leave, what is unwanted ends."""
 
+import errno
 import itertools
 import os
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -149,7 +151,8 @@ def cache(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
+def doubling():
+    """Return a compiled program, arguments of it, and a tree like its results."""
     import jax
     import numpy as np
 
@@ -160,8 +163,12 @@ def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
         return {"sum": x["a"] + y, "own": own * y}
 
     arguments = ({"a": jax.device_put(np.ones(3))}, jax.device_put(np.arange(3.0)))
-    results = {"sum": 0, "own": 0}
     program = jax.jit(double).lower(*arguments).compile()
+    return program, arguments, {"sum": 0, "own": 0}
+
+
+def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
+    program, arguments, results = doubling()
     assert disk.load("double", arguments, results) is None
     disk.save("double", program)
     assert disk.has("double") and not disk.has("triple")
@@ -171,6 +178,21 @@ def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
     path.write_bytes(path.read_bytes()[:-20])
     assert disk.load("double", arguments, results) is None
     assert not disk.has("double")
+
+
+def test_programs_come_back_from_a_cache_that_can_only_be_read(cache, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(errno.EROFS, os.strerror(errno.EROFS))
+
+    program, arguments, results = doubling()
+    disk.save("double", program)
+    (path,) = (cache / "steps").iterdir()
+    monkeypatch.setattr(os, "utime", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    loaded = disk.load("double", arguments, results)
+    assert loaded(*arguments)["sum"].tolist() == [1.0, 2.0, 3.0]
+    path.write_bytes(path.read_bytes()[:-20])
+    assert disk.load("double", arguments, results) is None
 
 
 def test_progress_follows_the_usual_duration_and_then_never_stands_still():

@@ -120,6 +120,24 @@ def test_failures_keep_the_worker_alive():
     worker.stop()
 
 
+def test_a_callback_that_fails_keeps_no_other_from_its_answer():
+    def bad(job):
+        raise KinetixError(f"no use for {job.request.seed}")
+
+    worker, heard = Worker(lambda request, progress: request.seed), []
+    for seed, done in enumerate((bad, bad, lambda job: heard.append(job.result))):
+        worker.submit(asked(seed), title="x", done=done)
+    while worker.jobs:
+        time.sleep(0.001)
+    with pytest.raises(KinetixError, match="no use for 0"):
+        worker.poll()
+    assert heard == [2] and not worker.idle
+    with pytest.raises(KinetixError, match="no use for 1"):
+        worker.poll()
+    assert worker.poll() == [] and worker.idle
+    worker.stop()
+
+
 def moment(step):
     return Snapshot(
         step=step,

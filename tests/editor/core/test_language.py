@@ -94,6 +94,21 @@ def test_a_language_can_be_added_and_corrected_by_one_file(tmp_path, monkeypatch
         languages.cache_clear()
 
 
+def test_what_is_offered_can_be_read(tmp_path, monkeypatch):
+    monkeypatch.setattr("editor.base.language.config_dir", lambda: tmp_path)
+    (tmp_path / "languages").mkdir()
+    own = json.dumps({"name": "Español", "words": {"Save": "Guardar"}})
+    for code in ("es-419", "a b", "x" * 17):
+        (tmp_path / "languages" / f"{code}.json").write_text(own)
+    languages.cache_clear()
+    try:
+        offered = {code for code, _ in languages()} - {"en", *OWN}
+        assert offered == {"es-419"}
+        assert read_words("es-419") == {"Save": "Guardar"}
+    finally:
+        languages.cache_clear()
+
+
 @pytest.mark.parametrize("code", ["zz", "../settings", "", "x" * 40])
 def test_a_language_that_there_is_not_is_english(code):
     use(code)

@@ -1,11 +1,14 @@
 """Copies of unsaved work: soon made, offered to the next run, kept until saved or given up."""
 
 import contextlib
+import gc
 import json
 import multiprocessing
 import os
 import shutil
+import threading
 import time
+import weakref
 from pathlib import Path
 
 import pytest
@@ -18,6 +21,9 @@ from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
 from editor.documents.commands.group import Move
 from editor.documents.document import Document
 from editor.session import Session
+from editor.session.messages import TOAST_SECONDS
+from editor.worker.jobs import Worker
+from editor.worker.requests import ExportPicture
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
@@ -55,8 +61,9 @@ def start(clock):
     """Starts runs; one that is killed leaves what it has written."""
     runs = []
 
-    def begin(*paths, level=None):
-        session = Session(autosaves=Autosaves(clock=clock), level=level or Level(name="Untitled"))
+    def begin(*paths, level=None, **parts):
+        level = level or Level(name="Untitled")
+        session = Session(autosaves=Autosaves(clock=clock), level=level, **parts)
         for each in paths:
             actions.file.open_path(session, each)
         recover.offer(session)
@@ -431,6 +438,45 @@ def test_a_full_disk_is_told_and_tried_again(start, clock, path, monkeypatch):
     assert session.autosaves.kept_at(session.document) is not None
 
 
+@pytest.mark.parametrize("gone", ["the folder", "the lock"])
+def test_copies_are_made_again_where_their_folder_is_gone(start, clock, path, gone):
+    session = start(path)
+    session.execute(MOVE)
+    session.open_tab(Document(a_level()))
+    session.execute(MOVE)
+    later(session, clock, 4)
+    assert len(copies()) == 2
+    if gone == "the folder":
+        shutil.rmtree(autosave_dir())
+    else:
+        (session.autosaves.folder / "lock").unlink()
+    session.execute(MOVE)
+    later(session, clock, 4)
+    later(session, clock, 4)  # the others, once it is known that they are gone
+    levels = [recovery._read(copy).level for copy in copies()]
+    assert len(levels) == 2 and session.document.level in levels
+    assert not texts(session)
+    assert autosaves.goes_on(session.autosaves.folder)
+    assert not start().prompts
+    assert Autosaves().open_elsewhere(path)
+
+
+@pytest.mark.parametrize("choice", ["save", "discard"])
+def test_what_was_closed_is_let_go(start, clock, path, choice):
+    session = start(path)
+    session.open_tab(Document(a_level()))
+    session.show_tab(0)
+    session.execute(MOVE)
+    later(session, clock, 4)
+    closed = weakref.ref(session.document)
+    actions.run(session, "file.close_tab")
+    session.answer(session.prompts[-1], choice)
+    later(session, clock, 1)
+    later(session, clock, TOAST_SECONDS)  # a message may be about it
+    gc.collect()
+    assert closed() is None
+
+
 def test_an_ended_run_leaves_no_folder(start, clock, path):
     session = start(path)
     session.execute(MOVE)
@@ -581,6 +627,60 @@ def test_quitting_can_discard_all(three, clock):
     three.autosaves.flush()
     assert copies() == []
     assert all(load_level(tab.document.path) == a_level() for tab in three.tabs)
+
+
+@pytest.fixture
+def held_up(start, path):
+    """A file with changes, a picture that is being written, and what lets it be written."""
+    gate = threading.Event()
+
+    def perform(request, progress):
+        assert gate.wait(30)
+        return request.path
+
+    session = start(path, worker=Worker(perform))
+    session.execute(MOVE)
+    picture = ExportPicture(level=a_level(), state=None, path=path.with_name("a.png"))
+    session.worker.submit(picture, title="A picture")
+    actions.run(session, "file.quit")
+    yield session, gate
+    gate.set()
+    session.worker.stop()
+
+
+def let_close(session, gate, clock):
+    """Let the picture be written and frames pass until the app closes or asks."""
+    gate.set()
+    while not (session.quitting or session.prompts):
+        later(session, clock, 0.25)
+    session.autosaves.flush()
+
+
+@pytest.mark.parametrize("choice", ["wait", "quit"])
+def test_what_is_not_to_be_saved_is_not_kept_by_a_wait_at_the_end(held_up, clock, choice):
+    session, gate = held_up
+    session.answer(session.prompts[-1], "discard")
+    later(session, clock, 4)  # the question stands
+    session.answer(session.prompts[-1], choice)
+    if choice == "wait":
+        later(session, clock, 4)
+        assert not session.quitting
+    let_close(session, gate, clock)
+    assert session.quitting and copies() == []
+
+
+def test_what_is_changed_or_kept_after_all_is_copied_during_a_wait(held_up, clock):
+    session, gate = held_up
+    session.answer(session.prompts[-1], "discard")
+    session.answer(session.prompts[-1], "wait")
+    session.execute(MOVE)
+    later(session, clock, 4)
+    assert len(copies()) == 1
+    let_close(session, gate, clock)
+    assert not session.quitting and session.prompts[-1].title == "Unsaved changes"
+    session.answer(session.prompts[-1], "cancel")
+    later(session, clock, 4)
+    assert len(copies()) == 1
 
 
 def test_a_save_that_is_given_up_keeps_the_app_open(three):

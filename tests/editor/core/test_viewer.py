@@ -15,6 +15,7 @@ from editor import actions
 from editor.actions import agents, measure, watch
 from editor.actions.file import open_path
 from editor.agents.evaluation import Plan, best
+from editor.agents.run_watch import RunWatch
 from editor.agents.viewer import mismatch
 from editor.base.events import DropEvent
 from editor.base.settings import Settings
@@ -654,13 +655,17 @@ def test_levels_are_named_as_on_the_command_line(session, tmp_path):
     assert measure.levels_named(session, (str(levels_dir() / "s"),))[0][0].name == "circus_act"
 
 
+def values(watched, name):
+    return watched.metrics.column(name)[1].tolist()
+
+
 def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     stage.agents["/runs/one"] = a_summary("one", ref=AgentRef(path="/runs/one", stamp="a"))
     stage.news = RunNews(rows=({"loss": 1.0}, {"loss": 0.5}), total=2, newest=100)
     watch.watch_run(session, "/runs/one")
     settle(session)
     run_ = session.viewer.run
-    assert [row["loss"] for row in run_.rows] == [1.0, 0.5]
+    assert values(run_, "loss") == [1.0, 0.5]
     assert session.viewer.slots["a"].summary.ref.stamp == "a"
     Hand(session).key("f6")
     run(session, 0.5)
@@ -668,7 +673,7 @@ def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     stage.news = RunNews(rows=({"loss": 0.25},), total=3, newest=200)
     run(session, 2.0)
     settle(session)
-    assert [row["loss"] for row in run_.rows] == [1.0, 0.5, 0.25]
+    assert values(run_, "loss") == [1.0, 0.5, 0.25]
     assert session.viewer.slots["a"].summary.ref.stamp == "b"
     # The episode under way goes on with the agent that began it.
     assert session.playback.casting.agent.stamp == "a"
@@ -683,7 +688,30 @@ def test_a_run_that_was_set_back_is_read_anew(session, stage):
     stage.news = RunNews(rows=({"x": 7.0},), total=1, newest=None)
     run(session, 2.1)
     settle(session)
-    assert session.viewer.run.rows == [{"x": 7.0}]
+    assert values(session.viewer.run, "x") == [7.0]
+
+
+def test_a_run_that_is_pointed_at_again_while_it_is_read_has_each_row_once(session, stage):
+    watched = RunWatch(session.worker)
+
+    def read(now):
+        watched.tick(now, lambda steps: None)
+        while session.worker.jobs:
+            time.sleep(0.001)
+
+    stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}), total=2, newest=None)
+    watched.watch("/runs/one")
+    read(0.0)
+    session.worker.poll()
+    stage.news = RunNews(rows=({"x": 3.0},), total=3, newest=None)
+    read(3.0)  # what comes after two rows
+    watched.watch("/runs/one")
+    session.worker.poll()
+    assert len(watched.metrics) == 0
+    stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}, {"x": 3.0}), total=3, newest=None)
+    read(4.0)
+    session.worker.poll()
+    assert values(watched, "x") == [1.0, 2.0, 3.0]
 
 
 def test_a_mismatch_is_explained():

@@ -10,6 +10,7 @@ from editor import actions
 from editor.actions import agents, export
 from editor.actions.comparison import about_comparison, ask_comparison
 from editor.actions.save_table import save_table
+from editor.agents.metrics import Metrics
 from editor.base import language
 from editor.base.prompts import FileQuestion
 from editor.play.mode import Mode
@@ -224,7 +225,7 @@ def test_what_measures_speaks_german(with_agent):
         gui.frames(4)
         session.prompts.clear()
     session.viewer.run.path = "/runs/one"
-    session.viewer.run.rows = list(gui.stage.news.rows)
+    session.viewer.run.metrics = Metrics(gui.stage.news.rows)
     front(gui, "training")
     front(gui, "curriculum")
     session.viewer.compare = "side"

@@ -10,6 +10,7 @@ from editor import actions
 from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan
+from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
@@ -388,7 +389,7 @@ def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
     watch.add_run(session, "/runs/one")  # is there already
     (other,) = viewer.other_runs
     settle(gui)
-    assert len(other.rows) == len(viewer.run.rows) == 2
+    assert len(other.metrics) == len(viewer.run.metrics) == 2
     front(gui, "training")
     assert gui.shows(f"training.plot.{name}")  # so few levels are shown at once
     gui.click("training.log")
@@ -558,7 +559,7 @@ def test_the_file_dialog_says_what_kind_of_file_is_missing(tmp_path):
 def test_the_head_of_the_training_panel_stays_in_a_small_window(make_gui):
     gui = make_gui(size=(1000, 640))
     gui.session.viewer.run.path = "/runs/one"
-    gui.session.viewer.run.rows = [{"timing/num_env_steps": 1e9, "loss/total": 1.0}] * 3
+    gui.session.viewer.run.metrics = Metrics([{"timing/num_env_steps": 1e9, "loss/total": 1.0}] * 3)
     gui.session.viewer.run.newest = 999_999_999
     front(gui, "training")
     for name in ("training.follow", "training.metrics", "training.stop"):
@@ -610,7 +611,7 @@ def test_a_run_without_metrics_and_one_that_is_gone(with_agent):
     watch.watch_run(with_agent.session, "/runs/one")
     settle(with_agent)
     assert with_agent.session.viewer.run.error == ""
-    with_agent.session.viewer.run.rows = [{"episode_solved": 0.1 * k} for k in range(5)]
+    with_agent.session.viewer.run.metrics = Metrics({"episode_solved": 0.1 * k} for k in range(5))
     with_agent.frames(3)
     assert with_agent.shows("training.plot.episode_solved")
     with_agent.click("training.stop")

@@ -46,6 +46,15 @@ def test_a_recording_of_manual_use_gives_the_same_document(make_gui, tmp_path): 
     assert gui.session.document.history.undo_label == expected.history.undo_label
 
 
+def test_half_of_a_surrogate_pair_is_left_out(tmp_path):
+    script = tmp_path / "events.jsonl"
+    recorder = Recorder(a_session(), script)
+    recorder.take([TextEvent(text="\ud83d")], 1 / 60)
+    recorder.take([TextEvent(text="a\ud83db")], 1 / 60)
+    told = [json.loads(line) for line in script.read_text().splitlines()]
+    assert [each["text"] for each in told if each["do"] == "text"] == ["ab"]
+
+
 def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa: F811
     script = tmp_path / "events.jsonl"
     gui = make_gui(session=a_session())

@@ -1,6 +1,7 @@
 """The compiler for GPUs: what it makes is kept, and what stands in its way is told."""
 
 import importlib.util
+import os
 import sys
 
 import pytest
@@ -46,6 +47,18 @@ def test_a_cache_that_cannot_be_written_to_is_none(tmp_path, monkeypatch):
     (tmp_path / "kernels").write_text("a file")
     monkeypatch.setattr("kinetix.files.caches.cache_dir", lambda: tmp_path)
     monkeypatch.setattr(cuda, "_compiled", lambda source, target: b"code")
+    assert cuda.compiled("a", "sm_90") == "code"
+
+
+def test_what_was_kept_is_used_where_it_can_only_be_read(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr("kinetix.files.caches.cache_dir", lambda: tmp_path)
+    monkeypatch.setattr(cuda, "_compiled", lambda source, target: b"code")
+    cuda.compiled("a", "sm_90")
+    monkeypatch.setattr(cuda, "_compiled", lambda source, target: b"compiled again")
+    monkeypatch.setattr(os, "utime", refuse)
     assert cuda.compiled("a", "sm_90") == "code"
 
 
