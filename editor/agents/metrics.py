@@ -43,7 +43,7 @@ class Metrics:
     def column(self, name: str) -> tuple[Float[np.ndarray, " k"], Float[np.ndarray, " k"]]:
         """Return environment steps and values of a metric in the rows that have it.
 
-        Without environment steps a row has its number.
+        Without environment steps a row has its number among those.
         """
         x, y = self._columns.get(name, (array("d"), array("d")))
         return np.array(x, np.float64), np.array(y, np.float64)
