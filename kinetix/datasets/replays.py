@@ -19,6 +19,7 @@ from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
+from kinetix.errors import KinetixError
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import on_device
 
@@ -75,9 +76,13 @@ def checked(episode: RecordedEpisode) -> RecordedEpisode:
     """Return the episode with `replays` as playing it again tells.
 
     Args:
-        episode: The episode.
+        episode: The episode; one that cannot be played, such as under physics that there is not,
+            does not replay.
     """
-    again = replay(episode)
+    try:
+        again = replay(episode)
+    except KinetixError:
+        return dataclasses.replace(episode, replays=False)
     same = again.length == episode.length and again.outcome == episode.outcome
     return dataclasses.replace(episode, replays=same)
 
@@ -91,7 +96,10 @@ def up_to_the_win(episode: RecordedEpisode) -> RecordedEpisode:
     Args:
         episode: From `solution_episode`.
     """
-    again = replay(episode)
+    try:
+        again = replay(episode)
+    except KinetixError:
+        return dataclasses.replace(episode, replays=False)
     if again.outcome != episode.outcome:
         return dataclasses.replace(episode, replays=False)
     reward = episode.reward[: again.length].copy()

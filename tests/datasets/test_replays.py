@@ -22,7 +22,7 @@ from kinetix.datasets.offline import (
     read_offline,
     write_offline,
 )
-from kinetix.datasets.replays import ReplayedEpisode, checked, replay
+from kinetix.datasets.replays import ReplayedEpisode, checked, replay, up_to_the_win
 from kinetix.datasets.sources import check_source, episodes_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
@@ -38,6 +38,8 @@ def test_a_solution_replays_and_a_broken_one_does_not() -> None:
     assert checked(found).replays
     idle = dataclasses.replace(found, control=np.zeros_like(found.control))
     assert not checked(idle).replays
+    unknown = dataclasses.replace(found, physics="nonsuch")
+    assert not checked(unknown).replays and not up_to_the_win(unknown).replays
     again = replay(found)
     assert again.length == found.length and again.outcome == "won"
     assert again.states.physics.position.shape[0] == found.length
