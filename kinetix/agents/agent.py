@@ -97,7 +97,14 @@ class Agent:
         Args:
             card: Its description.
             params: Parameters of the network (the tree below "params").
+
+        Raises:
+            KinetixError: They are the whole tree, as `Agent.params` and Flax's variables are.
         """
+        if "params" in params:
+            raise KinetixError(
+                "params: expected the parameters of the network alone; pass params['params']"
+            )
         self.card = card
         self.params: dict[str, Any] = {
             "params": on_device(dict(params)),

@@ -91,6 +91,14 @@ def test_memory_is_made_for_a_number_of_episodes(agent, batch):
         agent.init_carry(batch)
 
 
+def test_another_agent_is_made_of_the_parameters_alone(agent):
+    """`agent.params` holds the normalisation as well."""
+    with pytest.raises(KinetixError, match=r"params: expected .* pass params\['params'\]"):
+        Agent(agent.card, agent.params)
+    again = Agent(agent.card, agent.params["params"])
+    assert again.digest == agent.digest
+
+
 def test_memory_that_is_none_is_refused(agent):
     with pytest.raises(KinetixError, match="carry: expected what init_carry"):
         agent.act(None, None, jax.random.key(0))
