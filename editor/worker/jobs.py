@@ -167,7 +167,7 @@ class Worker:
         self._lanes: dict[str, _Lane] = {}
         self._finished: list[_Waiting] = []
         self._untold: list[Exception] = []
-        """What callbacks raised and `poll` has not raised yet."""
+        """Errors of callbacks that `poll` has still to raise."""
         self._condition = threading.Condition()
         self._numbers = itertools.count()
         self._stopping = False

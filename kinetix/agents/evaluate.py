@@ -152,14 +152,7 @@ def evaluate(
             while not bool(jnp.all(episodes.over)):
                 over = int(jnp.sum(episodes.over[: len(chosen)]))
                 yield progress(finished + over)
-                episodes = advance(
-                    env,
-                    player.policy,
-                    player.params,
-                    episodes,
-                    segment,
-                    deterministic=settings.deterministic,
-                )
+                episodes = go_on(env, player, episodes, segment, settings)
             finished += len(chosen)
             told = episode_results(episodes)
             for row, (index, _) in enumerate(chosen):
@@ -210,15 +203,25 @@ def record(
     episodes = begin(env, player, [(state, prepared.key, attempt)], settings.seed)
     yield _moment(env, episodes, first=True)
     while not bool(episodes.over[0]):
-        episodes = advance(
-            env,
-            player.policy,
-            player.params,
-            episodes,
-            1,
-            deterministic=settings.deterministic,
-        )
+        episodes = go_on(env, player, episodes, 1, settings)
         yield _moment(env, episodes, first=False)
+
+
+def go_on(
+    env: KinetixEnv, player: Player, episodes: Episodes, steps: int, settings: Settings
+) -> Episodes:
+    """Let the player of a batch play some environment steps; episodes that are over count no more.
+
+    Args:
+        env: Where.
+        player: Who plays.
+        episodes: Where they are.
+        steps: How many steps; any number runs the same compiled code.
+        settings: Of the evaluation.
+    """
+    return advance(
+        env, player.policy, player.params, episodes, steps, deterministic=settings.deterministic
+    )
 
 
 def begin(

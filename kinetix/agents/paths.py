@@ -10,8 +10,15 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from kinetix.agents.environments import environment_for
-from kinetix.agents.episodes import Episodes, advance, rows
-from kinetix.agents.evaluate import NamedLevel, Settings, begin, episode_results, prepare
+from kinetix.agents.episodes import Episodes, rows
+from kinetix.agents.evaluate import (
+    NamedLevel,
+    Settings,
+    begin,
+    episode_results,
+    go_on,
+    prepare,
+)
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult
 from kinetix.environment.outcome import Outcome
@@ -69,14 +76,7 @@ def attempt_paths(
             place = places[-1]
             for _ in range(_EVERY):
                 over = np.asarray(episodes.over)
-                episodes = advance(
-                    env,
-                    player.policy,
-                    player.params,
-                    episodes,
-                    1,
-                    deterministic=settings.deterministic,
-                )
+                episodes = go_on(env, player, episodes, 1, settings)
                 # What is over goes on being stepped, but it is of no interest.
                 place = np.where(over[:, None], place, _place(episodes, green))
             places.append(place)

@@ -8,8 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from kinetix.agents.environments import environment_for
-from kinetix.agents.episodes import Episodes, advance, rows
-from kinetix.agents.evaluate import NamedLevel, Prepared, Settings, begin, episode_results, prepare
+from kinetix.agents.episodes import Episodes, rows
+from kinetix.agents.evaluate import (
+    NamedLevel,
+    Prepared,
+    Settings,
+    begin,
+    episode_results,
+    go_on,
+    prepare,
+)
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult
 from kinetix.datasets.episode import RecordedEpisode
@@ -89,14 +97,7 @@ def _steps(
     asked = [(state, prepared.key, attempt) for attempt in attempts]
     episodes = begin(env, player, asked, settings.seed)
     while not bool(jnp.all(episodes.over)):
-        episodes = advance(
-            env,
-            player.policy,
-            player.params,
-            episodes,
-            1,
-            deterministic=settings.deterministic,
-        )
+        episodes = go_on(env, player, episodes, 1, settings)
         yield episodes
 
 

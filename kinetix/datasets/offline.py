@@ -168,7 +168,7 @@ def trajectory(episode: RecordedEpisode, capacity: Any) -> dict[str, np.ndarray]
     from kinetix.datasets.replays import replay  # only here is JAX needed
 
     again = replay(episode, capacity)
-    if again.length != episode.length or again.outcome != episode.outcome:
+    if not again.ends_as(episode):
         raise KinetixError(
             f"played again in states of this size, it ends with {again.outcome} after "
             f"{plural(again.length, 'step')}, not with {episode.outcome} after {episode.length}"

@@ -38,6 +38,10 @@ class ReplayedEpisode:
     """Steps until the episode ended or the controls ran out."""
     outcome: Outcome
 
+    def ends_as(self, episode: RecordedEpisode) -> bool:
+        """True if an episode ends alike after as many steps."""
+        return self.length == episode.length and self.outcome == episode.outcome
+
 
 def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> ReplayedEpisode:
     """Play an episode's controls from the start of its level.
@@ -79,12 +83,8 @@ def checked(episode: RecordedEpisode) -> RecordedEpisode:
         episode: The episode; one that cannot be played, such as under physics that there is not,
             does not replay.
     """
-    try:
-        again = replay(episode)
-    except KinetixError:
-        return dataclasses.replace(episode, replays=False)
-    same = again.length == episode.length and again.outcome == episode.outcome
-    return dataclasses.replace(episode, replays=same)
+    again = _replayed(episode)
+    return dataclasses.replace(episode, replays=again is not None and again.ends_as(episode))
 
 
 def up_to_the_win(episode: RecordedEpisode) -> RecordedEpisode:
@@ -96,17 +96,22 @@ def up_to_the_win(episode: RecordedEpisode) -> RecordedEpisode:
     Args:
         episode: From `solution_episode`.
     """
-    try:
-        again = replay(episode)
-    except KinetixError:
-        return dataclasses.replace(episode, replays=False)
-    if again.outcome != episode.outcome:
+    again = _replayed(episode)
+    if again is None or again.outcome != episode.outcome:
         return dataclasses.replace(episode, replays=False)
     reward = episode.reward[: again.length].copy()
     reward[-1:] = 1.0
     return dataclasses.replace(
         episode, control=episode.control[: again.length], reward=reward, replays=True
     )
+
+
+def _replayed(episode: RecordedEpisode) -> ReplayedEpisode | None:
+    """Play an episode again; None where that cannot be done."""
+    try:
+        return replay(episode)
+    except KinetixError:
+        return None
 
 
 @functools.lru_cache(maxsize=16)

@@ -52,7 +52,7 @@ def test_the_last_place_is_that_in_which_the_attempt_ends(monkeypatch):
         "level_state": lambda *of: green,
         "rows": lambda policy: 2,
         "begin": lambda *of: at(0),
-        "advance": lambda e, p, q, now, steps, deterministic: at(now.step + steps),
+        "go_on": lambda env, player, now, steps, settings: at(now.step + steps),
         "episode_results": lambda episodes: [None, None],
     }.items():
         monkeypatch.setattr(f"kinetix.agents.paths.{name}", value)

@@ -194,7 +194,7 @@ def test_what_ends_otherwise_at_the_size_of_an_export_is_left_out(
 def test_an_interrupted_export_says_where_its_shards_are_from(
     tmp_path: Path, states: dict[str, object]
 ) -> None:
-    """What has no origin is read as kinetix-env's."""
+    """A trajectory without a known origin counts as one of kinetix-env's."""
 
     def until_now() -> Iterator[RecordedEpisode]:
         yield from [_solution()] * (PER_SHARD + 1)

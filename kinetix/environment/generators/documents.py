@@ -82,7 +82,7 @@ def random_levels(seed: int, size: str | Capacity, count: int) -> Iterator[Level
 
 
 def _label(capacity: Capacity) -> str:
-    """How a level of this capacity is called, which is no creature."""
+    """Return the name of the size that has this capacity, `custom` where none but creatures has."""
     name = size_name(capacity)
     return "custom" if name is None or name == _CREATURES else name
 

@@ -138,11 +138,12 @@ def free_slot(figures: Figures, circle: Bool[Array, " n"], capacity: Capacity) -
 def with_joint(
     draft: Draft, joint: Joints, binding: Int[Array, " n"], marked: Bool[Array, " n"]
 ) -> Draft:
-    """Add a joint in the lowest free slot of the marked worlds, where it is active."""
-    old = (draft.joints, draft.motor_binding)
+    """Add an active joint, whose motor actions drive, in the marked worlds' lowest free slot."""
+    old = (draft.joints, draft.motor_binding, draft.motor_auto)
+    new = (joint, binding, jnp.zeros_like(joint.active))
     slot = first_free(draft.joints.active)
-    joints, bindings = put(old, (joint, binding), slot, marked & joint.active)
-    return dataclasses.replace(draft, joints=joints, motor_binding=bindings)
+    joints, bindings, automatic = put(old, new, slot, marked & joint.active)
+    return dataclasses.replace(draft, joints=joints, motor_binding=bindings, motor_auto=automatic)
 
 
 def joint_counts(joints: Joints, bodies: int) -> Int[Array, "b n"]:

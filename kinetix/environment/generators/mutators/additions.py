@@ -126,10 +126,7 @@ def add_connected_shape(
         revolute_count=jnp.sum((joints.active & ~joints.fixed).astype(jnp.int32), axis=0),
         ued=ued,
     )
-    grown = with_joint(grown, joint, binding, marked)
-    # A joint that was removed may have left its motor's mark in the slot.
-    kept = draft.motor_auto & (joints.active | ~marked[None])
-    return dataclasses.replace(grown, motor_auto=kept)
+    return with_joint(grown, joint, binding, marked)
 
 
 def add_thruster(
