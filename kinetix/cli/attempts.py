@@ -1,7 +1,7 @@
 """Episodes of commands: an attempt of an evaluation, or draws of their own."""
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from kinetix.errors import KinetixError
@@ -37,17 +37,27 @@ class Asked(Protocol):
         ...
 
 
-def check_attempt(attempt: int | None) -> None:
-    """Refuse the number of an attempt that no evaluation has.
+def check_attempt(attempt: int | None, players: Sequence[str]) -> None:
+    """Refuse an attempt that no evaluation has.
 
     Args:
         attempt: From the command line; None where an episode of its own is meant.
+        players: The words for who plays.
 
     Raises:
-        KinetixError: It is out of range.
+        KinetixError: It is out of range, or nobody plays who has attempts.
     """
-    if attempt is not None and not 0 <= attempt <= _MOST:
+    from kinetix.agents.named import SOLUTION
+
+    if attempt is None:
+        return
+    if not 0 <= attempt <= _MOST:
         raise KinetixError(f"--attempt {attempt}: expected a number from 0 to {_MOST}")
+    if all(player == SOLUTION for player in players):
+        raise KinetixError(
+            f"--attempt {attempt}: a recorded solution is a single episode; leave --attempt "
+            "out, or name an agent"
+        )
 
 
 def steps_of_attempt(command: Asked, player: "Player", attempt: int) -> "Iterator[RecordedStep]":

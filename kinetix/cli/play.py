@@ -44,7 +44,7 @@ def run(command: Play) -> int:
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.level.codec import load_document
 
-    check_attempt(command.attempt)
+    check_attempt(command.attempt, [command.agent])
     document = load_document(command.level)
     with announced("compiling the player and the step"):
         episode = _played(command, document)

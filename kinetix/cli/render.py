@@ -105,7 +105,7 @@ def run(command: Render) -> int:
         )
     if command.steps is not None and command.steps < 0:
         raise KinetixError(f"--steps {command.steps}: expected a number from 0")
-    check_attempt(command.attempt)
+    check_attempt(command.attempt, _players(command))
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
     made_folder(command.out.parent)
@@ -270,11 +270,14 @@ def _film_of(command: Render, agent: str) -> "Film":
     )
 
 
+def _players(command: Render) -> list[str]:
+    return [command.agent] if command.rival is None else [command.agent, command.rival]
+
+
 def _write_page(command: Render) -> None:
     from kinetix.pages.page import page_of
 
-    agents = [command.agent] if command.rival is None else [command.agent, command.rival]
-    page = page_of([_film_of(command, agent) for agent in agents])
+    page = page_of([_film_of(command, player) for player in _players(command)])
     with replacing(command.out) as path:
         path.write_text(page, encoding="utf-8")
 

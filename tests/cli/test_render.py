@@ -79,6 +79,10 @@ def test_a_video_of_odd_size_can_be_written(tmp_path):
             ["s/first_flight", "level.html", "--attempt", "5000000000"],
             "--attempt 5000000000: expected a number from 0 to 2147483647",
         ),
+        (
+            ["s/first_flight", "level.png", "--agent", "solution", "--attempt", "3"],
+            "--attempt 3: a recorded solution is a single episode",
+        ),
         (["s/first_flight", "level.png", "--physics", "magic"], "unknown physics 'magic'"),
         (["s/no_such_level", "level.png"], "no_such_level"),
     ],

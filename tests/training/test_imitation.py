@@ -14,6 +14,7 @@ from kinetix.cli import main
 from kinetix.cli.dataset import GatherEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import winning_plan
 from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset, writing
+from kinetix.datasets.sources import episodes_of
 from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import static_env_params_of
 from kinetix.errors import KinetixError
@@ -177,8 +178,11 @@ def test_recorded_solutions_are_demonstrations():
 
 @pytest.mark.slow
 def test_imitation_learns_what_was_done(tmp_path):
+    mine = tmp_path / "mine"
+    add_episodes(mine / "set", [found.episode for found in episodes_of(_SOLVED[0])])
+    (mine / "notes.json").write_text('{"mass": 1}')
     values = {
-        "data": _SOLVED,
+        "data": (*_SOLVED[1:], str(mine)),
         "observation_type": "symbolic_flat",
         "total_timesteps": 30 * 4 * 64,
         "num_minibatches": 4,
@@ -193,9 +197,10 @@ def test_imitation_learns_what_was_done(tmp_path):
     }
     config = make_config("bc", values=values)
     assert isinstance(config, BcConfig)
-    reports = []
-    last = train("bc", config, tmp_path / "run", report=reports.append)
+    reports, said = [], []
+    last = train("bc", config, tmp_path / "run", report=reports.append, say=said.append)
     assert last.is_dir()
+    assert f"left out: {mine / 'notes.json'}: " in "\n".join(said)
     first, final = reports[0].metrics, reports[-1].metrics
     assert final["loss/policy"] < 0.5 * first["loss/policy"]
     assert final["loss/agreement"] > 0.85

@@ -14,6 +14,7 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.networks.distributions import MultiCategorical
 from kinetix.agents.networks.recurrent import initial_carry
 from kinetix.agents.normalisation import Normalisation, normalise, update
+from kinetix.datasets.sources import check_source
 from kinetix.pytree import pytree
 from kinetix.training.config import BcConfig
 from kinetix.training.imitation.lessons import Lessons, played_again, state_at
@@ -56,6 +57,7 @@ class Clone:
         self.work = Work()
         self.parts_per_update = {_UPDATE: 1.0}
         env = self.setup.env
+        self._passed_over = [each for source in config.data for each in check_source(source)]
         episodes = demonstrations(config.data, env.static_env_params)
         random = np.random.default_rng(config.seed)
         random.shuffle(episodes)  # pyright: ignore[reportArgumentType]
@@ -71,14 +73,15 @@ class Clone:
 
     @property
     def told(self) -> str:
-        """What there is to learn from, in words."""
+        """What there is to learn from, in words; a line for each file that is passed over."""
         played, held = self.played, int(self._config.held_out * self.played.episodes)
         lost = f"; {played.lost} are not won here and left out" if played.lost else ""
         kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"
-        return (
+        learnt = (
             f"learning from {plural(played.episodes, 'demonstration')} with "
             f"{plural(played.lessons.count, 'moment')}, {kept}{lost}"
         )
+        return "\n".join([learnt, *(f"left out: {each}" for each in self._passed_over)])
 
     def start(self) -> CloneState:
         """The state before the first update."""
