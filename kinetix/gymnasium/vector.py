@@ -147,7 +147,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             (self.kinetix_env, self.mode, self._most_steps),
             (keys, self._state, actions, jnp.asarray(self._ended)),
         )
-        reward, terminated, truncated, solved, distance, nan = map(np.asarray, told)
+        # Copies: wrappers write into them.
+        reward, terminated, truncated, solved, distance, nan = map(np.array, told)
         told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
         info: dict[str, Any] = told | _masks(told, np.ones(self.num_envs, bool))
         ended = terminated | truncated

@@ -174,6 +174,14 @@ def test_observations_may_be_written_into(same):
         observation[:] = 0.0
 
 
+def test_rewards_may_be_clipped_in_place(same):
+    clipped = gymnasium.wrappers.vector.ClipReward(same, -0.1, 0.1)
+    clipped.reset(seed=0)
+    _, reward, terminated, truncated, _ = clipped.step(clipped.action_space.sample())
+    assert (np.abs(reward) <= 0.1).all()
+    terminated[:] = truncated[:] = False
+
+
 def test_equal_environments_compile_once():
     first, second = (KinetixGymEnv(**LEVEL).kinetix_env for _ in range(2))
     assert first == second and hash(first) == hash(second)
