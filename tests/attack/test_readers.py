@@ -50,6 +50,13 @@ def test_a_killed_writer_leaves_the_old_or_the_new(name, tmp_path):
     assert tally.row(f"kills: {name}").tried == WRITERS[name].kills
 
 
+@pytest.mark.parametrize("name", sorted({*WRITERS} - {"training", "unsaved work"}))
+def test_a_writer_that_nobody_kills_is_read_as_it_wrote(name, tmp_path):
+    for number in (1, 2):
+        WRITERS[name].write(tmp_path, number)
+    assert WRITERS[name].read(tmp_path) == 2
+
+
 _VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),

@@ -65,13 +65,13 @@ def read_set(folder: Path) -> int:
 def write_settings(folder: Path, number: int) -> None:
     from editor.base.settings import Settings
 
-    Settings(palette=str(number)).save(folder / "settings.json")
+    Settings(save_folder=str(number)).save(folder / "settings.json")
 
 
 def read_settings(folder: Path) -> int:
     from editor.base.settings import Settings
 
-    return int(Settings.load(folder / "settings.json").palette)
+    return int(Settings.load(folder / "settings.json").save_folder)
 
 
 def write_results(folder: Path, number: int) -> None:
