@@ -59,7 +59,7 @@ def measured_speed(
     # The first one gets a push: it turns about its lower front edge.
     spin = -3.0
     first = level.body(row[0]).replace(
-        angular_velocity=spin, velocity=(-spin * height / 2, spin * thickness / 2)
+        angular_velocity=spin, velocity=(-spin * height / 2, -spin * thickness / 2)
     )
     level = level.replace(bodies=(level.bodies[0], first, *level.bodies[2:]))
     run = kinetix.simulate(level, 0.15 * dominoes, physics=physics)

@@ -180,6 +180,9 @@ def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) ->
         for slot, entity in entities.items():
             renamed = _renamed(entity, ids)
             kept = slot in old[kind] and _renamed(old[kind][slot], old_ids) == renamed
+            if slot in own[kind]:
+                # Scenes have no names.
+                renamed = renamed.replace(name=own[kind][slot].name)
             result[slot] = own[kind][slot] if kept else renamed
         listed = [slot for slot in own[kind] if slot in result]
         added = [slot for slot in result if slot not in own[kind]]

@@ -91,7 +91,7 @@ def _dominoes() -> tuple[Trial, ...]:
     b.rectangle(4.0, -0.5, 14.0, 1, fixed=True, friction=5.0)
     for k in range(40):
         spin = -3.0 if k == 0 else 0.0
-        velocity = (-spin * height / 2, spin * thickness / 2)
+        velocity = (-spin * height / 2, -spin * thickness / 2)
         b.rectangle(
             k * pitch,
             height / 2,

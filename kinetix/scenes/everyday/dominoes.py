@@ -23,7 +23,7 @@ def _make(rng: random.Random, room: Room) -> EverydayScene:
             friction=friction,
             # It turns about its lower right edge.
             angular_velocity=spin,
-            velocity=(-spin * height / 2, spin * thickness / 2),
+            velocity=(-spin * height / 2, -spin * thickness / 2),
         )
     return scene(b.build(), 0.3 + 0.15 * count)
 

@@ -87,8 +87,12 @@ def test_every_mutation_is_on_offer() -> None:
 
 def test_a_mutation_touches_nothing_else() -> None:
     before = level()
+    before = before.replace(
+        bodies=tuple(body.replace(name=f"body {body.id}") for body in before.bodies)
+    )
     for seed in range(4):
         after = mutate_level(before, "change_location", seed)
+        assert [body.name for body in after.bodies] == [body.name for body in before.bodies]
         assert {body.id for body in after.bodies} == {3, 5, 9}
         assert after.joints == before.joints
         assert after.thrusters == before.thrusters

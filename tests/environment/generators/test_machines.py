@@ -6,7 +6,10 @@ import pytest
 
 from kinetix.cli import main
 from kinetix.environment.generators.machines import FAMILIES, random_machine, random_machines
+from kinetix.environment.generators.machines.vehicles import driving
+from kinetix.environment.generators.machines.workshop import Workshop
 from kinetix.errors import KinetixError
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.codec import dumps, load_level, loads
 from kinetix.level.model import ARENA_NAMES
 from kinetix.level.sizes import capacity_of, size_name
@@ -35,6 +38,16 @@ def test_every_family_fits_the_largest_size(family):
     machines = [random_machine(random.Random(seed), "l", [family]) for seed in range(30)]
     assert {machine.name for machine in machines} == {family.__name__}
     assert len({dumps(machine) for machine in machines}) == 30
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_machine_is_not_joined_to_the_one_beside_it(family):
+    shop = Workshop(random.Random(0), LevelBuilder("two"))
+    driving(shop)
+    first = {body.id for body in shop.build.build().bodies}
+    family(shop)
+    for joint in shop.build.build().joints:
+        assert len({end in first for end in (joint.a, joint.b) if isinstance(end, int)}) == 1
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -90,8 +90,7 @@ def arm_on_wheels(shop: Workshop) -> None:
 def balancing_act(shop: Workshop) -> None:
     """A car with a pole that nothing holds up; the pole has to touch, higher up."""
     tip, shop.tip = shop.tip, "none"
-    _, (x, y) = car(shop)
-    board = shop.build.build().bodies[0].id
+    board, (x, y) = car(shop)
     shop.tip = tip
     length = shop.between(0.5, 1.3)
     pole, end = shop.rod((x, y), math.pi / 2 + shop.between(-0.1, 0.1), length, role=tip)
