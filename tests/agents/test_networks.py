@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from kinetix.agents.networks.build import build_network
-from kinetix.agents.networks.config import NETWORK_PRESETS, NetworkConfig
+from kinetix.agents.networks.config import (
+    NETWORK_PRESETS,
+    OBSERVATIONS_OF_KIND,
+    NetworkConfig,
+)
+from kinetix.agents.networks.critics import for_the_critic_alone
 from kinetix.agents.networks.distributions import action_head
 from kinetix.agents.networks.recurrent import initial_carry
 from tests.agents.observations import Entities, Picture, random_entities, with_axes
@@ -199,6 +204,30 @@ def test_resnet_has_the_documented_tree():
     assert set(params["ResNetBasicBlock_1"]) == {"Conv_0", "Conv_1", "GroupNorm_0", "GroupNorm_1"}
     assert sum(name.startswith("ResNetBasicBlock") for name in params) == 8
     assert params["GeneralActorCriticRNN_0"]["log_std"].shape == (6,)
+
+
+@pytest.mark.parametrize("kind", OBSERVATIONS_OF_KIND)
+def test_what_the_critic_has_alone_moves_the_value_and_never_the_policy(kind):
+    config = dataclasses.replace(_SMALL, kind=kind, recurrent_model=True, encoder_size=16)
+    network = build_network(config, action_head("multi_discrete"))
+    observations = {
+        "flat_mlp": jnp.ones(9),
+        "cnn": Picture(image=jnp.ones((40, 40, 3)), global_info=jnp.ones(1)),
+    }
+    inputs = (with_axes(observations.get(kind, random_entities(0))), _DONES)
+    params = network.init(jax.random.key(0), initial_carry(1), inputs)
+
+    def told(params, what):
+        _, policy, value = network.apply(params, initial_carry(1), inputs)
+        return jnp.sum(policy.logits**2) if what == "policy" else jnp.sum(value)
+
+    of_policy, of_value = (
+        for_the_critic_alone(config, jax.jit(jax.grad(told), static_argnums=1)(params, what))
+        for what in ("policy", "value")
+    )
+    assert not any(jnp.any(x) for x in jax.tree.leaves(of_policy))
+    # A weight and a bias of the hidden layer and of the last one.
+    assert sum(bool(jnp.any(x)) for x in jax.tree.leaves(of_value)) == 4
 
 
 def test_memory_is_cleared_before_the_step_where_an_episode_begins():

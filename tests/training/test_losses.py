@@ -9,6 +9,7 @@ import pytest
 from kinetix.agents.networks.build import build_network
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.networks.distributions import action_head
+from kinetix.agents.networks.heads import HEAD
 from kinetix.agents.networks.recurrent import initial_carry
 from kinetix.engine.machine import whole_batches
 from kinetix.training.config import PpoConfig
@@ -160,10 +161,13 @@ def test_pieces_of_a_minibatch_teach_what_the_whole_teaches(monkeypatch):
         assert update._pieces(3, 4, 3) == 1
 
 
+_FLAT = NetworkConfig(kind="flat_mlp", actor_depth=1, critic_depth=1)
+
+
 def _one_update(config, **more):
     """Losses of one update, and how far the policy's parameters moved."""
     head = action_head("multi_discrete")
-    network = build_network(NetworkConfig(kind="flat_mlp", actor_depth=1, critic_depth=1), head)
+    network = build_network(_FLAT, head)
     observation = jax.random.normal(jax.random.key(0), (8, 4, 5))
     inputs = (observation, jnp.zeros((8, 4), bool))
     params = network.init(jax.random.key(1), initial_carry(4), inputs)
@@ -198,14 +202,30 @@ def _one_update(config, **more):
 
 
 def test_while_the_critic_warms_up_the_policy_stays():
-    config = PpoConfig(num_train_envs=4, num_steps=8, num_minibatches=1, critic_warmup=1)
-    name = "GeneralActorCriticRNN_0"
+    config = PpoConfig(
+        num_train_envs=4, num_steps=8, num_minibatches=1, critic_warmup=1, network=_FLAT
+    )
     _, after, _, moved = _one_update(config, age=jnp.int32(0))
-    assert float(moved[name]["Dense_0"]["kernel"]) == 0
-    assert float(moved[name]["Dense_1"]["kernel"]) > 0
+    # The critic's hidden layer and its last one.
+    assert {path for path, by in _flat(moved) if by > 0} == {
+        (HEAD, layer, *rest)
+        for layer, *rest in (
+            ("DenseAndActivation_1", "Dense_0", "kernel"),
+            ("DenseAndActivation_1", "Dense_0", "bias"),
+            ("Dense_1", "kernel"),
+            ("Dense_1", "bias"),
+        )
+    }
     assert int(after.age) == 1
     _, _, _, moved = _one_update(config, age=jnp.int32(1))
-    assert float(moved[name]["Dense_0"]["kernel"]) > 0
+    assert all(by > 0 for _, by in _flat(moved))
+
+
+def _flat(moved):
+    return [
+        (tuple(step.key for step in path), float(by))
+        for path, by in jax.tree_util.tree_leaves_with_path(moved)
+    ]
 
 
 def test_the_teacher_pulls_less_and_less():

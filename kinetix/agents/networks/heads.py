@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Final
 
 import jax
 import jax.numpy as jnp
@@ -54,11 +55,25 @@ class HeadOptions:
     critic_width: int
 
 
+HEAD: Final = "GeneralActorCriticRNN_0"
+"""Name of `ActorCriticHead` in parameter trees, kinetix-env's."""
+
+
+def critic_layers(actor_depth: int, critic_depth: int) -> tuple[str, ...]:
+    """Return the names of the head's layers of which the value alone is computed.
+
+    Args:
+        actor_depth: Hidden layers of the policy.
+        critic_depth: Hidden layers of the value; they are numbered on from the policy's.
+    """
+    hidden = range(actor_depth, actor_depth + critic_depth)
+    return (*(f"DenseAndActivation_{index}" for index in hidden), "Dense_1")
+
+
 class ActorCriticHead(nn.Module):
     """Optional GRU, then a stack of layers for the policy and one for the value.
 
-    In parameter trees it is called GeneralActorCriticRNN_0. The critic's layers are numbered on
-    from the actor's.
+    In parameter trees it is called `HEAD`.
     """
 
     options: HeadOptions
@@ -85,12 +100,12 @@ class ActorCriticHead(nn.Module):
         for index in range(options.actor_depth):
             name = f"DenseAndActivation_{index}"
             actor = DenseAndActivation(options.actor_width, options.activation, name=name)(actor)
-        for index in range(options.critic_depth):
-            name = f"DenseAndActivation_{options.actor_depth + index}"
+        *hidden, last = critic_layers(options.actor_depth, options.critic_depth)
+        for name in hidden:
             critic = DenseAndActivation(options.critic_width, options.activation, name=name)(critic)
         # A small last layer: the first policy is close to uniform.
         logits = dense(self.head.dimension, gain=0.01, name="Dense_0")(actor)
-        value = dense(1, gain=1.0, name="Dense_1")(critic)
+        value = dense(1, gain=1.0, name=last)(critic)
         log_std = None
         if self.head.needs_log_std:
             log_std = self.param("log_std", nn.initializers.zeros, (self.head.dimension,))

@@ -9,7 +9,14 @@ from flax.typing import Initializer
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, HeadOptions, Output, dense
+from kinetix.agents.networks.heads import (
+    ACTIVATIONS,
+    HEAD,
+    ActorCriticHead,
+    HeadOptions,
+    Output,
+    dense,
+)
 from kinetix.agents.networks.recurrent import Carry
 
 KINDS = 4
@@ -36,7 +43,7 @@ class FlatNetwork(nn.Module):
         observation, dones = inputs
         # relu whatever the activation of the rest: so published networks were trained.
         embedding = jax.nn.relu(dense(self.width, name="Dense_0")(observation))
-        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
+        shared = ActorCriticHead(self.shared, self.head, name=HEAD)
         return shared(carry, (embedding,), dones)
 
 
@@ -87,7 +94,7 @@ class PermutationInvariantNetwork(nn.Module):
             activation(MultiHeadDense(self.num_heads, features, name=f"MultiHeadDense_{i}")(rows))
             for i in range(2 if self.separate else 1)
         )
-        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
+        shared = ActorCriticHead(self.shared, self.head, name=HEAD)
         return shared(carry, embeddings, dones)
 
     def _encode(self, observation: Any) -> Float[Array, "k n e f"]:

@@ -8,7 +8,7 @@ from flax import linen as nn
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ActorCriticHead, HeadOptions, Output
+from kinetix.agents.networks.heads import HEAD, ActorCriticHead, HeadOptions, Output
 from kinetix.agents.networks.recurrent import Carry
 
 _STAGES = (64, 128, 256, 512)
@@ -83,5 +83,5 @@ class PixelNetwork(nn.Module):
         flat = image.reshape(-1, *image.shape[-3:])
         features = _ENCODERS[self.mode](flat).reshape(*image.shape[:-3], -1)
         embedding = jnp.concatenate([features, observation.global_info], axis=-1)
-        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
+        shared = ActorCriticHead(self.shared, self.head, name=HEAD)
         return shared(carry, (embedding,), dones)

@@ -64,6 +64,18 @@ class _Bodies:
         return _of_role(self.rows, self.active, column, values)
 
 
+_VALUE: Final = "value"
+
+
+def critic_layers(critic_depth: int) -> tuple[str, ...]:
+    """Return the names of the layers of which the value alone is computed.
+
+    Args:
+        critic_depth: Hidden layers of the value.
+    """
+    return (*(f"critic_{index}" for index in range(critic_depth)), _VALUE)
+
+
 class RelationalNetwork(nn.Module):
     """Encoders, messages and pooling; then a head per motor and per thruster, and the critic."""
 
@@ -101,7 +113,7 @@ class RelationalNetwork(nn.Module):
         options = self.shared
         actor = self._stack("actor", whole, options.actor_depth, options.actor_width)
         critic = self._stack("critic", whole, options.critic_depth, options.critic_width)
-        value = dense(1, gain=1.0, name="value")(critic)
+        value = dense(1, gain=1.0, name=_VALUE)(critic)
 
         # Each joint is listed twice, seen from either body: the first half will do.
         count = joint_rows.shape[-2] // 2

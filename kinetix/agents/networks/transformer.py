@@ -13,7 +13,14 @@ from flax import linen as nn
 from jaxtyping import Array, Bool, Float
 
 from kinetix.agents.networks.distributions import ActionHead
-from kinetix.agents.networks.heads import ACTIVATIONS, ActorCriticHead, HeadOptions, Output, dense
+from kinetix.agents.networks.heads import (
+    ACTIVATIONS,
+    HEAD,
+    ActorCriticHead,
+    HeadOptions,
+    Output,
+    dense,
+)
 from kinetix.agents.networks.recurrent import Carry
 from kinetix.agents.networks.rows import flat, linear, rows_dot
 
@@ -211,7 +218,7 @@ class EntityTransformer(nn.Module):
             total = jnp.einsum("...e,...ef->...f", weight, tokens)
             # At least one: a scene without bodies gives zeros, not NaN.
             embedding = total / jnp.maximum(jnp.sum(weight, axis=-1, keepdims=True), 1.0)
-        shared = ActorCriticHead(self.shared, self.head, name="GeneralActorCriticRNN_0")
+        shared = ActorCriticHead(self.shared, self.head, name=HEAD)
         return shared(carry, (embedding,), dones)
 
     @property

@@ -1,6 +1,7 @@
 """Learning from one rollout: epochs of minibatches."""
 
 import dataclasses
+import functools
 from typing import Any, Final
 
 import jax
@@ -10,6 +11,7 @@ import optax
 from flax import linen as nn
 from jaxtyping import Array, Float, Int
 
+from kinetix.agents.networks.critics import for_the_critic_alone
 from kinetix.agents.networks.recurrent import Carry
 from kinetix.engine.machine import takes_whole_batches
 from kinetix.pytree import pytree
@@ -109,6 +111,13 @@ def _learn(
         learner: Learner, inputs: tuple[Batch, Carry, Array]
     ) -> tuple[Learner, dict[str, Array]]:
         gradient, report = average(_gradient(config, network, learner, *inputs))
+        if config.critic_warmup and learner.age is not None:
+            gradient = jax.lax.cond(
+                learner.age < config.critic_warmup,
+                functools.partial(for_the_critic_alone, config.network),
+                lambda gradient: gradient,
+                gradient,
+            )
         report["loss/grad_norm"] = optax.tree.norm(gradient)
         change, state = optimiser.update(gradient, learner.optimiser, learner.params)
         params = optax.apply_updates(learner.params, change)
@@ -221,8 +230,6 @@ def _loss(
         said: Any = network.apply(learner.teacher, carry, (old.observation, old.begins))
         pull = jnp.mean(said[1].restricted(old.live).divergence(policy))
         acting = acting + _teacher_weight(config, learner) * pull
-    if learner.age is not None:
-        acting = jnp.where(learner.age < config.critic_warmup, 0.0, acting)
     total = acting + config.vf_coef * critic
     ratio = jnp.exp(log_prob - old.log_prob)
     report = {
