@@ -175,7 +175,8 @@ class Setup:
         spread = jax.random.uniform(jax.random.fold_in(key, 1), limit.shape)
         timestep = jnp.floor(spread * limit).astype(state.timestep.dtype)
         state = dataclasses.replace(state, timestep=timestep)
-        return dataclasses.replace(playing, env_state=state)
+        # They are under way: curricula put their levels where an episode begins.
+        return dataclasses.replace(playing, env_state=state, begins=jnp.zeros_like(playing.begins))
 
     def learn(
         self,

@@ -14,6 +14,7 @@ from kinetix.training.curricula.scores import best_return, episode_mean, level_s
 from kinetix.training.curricula.sfl import count_by_owner
 from kinetix.training.curricula.tally import Tally, count_ends, learnability, sfl_score
 from kinetix.training.ppo.rollout import Rollout, Trajectory
+from tests.training.tiny import sfl_on
 
 _CONFIG = ReplayConfig(staleness_coeff=0.0)
 _LEVEL = {"number": jnp.zeros(2)}
@@ -205,3 +206,13 @@ def test_at_most_so_many_episodes_count():
     counted = count_ends(tally, both, both, most=2)
     assert counted.episodes.tolist() == [1, 2]
     assert counted.solved.tolist() == [1, 1]
+
+
+@pytest.mark.slow
+def test_first_episodes_are_anywhere_before_their_time_limit_also_after_an_update(tmp_path):
+    trainer = sfl_on(tmp_path / "rocket.json")
+    state = trainer.start()
+    spread = np.asarray(state.playing.env_state.timestep)
+    assert len(set(spread.tolist())) > 1
+    state, _ = trainer.update(state)
+    np.testing.assert_array_equal(state.playing.env_state.timestep, spread)
