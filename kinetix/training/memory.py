@@ -1,12 +1,12 @@
 """Memory that a training needs, and the number of environments that fit."""
 
 import dataclasses
-import os
 from typing import Any
 
 import jax
 import numpy as np
 
+from kinetix.memory import available_memory
 from kinetix.training.config import PpoConfig
 from kinetix.training.ppo.rollout import begin, rollout
 from kinetix.training.setup import Setup
@@ -58,4 +58,4 @@ def _available() -> int:
     limit = statistics.get("bytes_limit")
     if limit is not None:
         return int(limit) - int(statistics.get("bytes_in_use", 0))
-    return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return available_memory()

@@ -59,7 +59,8 @@ def make_config(
         preset: Name of a preset.
         file: A TOML file: fields, a table `[network]`, and tables named after algorithms that hold
             for those alone.
-        values: Single fields by name; options of the network without a prefix.
+        values: Single fields by name; options of the network without a prefix, or all of them as
+            `network`, a `NetworkConfig` or a mapping.
         run: A run's directory; if it has a `config.toml`, that comes before everything else.
 
     Raises:
@@ -67,6 +68,7 @@ def make_config(
     """
     if algorithm not in CONFIGS:
         raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")
+    values = _without_network(values or {})
     fields: dict[str, Any] = dict(ALGORITHM_DEFAULTS.get(algorithm, {}))
     network: dict[str, Any] = {}
     told = "training configuration"
@@ -75,7 +77,7 @@ def make_config(
         told = f"{told}, {where}"
     size_of_preset = "" if preset is None else _preset(preset).get("size", "")
     known = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} | set(_NETWORK_NAMES)
-    for name, value in (values or {}).items():
+    for name, value in values.items():
         if name not in known:
             raise KinetixError(f"{name}: {algorithm} has no such field; {hint(name, known)}")
         (network if name in _NETWORK_NAMES else fields)[name] = value
@@ -84,17 +86,17 @@ def make_config(
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
-    may_grow = "size" not in (values or {}) and fields.get("size") == size_of_preset
+    may_grow = "size" not in values and fields.get("size") == size_of_preset
     try:
         _complete(fields, may_grow=may_grow)
     except LevelError as error:
-        if not _of_elsewhere(fields, values or {}, run):
+        if not _of_elsewhere(fields, values, run):
             raise
         raise KinetixError(
             f"{error}; the run's {CONFIG} names it as seen from the folder in which the run was "
             "started: go on there, or name the levels again"
         ) from error
-    _match(fields, network, values or {})
+    _match(fields, network, values)
     try:
         fields[NETWORK] = msgspec.convert(network, NetworkConfig)
         config = msgspec.convert(
@@ -105,6 +107,15 @@ def make_config(
         raise KinetixError(f"{told}: {misfit(error)}") from None
     config.check()
     return config
+
+
+def _without_network(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with each option of a whole network beside them; single ones win."""
+    network = values.get(NETWORK) or {}
+    if not isinstance(network, NetworkConfig | Mapping):
+        raise KinetixError(f"{NETWORK}: expected a NetworkConfig or a mapping, got {network!r}")
+    options = network if isinstance(network, Mapping) else dataclasses.asdict(network)
+    return {**options, **{name: value for name, value in values.items() if name != NETWORK}}
 
 
 def _of_elsewhere(fields: dict[str, Any], flags: Mapping[str, Any], run: Path | None) -> bool:

@@ -1,10 +1,12 @@
 """Configurations: where values come from, what is refused, and back to TOML."""
 
+import dataclasses
 import math
 from pathlib import Path
 
 import pytest
 
+from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.sizes import capacity_of, parse_capacity
@@ -186,6 +188,17 @@ def test_a_field_that_does_not_exist_is_not_ignored():
 def test_network_and_observation_follow_each_other(flags, observation, kind):
     config = make_config("ppo", preset="small", values=flags)
     assert (config.observation_type, config.network.kind) == (observation, kind)
+
+
+@pytest.mark.parametrize("form", [dataclasses.asdict, lambda network: network])
+def test_a_whole_network_is_taken_over(form):
+    network = NetworkConfig(kind="flat_mlp", actor_width=512)
+    config = make_config("ppo", preset="small", values={"network": form(network)})
+    assert config.network == network
+    both = {"network": form(network), "actor_width": 64}
+    assert make_config("ppo", preset="small", values=both).network.actor_width == 64
+    with pytest.raises(KinetixError, match="network: expected a NetworkConfig or a mapping, got 5"):
+        make_config("ppo", values={"network": 5})
 
 
 def test_a_network_that_cannot_read_the_observation_is_refused():
