@@ -213,6 +213,11 @@ class PpoConfig:
                 f"observation_type = {self.observation_type!r}: a network of the kind "
                 f"{self.network.kind} reads {' or '.join(reads)}"
             )
+        if self.rms_norm and self.network.kind == "relational":
+            raise KinetixError(
+                "rms_norm: the relational network finds roles and keys by columns that are 0 or 1; "
+                "leave rms_norm off, or choose another kind of network"
+            )
 
     def _check_minibatches(self) -> None:
         units = self.num_train_envs
@@ -319,7 +324,8 @@ class ReplayConfig(PpoConfig):
     buffer_duplicate_check: bool = False
     """Keep no level twice."""
     accel_start_from_empty: bool = True
-    """Let ACCEL's new levels be nearly empty ones."""
+    """Let ACCEL's new levels be nearly empty ones (false where `levels` or `level_mode` name
+    others)."""
 
     eval_freq: int = 50
     """Updates between two evaluations; 0: none."""

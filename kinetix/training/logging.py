@@ -83,8 +83,9 @@ class MetricsLog:
         # In one piece: a kill in between must not cost the rows of a whole training.
         write_atomically(self._path, text.encode())
         write_atomically(self._csv, _csv_text(rows, self._columns).encode())
-        done = rows[-1][STEPS] if rows else 0
-        drop_films(run, after=int(done))
+        if rows or not updates:
+            done = rows[-1][STEPS] / rows[-1][UPDATE] * updates if rows else 0
+            drop_films(run, after=round(done))
         self._events = EventFile(run / TENSORBOARD, rows, axis=STEPS, films=stored_films(run))
 
     def write(self, metrics: Mapping[str, float]) -> None:

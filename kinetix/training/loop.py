@@ -15,6 +15,7 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS, write_checkpoint
 from kinetix.agents.normalisation import to_card
+from kinetix.errors import KinetixError
 from kinetix.training.averages import EpisodeAverages
 from kinetix.training.config import PpoConfig
 from kinetix.training.curricula.history import History
@@ -23,6 +24,7 @@ from kinetix.training.evaluation import TrainingEvaluation
 from kinetix.training.films import Filming
 from kinetix.training.logging import STEPS, UPDATE, Sink, read_metrics
 from kinetix.training.pace import Pace
+from kinetix.training.ppo.update import GRADIENT
 from kinetix.training.resume import StoredProgress, forget_older, write_state
 from kinetix.training.stopping import StopRequest
 from kinetix.training.telling import Say
@@ -77,6 +79,7 @@ def loop(
         began = time.monotonic()
         state, metrics = trainer.update(state)
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
+        _refuse_divergence(numbers, progress.updates + 1)
         took = time.monotonic() - began
         view.pace.worked(trainer.work.taken())
         numbers |= view.averages.add(numbers)
@@ -103,6 +106,16 @@ def loop(
         if report is not None and is_leader():
             report(_report(config, progress, took, numbers, view.pace.seconds_left(done)))
     return state, progress
+
+
+def _refuse_divergence(numbers: Mapping[str, float], update: int) -> None:
+    """End a training whose parameters are no numbers any more."""
+    if not math.isfinite(numbers.get(GRADIENT, 0.0)):
+        raise KinetixError(
+            f"update {update}: the gradient is not finite, the training has diverged; the "
+            "checkpoints until now are kept. Train anew, or from one of them (--from), with a "
+            "smaller learning_rate or max_grad_norm"
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

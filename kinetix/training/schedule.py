@@ -30,7 +30,8 @@ def learning_rate(config: PpoConfig, gradient_steps: int) -> Callable[[Any], Any
         return optax.warmup_cosine_decay_schedule(
             init_value=config.initial_lr,
             peak_value=config.peak_lr,
-            warmup_steps=int(gradient_steps * config.warmup_frac),
+            # Optax wants a step in which the rate falls.
+            warmup_steps=min(int(gradient_steps * config.warmup_frac), gradient_steps - 1),
             decay_steps=gradient_steps,
         )
     return optax.constant_schedule(config.learning_rate)

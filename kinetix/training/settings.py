@@ -10,7 +10,7 @@ import json
 import os
 import textwrap
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any, Final
@@ -32,6 +32,8 @@ CONFIG = "config.toml"
 """A run's own configuration."""
 NETWORK = "network"
 """Table of the network's options."""
+_FROM_EMPTY: Final = "accel_start_from_empty"
+"""Off where levels of some kind are named: ACCEL would not play one of them."""
 _PRESETS = resources.files("kinetix.training") / "presets"
 
 
@@ -88,7 +90,7 @@ def make_config(
     _check_sources(fields)
     may_grow = "size" not in values and fields.get("size") == size_of_preset
     try:
-        _complete(fields, may_grow=may_grow)
+        _complete(fields, known, may_grow=may_grow)
     except LevelError as error:
         if not _of_elsewhere(fields, values, run):
             raise
@@ -182,7 +184,7 @@ def _check_sources(fields: dict[str, Any]) -> None:
         fields[name] = [str(each) for each in listed]
 
 
-def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
+def _complete(fields: dict[str, Any], known: Container[str], *, may_grow: bool) -> None:
     """Fill in what follows from other fields.
 
     Levels and demonstrations that are too large for a size that may grow set it.
@@ -201,6 +203,8 @@ def _complete(fields: dict[str, Any], *, may_grow: bool) -> None:
         needed.append(origin.capacity)
         fields.setdefault("physics", origin.physics)
         fields.setdefault("frame_skip", origin.frame_skip)
+    if fields.get("level_mode", "random") != "random" and _FROM_EMPTY in known:
+        fields.setdefault(_FROM_EMPTY, False)
     if needed and ("size" not in fields or may_grow):
         fields["size"] = _size_for(needed, fields.get("size"))
     if "size" in fields:

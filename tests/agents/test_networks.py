@@ -250,6 +250,10 @@ def test_memory_is_cleared_before_the_step_where_an_episode_begins():
         ({"actor_width": 10**9}, "actor_width: expected a whole number from 1 to 65536"),
         ({"transformer_depth": True}, "transformer_depth: expected a whole number"),
         ({"dropout_prob": 1.0}, "dropout_prob: expected 0 ≤ x < 1"),
+        (
+            {"kind": "permutation_invariant_mlp", "encoder_size": 4},
+            "encoder_size: expected more than 4",
+        ),
     ],
 )
 def test_impossible_options_are_refused_with_a_sentence(changes, sentence):

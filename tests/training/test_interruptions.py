@@ -14,6 +14,8 @@ from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
 from kinetix.files.lock import locked_folder
 from kinetix.training.logging import read_metrics
+from kinetix.training.ppo.train import Ppo
+from kinetix.training.ppo.update import GRADIENT
 from kinetix.training.run import train
 from kinetix.training.stopping import stop_requests
 from tests.training.tiny import same_parameters, tiny_config, without_time
@@ -56,6 +58,19 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_resumes(finished, tmp_
     assert without_time(read_metrics(run)) == without_time(read_metrics(finished))
     same_parameters(finished, run)
     assert (run / "checkpoints" / "192.damaged").is_dir()
+
+
+def test_a_training_that_diverges_ends_and_keeps_what_it_had(tmp_path, monkeypatch):
+    norms, usual = iter([1.0, float("nan")]), Ppo.update
+
+    def update(self, state):
+        state, metrics = usual(self, state)
+        return state, metrics | {GRADIENT: next(norms)}
+
+    monkeypatch.setattr(Ppo, "update", update)
+    with pytest.raises(KinetixError, match="update 2: the gradient is not finite"):
+        train("ppo", tiny_config("ppo", dummy_env=True, checkpoint_save_freq=1), tmp_path / "run")
+    assert steps_of_run(tmp_path / "run") == [32]
 
 
 def test_no_run_starts_again_where_its_states_are_damaged(finished, tmp_path):

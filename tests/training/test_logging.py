@@ -174,6 +174,15 @@ def test_films_stand_among_the_events_and_go_with_what_is_done_again(run):
     assert not (run / "films" / "300").exists()
 
 
+def test_films_stay_where_the_rows_are_lost(run):
+    path = _film(run, 100)
+    (run / "metrics.jsonl").write_text("")
+    MetricsLog(run, updates=3).close()
+    assert path.exists()
+    MetricsLog(run).close()
+    assert not path.exists()
+
+
 def test_a_service_gets_the_same_rows_and_the_run_keeps_its_name_there(tmp_path, monkeypatch):
     service = _Service()
     monkeypatch.setitem(sys.modules, "wandb", service)

@@ -100,6 +100,8 @@ def test_the_learning_rate_rises_and_falls():
     assert float(rate(100)) == pytest.approx(3e-4)
     assert float(rate(550)) == pytest.approx(1.5e-4, rel=1e-3)
     assert float(rate(1000)) == pytest.approx(0.0, abs=1e-9)
+    rises = learning_rate(PpoConfig(warmup_lr=True, warmup_frac=1.0), gradient_steps=1000)
+    assert float(rises(999)) == pytest.approx(3e-4)
 
 
 def _learnt(live):

@@ -190,6 +190,15 @@ def test_network_and_observation_follow_each_other(flags, observation, kind):
     assert (config.observation_type, config.network.kind) == (observation, kind)
 
 
+def test_accel_mutates_the_levels_that_are_named():
+    assert make_config("accel").accel_start_from_empty
+    named = {"levels": ["s/wheelie"]}
+    assert not make_config("accel", values=named).accel_start_from_empty
+    assert not make_config("accel", values={"level_mode": "locomotion"}).accel_start_from_empty
+    wanted = named | {"accel_start_from_empty": True}
+    assert make_config("accel", values=wanted).accel_start_from_empty
+
+
 @pytest.mark.parametrize("form", [dataclasses.asdict, lambda network: network])
 def test_a_whole_network_is_taken_over(form):
     network = NetworkConfig(kind="flat_mlp", actor_width=512)
@@ -205,6 +214,12 @@ def test_a_network_that_cannot_read_the_observation_is_refused():
     flags = {"kind": "relational", "observation_type": "symbolic_flat"}
     with pytest.raises(KinetixError, match="a network of the kind relational reads symbolic_ent"):
         make_config("ppo", preset="small", values=flags)
+
+
+def test_columns_that_the_relational_network_looks_up_are_not_normalised():
+    told = {"kind": "relational", "rms_norm": True}
+    with pytest.raises(KinetixError, match="rms_norm: the relational network"):
+        make_config("ppo", preset="small", values=told)
 
 
 def test_levels_that_are_too_large_for_a_presets_size_have_their_own():

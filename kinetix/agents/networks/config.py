@@ -21,6 +21,9 @@ _LARGEST_WIDTH = 65_536
 """Widths beyond this are a damaged file, not a network; refused before anything is allocated."""
 _LARGEST_DEPTH = 256
 """The same for numbers of layers."""
+KINDS_OF_ROWS = 4
+"""Circle, polygon, joint, thruster: the one-hot columns of an encoded row of the invariant
+network."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -102,6 +105,11 @@ class NetworkConfig:
                 _check_integer(field.name, value)
         if not isinstance(self.dropout_prob, (int, float)) or not 0 <= self.dropout_prob < 1:
             raise ValueError(f"dropout_prob: expected 0 ≤ x < 1, got {self.dropout_prob!r}")
+        if self.kind == "permutation_invariant_mlp" and self.encoder_size <= KINDS_OF_ROWS:
+            raise ValueError(
+                f"encoder_size: expected more than {KINDS_OF_ROWS}, as many columns tell the kinds "
+                f"of rows apart, got {self.encoder_size}"
+            )
         self._check_heads()
 
     def _check_heads(self) -> None:

@@ -8,6 +8,7 @@ from flax import linen as nn
 from flax.typing import Initializer
 from jaxtyping import Array, Bool, Float
 
+from kinetix.agents.networks.config import KINDS_OF_ROWS
 from kinetix.agents.networks.distributions import ActionHead
 from kinetix.agents.networks.heads import (
     ACTIVATIONS,
@@ -18,9 +19,6 @@ from kinetix.agents.networks.heads import (
     dense,
 )
 from kinetix.agents.networks.recurrent import Carry
-
-KINDS = 4
-"""Kinds of entity: circle, polygon, joint, thruster; the one-hot columns of an encoded row."""
 
 
 class FlatNetwork(nn.Module):
@@ -109,8 +107,8 @@ class PermutationInvariantNetwork(nn.Module):
                 (observation.thrusters, observation.thruster_mask),
             )
         ):
-            row = activation(dense(self.encoder_size - KINDS, name=f"Dense_{kind}")(values))
-            label = jnp.broadcast_to(jnp.eye(KINDS)[kind], (*row.shape[:-1], KINDS))
+            row = activation(dense(self.encoder_size - KINDS_OF_ROWS, name=f"Dense_{kind}")(values))
+            label = jnp.broadcast_to(jnp.eye(KINDS_OF_ROWS)[kind], (*row.shape[:-1], KINDS_OF_ROWS))
             row = jnp.concatenate([row, label], axis=-1)
             encoded.append(jnp.where(mask[..., None], row, 0.0))
         circles, polygons, joints, thrusters = encoded

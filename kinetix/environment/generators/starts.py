@@ -29,7 +29,8 @@ from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.generators.sample import draw_levels
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import EnvState
-from kinetix.level.sizes import AUTOMATIC, SIZES
+from kinetix.errors import KinetixError
+from kinetix.level.sizes import AUTOMATIC, SIZES, describe_capacity
 
 LARGE_CHANCE: Final = 0.05
 """Probability that a shape of an ACCEL start has the large limits."""
@@ -50,10 +51,18 @@ def mixed_sampler(
     Args:
         engine: Sizes and solver; levels of smaller sizes leave slots empty.
         ued_params: The options; None for the defaults.
+
+    Raises:
+        KinetixError: Not even the smallest size fits.
     """
     ued = ued_params or UEDParams()
     slots = engine.spec.capacity
     sizes = [SIZES[name] for name in AUTOMATIC if slots.covers(SIZES[name])]
+    if not sizes:
+        raise KinetixError(
+            f"size {describe_capacity(slots)}: random levels of all sizes need the slots of size "
+            f"{AUTOMATIC[0]} at least"
+        )
 
     def batched(keys: UInt[Array, "n 2"]) -> EnvState:
         drafts = [draw_levels(keys, size, ued, slots) for size in sizes]

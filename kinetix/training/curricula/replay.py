@@ -150,7 +150,8 @@ class Replay:
         config = self.config
         if config.use_accel and bool(state.just_replayed):
             return _MUTATE
-        full_enough = float(jnp.mean(state.buffer.filled)) >= config.minimum_fill_ratio
+        filled = float(jnp.mean(state.buffer.filled))
+        full_enough = filled > 0 and filled >= config.minimum_fill_ratio
         wanted = float(jax.random.uniform(key)) < config.replay_prob
         return _REPLAY if full_enough and wanted else _NEW
 

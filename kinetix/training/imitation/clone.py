@@ -19,7 +19,7 @@ from kinetix.pytree import pytree
 from kinetix.training.config import BcConfig
 from kinetix.training.imitation.lessons import Lessons, played_again, state_at
 from kinetix.training.imitation.sources import demonstrations
-from kinetix.training.ppo.update import Learner
+from kinetix.training.ppo.update import GRADIENT, Learner
 from kinetix.training.setup import Setup, make_setup
 from kinetix.training.work import Work
 from kinetix.wording import plural
@@ -128,7 +128,7 @@ class Clone:
         ) -> tuple[Learner, dict[str, Array]]:
             differentiate = jax.value_and_grad(self._loss, has_aux=True)
             (_, report), gradient = differentiate(learner.params, lessons, statistics, rows)
-            report["loss/grad_norm"] = optax.tree.norm(gradient)
+            report[GRADIENT] = optax.tree.norm(gradient)
             change, state = self.setup.optimiser.update(gradient, learner.optimiser, learner.params)
             params = optax.apply_updates(learner.params, change)
             return dataclasses.replace(learner, params=params, optimiser=state), report

@@ -34,6 +34,9 @@ from kinetix.training.ppo.losses import (
 )
 from kinetix.training.ppo.rollout import Rollout, Trajectory
 
+GRADIENT: Final = "loss/grad_norm"
+"""Column of the gradient's norm before it is clipped."""
+
 
 @pytree
 class Batch:
@@ -118,7 +121,7 @@ def _learn(
                 lambda gradient: gradient,
                 gradient,
             )
-        report["loss/grad_norm"] = optax.tree.norm(gradient)
+        report[GRADIENT] = optax.tree.norm(gradient)
         change, state = optimiser.update(gradient, learner.optimiser, learner.params)
         params = optax.apply_updates(learner.params, change)
         return dataclasses.replace(learner, params=params, optimiser=state), report

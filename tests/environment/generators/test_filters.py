@@ -17,6 +17,7 @@ from kinetix.environment.generators.starts import accel_start_sampler, mixed_sam
 from kinetix.environment.params import EnvParams, physics_engine, static_env_params_from_size
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import stack_states
+from kinetix.errors import KinetixError
 from kinetix.level.model import Body, Circle, Level
 
 
@@ -59,6 +60,12 @@ def test_levels_that_the_noop_solves(action_type: str) -> None:
     solved = [float(noop_solved(env, some, EnvParams()).mean()) for some in (kept, raw)]
     assert solved[0] == 0
     assert solved[1] > 0.05
+
+
+def test_mixed_sizes_need_room_for_the_smallest() -> None:
+    engine = physics_engine(static_env_params_from_size("5,1,1,1"))
+    with pytest.raises(KinetixError, match="size 5,1,1,1: random levels of all sizes need"):
+        mixed_sampler(engine)
 
 
 @pytest.mark.slow
