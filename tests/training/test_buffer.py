@@ -2,19 +2,22 @@
 
 import dataclasses
 import itertools
+import math
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.errors import KinetixError
 from kinetix.training.config import ReplayConfig
+from kinetix.training.curricula import replay
 from kinetix.training.curricula.buffer import draw, empty_buffer, insert, revise, weights
 from kinetix.training.curricula.scores import best_return, episode_mean, level_scores
 from kinetix.training.curricula.sfl import count_by_owner
 from kinetix.training.curricula.tally import Tally, count_ends, learnability, sfl_score
 from kinetix.training.ppo.rollout import Rollout, Trajectory
-from tests.training.tiny import sfl_on
+from tests.training.tiny import sfl_on, tiny_config
 
 _CONFIG = ReplayConfig(staleness_coeff=0.0)
 _LEVEL = {"number": jnp.zeros(2)}
@@ -216,3 +219,20 @@ def test_first_episodes_are_anywhere_before_their_time_limit_also_after_an_updat
     assert len(set(spread.tolist())) > 1
     state, _ = trainer.update(state)
     np.testing.assert_array_equal(state.playing.env_state.timestep, spread)
+
+
+@pytest.mark.parametrize(("exploring", "share"), [(True, 1.0), (False, 0.25)])
+def test_the_learning_rate_falls_over_the_updates_that_learn(exploring, share, monkeypatch):
+    asked = []
+
+    def make_setup(config, *, gradient_steps, teacher):
+        del config, teacher
+        asked.append(gradient_steps)
+        raise KinetixError("enough")
+
+    monkeypatch.setattr(replay, "make_setup", make_setup)
+    config = tiny_config("plr", exploratory_grad_updates=exploring, replay_prob=0.25)
+    with pytest.raises(KinetixError, match="enough"):
+        replay.Replay(config)
+    per_update = config.outer_rollout_steps * config.update_epochs * config.num_minibatches
+    assert asked == [math.ceil(config.num_updates * share) * per_update]

@@ -5,6 +5,7 @@ with Regret-Based Environment Design" (2022).
 """
 
 import dataclasses
+import math
 from typing import Any
 
 import jax
@@ -68,14 +69,17 @@ class Replay:
         """
         per_update = config.outer_rollout_steps * config.update_epochs * config.num_minibatches
         self.config = config
+        self.parts_per_update = _kinds_per_update(config)
+        learning = config.num_updates
+        if not config.exploratory_grad_updates and config.parity is None:
+            learning = math.ceil(learning * self.parts_per_update.get(_TOLD[_REPLAY], 0.0))
         self.setup = make_setup(
-            config, gradient_steps=config.num_updates * per_update, teacher=teacher
+            config, gradient_steps=max(learning, 1) * per_update, teacher=teacher
         )
         # kinetix-env draws with replacement, and subtracts values from undiscounted returns.
         own = config.parity is None
         self._distinct, self._gamma = own, config.gamma if own else 1.0
         self.work = Work()
-        self.parts_per_update = _kinds_per_update(config)
         self._teacher = teacher
         self.turnover: Turnover | None = None
         self._start = jax.jit(self._first_state)
