@@ -1,5 +1,6 @@
 """Setting fields by their dotted names in the native format: inspector, replays, fixes."""
 
+import contextlib
 import dataclasses
 import functools
 import math
@@ -12,7 +13,7 @@ import msgspec
 from editor.base.arithmetic import Change
 from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import freed, reanchored
+from editor.documents.commands.rigid import freed, reanchored_each
 from kinetix.errors import CommandError
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
 from kinetix.wording import misfit
@@ -208,28 +209,7 @@ class SetField:
         Raises:
             CommandError: No entity has the field, or the format does not allow the value.
         """
-        changed: dict[EntityId, Record] = {}
-        missing = CommandError("Nothing is selected.")
-        for entity_id in self.ids:
-            records = selected_records(level, (entity_id,))
-            for record in records:
-                try:
-                    changed[entity_id] = self._set(record)
-                except CommandError as error:
-                    missing = error
-                    if not str(error).startswith("There is no field"):
-                        raise
-        if not changed:
-            raise missing
-        return _with_records(level, changed, self.field)
-
-    def _set(self, record: Record) -> Record:
-        changed = with_field(record, self.field, self.value)
-        if isinstance(changed, Body) and self.field.split(".")[0] in _MASS_FIELDS:
-            changed = changed.replace(mass_properties=None)
-        if isinstance(changed, Joint) and changed.a == changed.b:
-            raise CommandError("A joint needs two different bodies.")
-        return changed
+        return _with_values(level, self.field, dict.fromkeys(self.ids, self.value))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -263,20 +243,18 @@ class AdjustField:
         Raises:
             CommandError: No entity has the field, or the format does not allow the value.
         """
-        found = False
+        values: dict[EntityId, Any] = {}
         for entity_id in self.ids:
             for record in selected_records(level, (entity_id,)):
-                try:
-                    before = read_field(record, self.field)
-                except CommandError:
-                    continue
-                found = True
-                value = min(max(self.change.of(before), self.low), self.high)
-                value = round(value) if isinstance(before, int) else value
-                level = SetField(ids=(entity_id,), field=self.field, value=value).apply(level)
-        if not found:
+                with contextlib.suppress(CommandError):
+                    values[entity_id] = self._changed(read_field(record, self.field))
+        if not values:
             raise CommandError(f"Nothing that is selected has a field {self.field!r}.")
-        return level
+        return _with_values(level, self.field, values)
+
+    def _changed(self, before: float) -> float:
+        value = min(max(self.change.of(before), self.low), self.high)
+        return round(value) if isinstance(before, int) else value
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -298,9 +276,42 @@ class ResetFields:
         Raises:
             CommandError: An entity lacks the field, or the format does not allow the value.
         """
+        values: dict[str, dict[EntityId, Any]] = {}
         for entity, field, value in self.rows:
-            level = SetField(ids=(entity,), field=field, value=value).apply(level)
+            values.setdefault(field, {})[entity] = value
+        for field, each in values.items():
+            level = _with_values(level, field, each)
         return level
+
+
+def _with_values(level: Level, field: str, values: Mapping[EntityId, Any]) -> Level:
+    """Give a field a value for each entity; those without the field are passed over.
+
+    Raises:
+        CommandError: No entity has the field, or the format does not allow the value.
+    """
+    changed: dict[EntityId, Record] = {}
+    missing = CommandError("Nothing is selected.")
+    for entity_id, value in values.items():
+        for record in selected_records(level, (entity_id,)):
+            try:
+                changed[entity_id] = _with_value(record, field, value)
+            except CommandError as error:
+                missing = error
+                if not str(error).startswith("There is no field"):
+                    raise
+    if not changed:
+        raise missing
+    return _with_records(level, changed, field)
+
+
+def _with_value(record: Record, field: str, value: Any) -> Record:
+    changed = with_field(record, field, value)
+    if isinstance(changed, Body) and field.split(".")[0] in _MASS_FIELDS:
+        changed = changed.replace(mass_properties=None)
+    if isinstance(changed, Joint) and changed.a == changed.b:
+        raise CommandError("A joint needs two different bodies.")
+    return changed
 
 
 def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> Level:
@@ -313,7 +324,7 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
     bodies = tuple(body.id for body in level.bodies if body.id in changed)
     head = field.split(".")[0]
     if head in ("position", "angle"):
-        after = reanchored(after, bodies)
+        after = reanchored_each(after, bodies)
     if head in ("fixed", "shape"):
         for body_id in bodies:
             after = freed(after, body_id)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import reanchored, reshaped, with_bodies
+from editor.documents.commands.rigid import reanchored, reanchored_each, reshaped, with_bodies
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds,
@@ -59,14 +59,15 @@ class Move:
         """
         if self.shift == (0.0, 0.0):
             return level
-        places = [body.position for body in _chosen(level, self.ids)]
-        dx, dy = (_within(way, [place[k] for place in places]) for k, way in enumerate(self.shift))
-        moved = with_bodies(
-            level,
-            self.ids,
-            lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy)),
-        )
-        return reanchored(moved, self.ids)
+        return reanchored(_shifted(level, self.ids, self.shift), self.ids)
+
+
+def _shifted(level: Level, ids: Selection, shift: Point) -> Level:
+    places = [body.position for body in _chosen(level, ids)]
+    dx, dy = (_within(way, [place[k] for place in places]) for k, way in enumerate(shift))
+    return with_bodies(
+        level, ids, lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy))
+    )
 
 
 def _within(way: float, places: list[float]) -> float:
@@ -86,10 +87,10 @@ class MoveEach:
     merge_key: Hashable | None = None
 
     def apply(self, level: Level) -> Level:
-        """Shift the bodies."""
+        """Shift the bodies; joints follow."""
         for body_id, shift in self.shifts:
-            level = Move(ids=(body_id,), shift=shift).apply(level)
-        return level
+            level = _shifted(level, (body_id,), shift)
+        return reanchored_each(level, [body_id for body_id, _ in self.shifts])
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

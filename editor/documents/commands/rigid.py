@@ -45,20 +45,36 @@ def reanchored(level: Level, moved: Collection[EntityId]) -> Level:
     The anchor on the moved body stays where it is on that body; the other one goes to the same
     place in the world. A weld holds the bodies at their new angles.
     """
-    if not any((joint.a in moved) != (joint.b in moved) for joint in level.joints):
+    loose = {joint.id for joint in level.joints if (joint.a in moved) != (joint.b in moved)}
+    return _closed(level, moved, loose)
+
+
+def reanchored_each(level: Level, moved: Collection[EntityId]) -> Level:
+    """Let joints follow bodies that moved each by itself.
+
+    As `reanchored`; of two moved bodies b, which is drawn above a, keeps its anchor: a wheel goes
+    on turning about its centre.
+    """
+    loose = {joint.id for joint in level.joints if joint.a in moved or joint.b in moved}
+    return _closed(level, moved, loose)
+
+
+def _closed(level: Level, moved: Collection[EntityId], loose: Collection[int]) -> Level:
+    """Bring the anchors of some joints together, on a moved body."""
+    if not loose:
         return level
 
     def follow(joint: Joint) -> Joint:
-        if (joint.a in moved) == (joint.b in moved):
+        if joint.id not in loose:
             return joint
         try:
             a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
         except KeyError:
             return joint
-        if joint.a in moved:
-            joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
-        else:
+        if joint.b in moved:
             joint = joint.replace(anchor_a=to_local(a, to_world(b, joint.anchor_b)))
+        else:
+            joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
         if joint.kind == "fixed":
             joint = joint.replace(reference_angle=b.angle - a.angle)
         return joint

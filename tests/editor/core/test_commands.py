@@ -5,16 +5,27 @@ import math
 
 import pytest
 
+from editor.base.arithmetic import Change
 from editor.documents.commands import clip
 from editor.documents.commands.fields import (
+    AdjustField,
     PasteProperties,
+    ResetFields,
     SetField,
     SetLevelField,
     read_field,
     shared_value,
 )
-from editor.documents.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
-from editor.documents.commands.joints import Reanchor, ReassignJoint
+from editor.documents.commands.group import (
+    Mirror,
+    MoveEach,
+    Remove,
+    Reorder,
+    Rotate,
+    Scale,
+    polygon_body,
+)
+from editor.documents.commands.joints import AddJoint, Reanchor, ReassignJoint
 from editor.documents.commands.level import Permute
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
@@ -24,7 +35,7 @@ from kinetix.level.geometry import (
     to_world,
     world_vertices,
 )
-from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster
+from kinetix.level.model import Body, Circle, Joint, Level, Limits, Motor, Polygon, Thruster
 from tests.editor.core.helpers import a_level
 
 KITE = Polygon(vertices=((0.5, 0.0), (0.0, 0.2), (-0.5, 0.0), (0.0, -0.2)))
@@ -100,6 +111,51 @@ def test_an_absent_part_appears_and_stays_absent_when_nothing_changes():
 def test_setting_an_angle_lets_joints_follow():
     level = SetField(ids=(1,), field="angle", value=1.0).apply(a_level())
     assert gap(level, level.joints[0]) < 1e-6
+
+
+def box(width, height):
+    x, y = width / 2, height / 2
+    return Polygon(vertices=((x, y), (-x, y), (-x, -y), (x, -y)))
+
+
+def a_car():
+    """A board on two wheels."""
+    board = Body(id=1, shape=box(1.0, 0.2), position=(2.0, 1.0))
+    wheels = [
+        Body(id=k, shape=Circle(radius=0.2), position=(x, 0.9)) for k, x in ((2, 1.6), (3, 2.4))
+    ]
+    level = Level(name="Car", bodies=(board, *wheels))
+    for wheel in wheels:
+        command = AddJoint(bodies=(1, wheel.id), point=wheel.position, kind="revolute")
+        level = command.apply(level)
+    return level
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(1, 2, 3), field="angle", value=0.5),
+        SetField(ids=(1, 2, 3), field="position.x", value=3.0),
+        SetField(ids=(3, 2, 1), field="position", value=(3.0, 2.0)),
+        AdjustField(ids=(1, 2, 3), field="angle", change=Change(amount=0.5, operator="+")),
+        ResetFields(rows=((1, "angle", 0.5), (2, "angle", -0.5), (3, "angle", 1.0))),
+        MoveEach(shifts=((1, (0.1, 0.0)), (2, (0.5, 0.0)), (3, (-0.5, 0.0))), label="Align"),
+    ],
+    ids=str,
+)
+def test_a_jointed_machine_stays_whole_and_its_wheels_turn_about_their_centres(command):
+    level = command.apply(a_car())
+    for joint in level.joints:
+        assert gap(level, joint) < 1e-6
+        assert joint.anchor_b == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_a_machine_that_moves_as_a_whole_keeps_its_joints():
+    change = Change(amount=1.0, operator="+")
+    level = AdjustField(ids=(1, 2, 3), field="position.x", change=change).apply(a_car())
+    for before, after in zip(a_car().joints, level.joints, strict=True):
+        assert after.anchor_a == pytest.approx(before.anchor_a, abs=1e-6)
+        assert after.anchor_b == pytest.approx(before.anchor_b, abs=1e-6)
 
 
 def test_mixed_values_are_told():
