@@ -15,6 +15,7 @@ from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import freed, reanchored_each
 from kinetix.errors import CommandError
+from kinetix.level.geometry import relative_angle
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
 from kinetix.wording import misfit
 
@@ -24,6 +25,8 @@ _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
 _ANGLES: Final = ("angle", "angular_velocity", "reference_angle", "limits.min", "limits.max")
+_HOLDING: Final = (("kind", "fixed"), ("limits.on", True))
+"""Fields and values that make a joint hold an angle."""
 _SPOKEN: Final = {
     "max_timesteps": "Time limit",
     "gravity.0": "Gravity x",
@@ -328,7 +331,26 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
     if head in ("fixed", "shape"):
         for body_id in bodies:
             after = freed(after, body_id)
-    return after
+    return after.replace(
+        joints=tuple(
+            _measured_anew(after, new) if _begins_to_hold(old, new) else new
+            for old, new in zip(level.joints, after.joints, strict=True)
+        )
+    )
+
+
+def _begins_to_hold(old: Joint, new: Joint) -> bool:
+    return any(
+        read_field(old, field) != value == read_field(new, field) for field, value in _HOLDING
+    )
+
+
+def _measured_anew(level: Level, joint: Joint) -> Joint:
+    """Let the angle that is drawn count as zero, so that nothing jumps when the level is played."""
+    try:
+        return joint.replace(reference_angle=relative_angle(level, joint))
+    except KeyError:  # A body is missing, of which the problems tell.
+        return joint
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

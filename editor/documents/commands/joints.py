@@ -5,7 +5,7 @@ from collections.abc import Callable, Hashable
 
 from editor.documents.commands.base import EntityId
 from kinetix.errors import CommandError
-from kinetix.level.geometry import referenced_body, to_local, to_world
+from kinetix.level.geometry import referenced_body, relative_angle, to_local, to_world
 from kinetix.level.model import (
     ARENA_NAMES,
     BodyReference,
@@ -163,8 +163,7 @@ class ReassignJoint:
         )
         local = to_local(referenced_body(level, self.body), point)
         changed = joint.replace(**{self.end: self.body, f"anchor_{self.end}": local})
-        angle = referenced_body(level, changed.b).angle - referenced_body(level, changed.a).angle
-        return changed.replace(reference_angle=angle)
+        return changed.replace(reference_angle=relative_angle(level, changed))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -158,6 +158,36 @@ def test_a_machine_that_moves_as_a_whole_keeps_its_joints():
         assert after.anchor_b == pytest.approx(before.anchor_b, abs=1e-6)
 
 
+WELD = Joint(id=9, kind="fixed", a=1, b=2, anchor_a=(0, 0), anchor_b=(0, 0))
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(5,), field="kind", value="fixed"),
+        SetField(ids=(5,), field="limits.on", value=True),
+        ResetFields(rows=((5, "kind", "fixed"),)),
+        PasteProperties(ids=(5,), source=WELD),
+        PasteProperties(ids=(5,), source=WELD.replace(kind="revolute", limits=Limits(max=1.0))),
+    ],
+    ids=str,
+)
+def test_new_welds_and_limits_are_measured_from_how_they_are_drawn(command):
+    turned = Rotate(ids=(2,), angle=math.pi / 2).apply(a_level())
+    assert turned.joints[0].reference_angle == 0.0
+    assert command.apply(turned).joints[0].reference_angle == pytest.approx(math.pi / 2)
+    alone = turned.replace(bodies=turned.bodies[1:])
+    assert command.apply(alone).joints[0].reference_angle == 0.0
+
+
+def test_a_weld_keeps_the_angle_that_was_given_to_it():
+    joint = a_level().joints[0].replace(kind="fixed", reference_angle=0.3)
+    level = a_level().replace(joints=(joint,))
+    for field, value in (("kind", "fixed"), ("limits.max", 1.0), ("motor.on", False)):
+        after = SetField(ids=(5,), field=field, value=value).apply(level)
+        assert after.joints[0].reference_angle == joint.reference_angle
+
+
 def test_mixed_values_are_told():
     level = a_level()
     assert shared_value(level, (3, 4), "shape.radius") == (pytest.approx(0.2), True)
