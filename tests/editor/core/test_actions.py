@@ -530,6 +530,10 @@ ISSUES = {
         a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
         "Re-anchor",
     ),
+    "W213": (
+        a_level().replace(joints=(a_level().joints[0].replace(kind="fixed", reference_angle=0.5),)),
+        "Hold as drawn",
+    ),
 }
 
 
