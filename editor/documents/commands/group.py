@@ -2,7 +2,7 @@
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Set
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
@@ -16,10 +16,11 @@ from kinetix.level.geometry import (
     rotate,
     signed_area,
 )
-from kinetix.level.mirror import BOTH, End, mirrored_body, mirrored_joint, mirrored_thruster
+from kinetix.level.mirror import BOTH, Axis, End, mirrored_body, mirrored_joint, mirrored_thruster
 from kinetix.level.model import (
     FARTHEST,
     Body,
+    BodyReference,
     Circle,
     Joint,
     Level,
@@ -267,7 +268,7 @@ class Mirror:
     """Mirrors bodies, their inner joints and their thrusters about the middle of the selection."""
 
     ids: Selection
-    axis: Literal["x", "y"]
+    axis: Axis
     """`x`: left and right change places; `y`: up and down."""
     merge_key: Hashable | None = None
 
@@ -291,20 +292,30 @@ class Mirror:
 
         ids = {body.id for body in bodies}  # the arena may be selected too, and stays
 
-        def joint(old: Joint) -> Joint:
-            mirrored: list[End] = [end for end in BOTH if getattr(old, end) in ids]
-            return mirrored_joint(old, self.axis, mirrored)
-
         def thruster(old: Thruster) -> Thruster:
             return mirrored_thruster(old, self.axis) if old.body in ids else old
 
         mirrored = with_bodies(
             level, ids, lambda old: mirrored_body(old, self.axis, middle)
         ).replace(
-            joints=tuple(joint(old) for old in level.joints),
+            joints=tuple(_joint_image(level, old, self.axis, ids) for old in level.joints),
             thrusters=tuple(thruster(old) for old in level.thrusters),
         )
         return reanchored(mirrored, ids)
+
+
+def _joint_image(level: Level, joint: Joint, axis: Axis, ids: Set[int]) -> Joint:
+    """The mirror image of a joint of mirrored bodies, as far from its limits as it was."""
+    ends: list[End] = [end for end in BOTH if getattr(joint, end) in ids]
+    if not ends:
+        return joint
+    image = mirrored_joint(joint, axis, ends)
+    # The angle of a body that stays keeps its sign; that of the arena is zero.
+    resting: dict[BodyReference, float] = {
+        body.id: body.angle for body in level.bodies if body.id not in ids
+    }
+    turn = resting.get(joint.b, 0.0) - resting.get(joint.a, 0.0)
+    return image.replace(reference_angle=image.reference_angle + 2 * turn)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -31,6 +31,7 @@ from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     polygon_fault,
     referenced_body,
+    relative_angle,
     to_local,
     to_world,
     world_vertices,
@@ -268,6 +269,27 @@ def test_a_mirrored_motor_turns_the_other_way():
     assert after.motor.speed == -joint.motor.speed
     assert after.reference_angle == pytest.approx(-0.3)
     assert gap(level, after) < 1e-6
+
+
+@pytest.mark.parametrize("ids", [(1,), (1, 2)], ids=str)
+@pytest.mark.parametrize("ends", [("floor", 1), (1, "floor"), (1, 2), (2, 1)], ids=str)
+def test_a_mirrored_joint_is_as_far_from_its_limits_whatever_it_hangs_on(ends, ids):
+    level = Rotate(ids=(2,), angle=0.4).apply(Rotate(ids=(1,), angle=0.9).apply(a_level()))
+    a, b = ends
+    at_a, at_b = (to_local(referenced_body(level, end), (2.2, 2.0)) for end in ends)
+    limits = Limits(min=0.0, max=1.0)
+    joint = level.joints[0].replace(a=a, b=b, anchor_a=at_a, anchor_b=at_b, limits=limits)
+    level = level.replace(joints=(joint.replace(reference_angle=0.1),))
+    image = Mirror(ids=ids, axis="x").apply(level)
+    after = image.joints[0]
+    angle, turned = (
+        relative_angle(each, each.joints[0]) - each.joints[0].reference_angle
+        for each in (level, image)
+    )
+    assert turned == pytest.approx(-angle, abs=1e-6)
+    assert (after.limits.min, after.limits.max) == (-1.0, 0.0)
+    assert after.motor.speed == -joint.motor.speed
+    assert gap(image, after) < 1e-6
 
 
 def test_order_stays_within_a_kind():
