@@ -18,15 +18,18 @@ from editor.documents.commands.fields import (
 )
 from editor.documents.commands.group import (
     Mirror,
+    Move,
     MoveEach,
     Remove,
     Reorder,
     Rotate,
     Scale,
+    SetVertices,
     polygon_body,
 )
 from editor.documents.commands.joints import AddJoint, Reanchor, ReassignJoint
 from editor.documents.commands.level import Permute
+from editor.documents.commands.sizes import ResetCorners
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     polygon_fault,
@@ -157,6 +160,35 @@ def test_a_machine_that_moves_as_a_whole_keeps_its_joints():
     for before, after in zip(a_car().joints, level.joints, strict=True):
         assert after.anchor_a == pytest.approx(before.anchor_a, abs=1e-6)
         assert after.anchor_b == pytest.approx(before.anchor_b, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("corners", "dragged"),
+    [
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.8), (2.0, 1.8)), (2.3, 2.4)),
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.0)), (2.3, 1.4)),
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.0)), (0.6, 1.7)),
+    ],
+    ids=["board", "triangle", "triangle turned inside out"],
+)
+def test_corners_go_back_to_where_the_body_is_now(corners, dragged):
+    """The corners that were not dragged stay, so that thrusters are where they were on the body."""
+    body = polygon_body(corners, Level(name="x"))
+    thruster = Thruster(id=2, body=1, position=(0.1, 0.0))
+    level = Level(name="x", bodies=(body,), thrusters=(thruster,))
+    reshaped = SetVertices(body=1, vertices=(dragged, *corners[1:])).apply(level)
+    moves = (Rotate(ids=(1,), angle=0.3), Move(ids=(1,), shift=(1.0, 1.0)))
+    back = ResetCorners(body=1, shape=body.shape)
+    for command in (*moves, back):
+        reshaped = command.apply(reshaped)
+    assert reshaped.body(1).shape == body.shape
+    assert reshaped.thrusters[0].position == pytest.approx(thruster.position, abs=1e-6)
+
+
+def test_a_scaled_shape_gets_its_corners_back_about_its_middle():
+    scaled = Scale(ids=(1,), factor=2.0, pivot=(2.0, 2.0)).apply(a_level())
+    back = ResetCorners(body=1, shape=a_level().body(1).shape).apply(scaled)
+    assert back.body(1) == a_level().body(1)
 
 
 WELD = Joint(id=9, kind="fixed", a=1, b=2, anchor_a=(0, 0), anchor_b=(0, 0))
