@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from editor.base.arithmetic import Change
@@ -40,6 +41,7 @@ from kinetix.level.geometry import (
     world_vertices,
 )
 from kinetix.level.model import Body, Circle, Joint, Level, Limits, Motor, Polygon, Thruster
+from kinetix.level.validate import validate
 from tests.editor.core.helpers import a_level
 
 KITE = Polygon(vertices=((0.5, 0.0), (0.0, 0.2), (-0.5, 0.0), (0.0, -0.2)))
@@ -378,6 +380,25 @@ def test_a_clip_is_json_that_says_what_it_is():
 def test_other_text_on_the_clipboard_is_refused(text):
     with pytest.raises(CommandError, match="clipboard"):
         clip.loads(text)
+
+
+@pytest.mark.parametrize(("source", "target"), [("kinetix", "exact"), ("exact", "kinetix")])
+def test_shapes_are_pasted_between_levels_of_other_inertia_models(source, target):
+    """The origin of a free body's frame is its centre of mass, as each level has it."""
+    corners = ((2.0, 2.0), (1.0, 2.0), (1.0, 1.0), (1.2, 1.0))
+    level = a_level().replace(inertia_model=source)
+    trapezoid = polygon_body(corners, level, level.body(1))
+    level = level.replace(bodies=(trapezoid, *level.bodies[1:]))
+    level = Reanchor(joints=(5,)).apply(level)
+    copy = clip.loads(clip.dumps(clip.copied(level, (1, 2))))
+    empty = Level(name="x", inertia_model=target)
+    pasted = clip.Paste(clip=copy, shift=(0.0, 0.0)).apply(empty)
+    assert "E107" not in {issue.code for issue in validate(pasted)}
+    assert np.allclose(world_vertices(pasted.bodies[0]), corners, atol=1e-6)
+    assert gap(pasted, pasted.joints[0]) < 1e-6
+    place = to_world(trapezoid, level.thrusters[0].position)
+    now = to_world(pasted.bodies[0], pasted.thrusters[0].position)
+    assert now == pytest.approx(place, abs=1e-6)
 
 
 def test_a_clip_whose_joints_lead_nowhere_is_refused():
