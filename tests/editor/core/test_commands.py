@@ -28,7 +28,7 @@ from editor.documents.commands.group import (
     SetVertices,
     polygon_body,
 )
-from editor.documents.commands.joints import AddJoint, Reanchor, ReassignJoint
+from editor.documents.commands.joints import AddJoint, Reanchor, ReassignJoint, RehangJoint
 from editor.documents.commands.level import Permute
 from editor.documents.commands.sizes import ResetCorners
 from kinetix.errors import CommandError
@@ -438,6 +438,20 @@ def test_a_joint_can_hold_another_body():
     assert gap(level, joint) < 1e-6
     with pytest.raises(CommandError):
         ReassignJoint(joint=5, end="b", body=1).apply(a_level())
+
+
+@pytest.mark.parametrize(
+    ("bodies", "ends", "speed", "limits"),
+    [((2, 3), (2, 3), -2.0, (-1.0, 0.5)), ((1, 3), (1, 3), 2.0, (-0.5, 1.0))],
+    ids=["the wheel becomes a", "the box stays a"],
+)
+def test_a_rehung_joint_keeps_its_name_and_drives_what_it_drove(bodies, ends, speed, limits):
+    joint = a_level().joints[0].replace(name="Axle", limits=Limits(min=-0.5, max=1.0))
+    level = a_level().replace(joints=(joint,))
+    after = RehangJoint(joint=5, bodies=bodies, point=(3.0, 2.0)).apply(level).joints[0]
+    assert (after.name, after.a, after.b) == ("Axle", *ends)
+    assert after.motor == joint.motor.replace(speed=speed)
+    assert (after.limits.min, after.limits.max) == limits
 
 
 def test_reanchoring_closes_the_gap():
