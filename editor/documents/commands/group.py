@@ -6,7 +6,13 @@ from collections.abc import Callable, Hashable, Set
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import reanchored, reanchored_each, reshaped, with_bodies
+from editor.documents.commands.rigid import (
+    reanchored,
+    reanchored_each,
+    reshaped,
+    with_bodies,
+    with_parts,
+)
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds,
@@ -223,17 +229,7 @@ def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body
         ids,
         lambda b: b.replace(shape=shape(b.shape), position=place(b), mass_properties=None),
     )
-    joints = tuple(
-        joint.replace(
-            anchor_a=scaled(joint.anchor_a) if joint.a in ids else joint.anchor_a,
-            anchor_b=scaled(joint.anchor_b) if joint.b in ids else joint.anchor_b,
-        )
-        for joint in level.joints
-    )
-    thrusters = tuple(
-        t.replace(position=scaled(t.position)) if t.body in ids else t for t in level.thrusters
-    )
-    return reanchored(resized.replace(joints=joints, thrusters=thrusters), ids)
+    return reanchored(with_parts(resized, ids, scaled), ids)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
