@@ -13,7 +13,7 @@ import msgspec
 from editor.base.arithmetic import Change
 from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import freed, reanchored_each
+from editor.documents.commands.rigid import freed, reanchored, reanchored_each, with_parts
 from kinetix.errors import CommandError
 from kinetix.level.geometry import relative_angle
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
@@ -328,8 +328,10 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
     head = field.split(".")[0]
     if head in ("position", "angle"):
         after = reanchored_each(after, bodies)
-    if head in ("fixed", "shape"):
-        for body_id in bodies:
+    for body_id in bodies:
+        if field == "shape.radius":
+            after = _with_scaled_parts(after, level.body(body_id))
+        if head in ("fixed", "shape"):
             after = freed(after, body_id)
     return after.replace(
         joints=tuple(
@@ -337,6 +339,14 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
             for old, new in zip(level.joints, after.joints, strict=True)
         )
     )
+
+
+def _with_scaled_parts(level: Level, old: Body) -> Level:
+    """Keep anchors and thrusters where they are on a circle that got another radius."""
+    before, now = (read_field(body, "shape.radius") for body in (old, level.body(old.id)))
+    factor = now / before if before > 0 else 1.0
+    scaled = with_parts(level, (old.id,), lambda at: (factor * at[0], factor * at[1]))
+    return reanchored(scaled, (old.id,))
 
 
 def _begins_to_hold(old: Joint, new: Joint) -> bool:

@@ -28,7 +28,13 @@ from editor.documents.commands.group import (
     SetVertices,
     polygon_body,
 )
-from editor.documents.commands.joints import AddJoint, Reanchor, ReassignJoint, RehangJoint
+from editor.documents.commands.joints import (
+    AddJoint,
+    MoveJoint,
+    Reanchor,
+    ReassignJoint,
+    RehangJoint,
+)
 from editor.documents.commands.level import Permute
 from editor.documents.commands.sizes import ResetCorners
 from kinetix.errors import CommandError
@@ -112,6 +118,35 @@ def test_an_absent_part_appears_and_stays_absent_when_nothing_changes():
     assert changed.joints[0].limits == Limits(on=False, min=0.0, max=0.5)
     unchanged = SetField(ids=(5,), field="limits.max", value=0.0).apply(a_level())
     assert unchanged == a_level()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(1, 2), field="shape.radius", value=0.6),
+        AdjustField(ids=(1, 2), field="shape.radius", change=Change(amount=4, operator="*")),
+        ResetFields(rows=((2, "shape.radius", 0.6),)),
+    ],
+    ids=str,
+)
+def test_anchors_and_thrusters_of_a_circle_keep_their_place_on_it(command):
+    thruster = Thruster(id=7, body=2, position=(0.0, -0.15))
+    level = MoveJoint(joint=5, point=(2.2, 2.15)).apply(a_level())
+    level = command.apply(level.replace(thrusters=(thruster,), next_id=8))
+    assert level.body(2).shape.radius == pytest.approx(0.6)
+    assert level.body(2).position == a_level().body(2).position
+    assert level.body(1) == a_level().body(1)
+    assert level.thrusters[0].position == pytest.approx((0.0, -0.6), abs=1e-6)
+    assert level.joints[0].anchor_b == pytest.approx((0.0, 0.6), abs=1e-6)
+    assert gap(level, level.joints[0]) < 1e-6
+
+
+def test_a_radius_that_cannot_be_is_mended():
+    broken = a_level().body(2).replace(shape=Circle(radius=0.0))
+    level = a_level().replace(bodies=(a_level().body(1), broken))
+    level = SetField(ids=(2,), field="shape.radius", value=0.5).apply(level)
+    assert level.body(2).shape.radius == 0.5
+    assert level.joints[0].anchor_b == (0.0, 0.0)
 
 
 def test_setting_an_angle_lets_joints_follow():
