@@ -56,15 +56,16 @@ def copy(session: Session) -> None:
 
 
 def cut(session: Session) -> None:
-    """Copy, then delete; not what could not be pasted.
+    """Copy, then delete; not what is locked, nor what could not be pasted.
 
     Raises:
         CommandError: No shape is selected.
     """
-    if not clip.copied(session.document.level, session.selection).bodies:
-        raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
     ids = _unlocked(session)
-    copy(session)
+    found = clip.copied(session.document.level, ids)
+    if not found.bodies:
+        raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
+    session.clipboard.set(clip.dumps(found))
     session.execute(Remove(ids=ids))
 
 

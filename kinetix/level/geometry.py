@@ -18,6 +18,7 @@ from kinetix.level.model import (
     Circle,
     Geometry,
     InertiaModel,
+    Joint,
     Level,
     Point,
     Polygon,
@@ -116,6 +117,15 @@ def referenced_body(level: Level, reference: BodyReference) -> Body:
     if isinstance(reference, str):
         return arena_body(level.arena, reference)
     return level.body(reference)
+
+
+def relative_angle(level: Level, joint: Joint) -> float:
+    """The angle of a joint's body b against its body a, as they are drawn [rad].
+
+    Raises:
+        KeyError: A body is missing.
+    """
+    return referenced_body(level, joint.b).angle - referenced_body(level, joint.a).angle
 
 
 def signed_area(vertices: Points) -> float:

@@ -74,21 +74,24 @@ def mirrored_thruster(thruster: Thruster, axis: Axis) -> Thruster:
 
 
 def mirrored_joint(joint: Joint, axis: Axis, ends: Iterable[End] = BOTH) -> Joint:
-    """Return a joint as it sits between mirror images.
+    """Return a joint as it sits between mirror images; the same key drives the mirrored motion.
 
     Args:
         joint: The joint.
         axis: Direction that is turned round.
-        ends: Ends whose bodies are mirrored. Where both are, angles, limits and the motor run the
-            other way round, so that the same key drives the mirror image of the motion.
+        ends: Ends whose bodies are mirrored; the others are not turned.
     """
-    mirrored = set(ends)
-    if "a" in mirrored:
-        joint = joint.replace(anchor_a=mirrored_point(joint.anchor_a, axis))
-    if "b" in mirrored:
-        joint = joint.replace(anchor_b=mirrored_point(joint.anchor_b, axis))
-    if mirrored != set(BOTH):
-        return joint
+    anchors = {f"anchor_{end}": getattr(joint, f"anchor_{end}") for end in ends}
+    mirrored = {name: mirrored_point(point, axis) for name, point in anchors.items()}
+    return reversed_joint(joint.replace(**mirrored))
+
+
+def reversed_joint(joint: Joint) -> Joint:
+    """Return a joint whose reference angle, limits and motor run the other way round.
+
+    Args:
+        joint: The joint.
+    """
     limits = joint.limits and Limits(
         on=joint.limits.on, min=-joint.limits.max, max=-joint.limits.min
     )

@@ -91,6 +91,10 @@ CASES = {
     ),
     "W208": (with_joint(motor=Motor(speed=0)), "Joint 8: motor speed 0."),
     "W212": (with_body(angle=90), "Rectangle 9: angle 90 rad is 14.3 turns; 90° are 1.571 rad."),
+    "W213": (
+        with_joint(kind="fixed", reference_angle=0.5),
+        "Weld 8: drawn 28.6° from the angle that it holds",
+    ),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
 
@@ -140,7 +144,7 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    errors, warnings = range(101, 111), [*range(201, 210), 212]
+    errors, warnings = range(101, 111), [*range(201, 210), 212, 213]
     assert set(CASES) == {f"E{k}" for k in errors} | {f"W{k}" for k in warnings}
 
 

@@ -8,12 +8,13 @@ import msgspec
 
 from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.level import renumbered
+from editor.documents.commands.rigid import freed
 from kinetix.errors import CommandError, KinetixError
 from kinetix.files.json_text import parse_strictly
 from kinetix.files.limits import LIMITS
 from kinetix.level import canonical, codec
 from kinetix.level.geometry import bounds_of, referenced_body, to_local, to_world
-from kinetix.level.model import Body, Circle, Joint, Level, Point, Record, Thruster
+from kinetix.level.model import Body, Circle, InertiaModel, Joint, Level, Point, Record, Thruster
 
 FORMAT: Final = "kinetix-clip"
 VERSION: Final = 1
@@ -26,6 +27,8 @@ class Clip(Record, frozen=True, kw_only=True):
 
     format: Literal["kinetix-clip"] = FORMAT
     version: Annotated[int, msgspec.Meta(ge=1, le=VERSION)] = VERSION
+    inertia_model: InertiaModel = "exact"
+    """Of the level that it was copied from: it says where the origins of frames are."""
     bodies: tuple[Body, ...] = ()
     joints: tuple[Joint, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
@@ -45,6 +48,7 @@ def copied(level: Level, selection: Selection) -> Clip:
             thrusters=tuple(t for t in level.thrusters if t.id in selection),
         )
     return Clip(
+        inertia_model=level.inertia_model,
         bodies=bodies,
         joints=tuple(
             j for j in level.joints if all(isinstance(end, str) or end in ids for end in (j.a, j.b))
@@ -104,8 +108,14 @@ def _read(text: str) -> Clip:
     bodies = clip.bodies or tuple(any_body.replace(id=id) for id in named)
     if not set(named) <= {body.id for body in bodies}:
         raise CommandError("its joints do not fit its bodies")
-    parts = {"bodies": bodies, "joints": clip.joints, "thrusters": clip.thrusters}
-    codec.loads(codec.dumps(Level(name="clip", size=None, **parts)), FORMAT)
+    level = Level(
+        name="clip",
+        inertia_model=clip.inertia_model,
+        bodies=bodies,
+        joints=clip.joints,
+        thrusters=clip.thrusters,
+    )
+    codec.loads(codec.dumps(level), FORMAT)
     return clip
 
 
@@ -135,6 +145,7 @@ class Paste:
         dx, dy = self.shift
         moved = Level(
             name="clip",
+            inertia_model=level.inertia_model,
             arena=level.arena,
             bodies=tuple(
                 b.replace(position=(b.position[0] + dx, b.position[1] + dy))
@@ -143,6 +154,8 @@ class Paste:
             thrusters=self.clip.thrusters,
             joints=self.clip.joints,
         )
+        for body in moved.bodies:
+            moved = freed(moved, body.id)
         moved = moved.replace(joints=tuple(_on_arena(moved, j) for j in moved.joints))
         new = {old.id: level.next_id + k for k, old in enumerate(moved.entities())}
         fresh = renumbered(moved, new)

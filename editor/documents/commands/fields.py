@@ -1,5 +1,6 @@
 """Setting fields by their dotted names in the native format: inspector, replays, fixes."""
 
+import contextlib
 import dataclasses
 import functools
 import math
@@ -12,8 +13,9 @@ import msgspec
 from editor.base.arithmetic import Change
 from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import freed, reanchored
+from editor.documents.commands.rigid import freed, reanchored, reanchored_each, with_parts
 from kinetix.errors import CommandError
+from kinetix.level.geometry import relative_angle
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
 from kinetix.wording import misfit
 
@@ -23,6 +25,8 @@ _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
 _ANGLES: Final = ("angle", "angular_velocity", "reference_angle", "limits.min", "limits.max")
+_HOLDING: Final = (("kind", "fixed"), ("limits.on", True))
+"""Fields and values that make a joint hold an angle."""
 _SPOKEN: Final = {
     "max_timesteps": "Time limit",
     "gravity.0": "Gravity x",
@@ -208,28 +212,7 @@ class SetField:
         Raises:
             CommandError: No entity has the field, or the format does not allow the value.
         """
-        changed: dict[EntityId, Record] = {}
-        missing = CommandError("Nothing is selected.")
-        for entity_id in self.ids:
-            records = selected_records(level, (entity_id,))
-            for record in records:
-                try:
-                    changed[entity_id] = self._set(record)
-                except CommandError as error:
-                    missing = error
-                    if not str(error).startswith("There is no field"):
-                        raise
-        if not changed:
-            raise missing
-        return _with_records(level, changed, self.field)
-
-    def _set(self, record: Record) -> Record:
-        changed = with_field(record, self.field, self.value)
-        if isinstance(changed, Body) and self.field.split(".")[0] in _MASS_FIELDS:
-            changed = changed.replace(mass_properties=None)
-        if isinstance(changed, Joint) and changed.a == changed.b:
-            raise CommandError("A joint needs two different bodies.")
-        return changed
+        return _with_values(level, self.field, dict.fromkeys(self.ids, self.value))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -263,20 +246,18 @@ class AdjustField:
         Raises:
             CommandError: No entity has the field, or the format does not allow the value.
         """
-        found = False
+        values: dict[EntityId, Any] = {}
         for entity_id in self.ids:
             for record in selected_records(level, (entity_id,)):
-                try:
-                    before = read_field(record, self.field)
-                except CommandError:
-                    continue
-                found = True
-                value = min(max(self.change.of(before), self.low), self.high)
-                value = round(value) if isinstance(before, int) else value
-                level = SetField(ids=(entity_id,), field=self.field, value=value).apply(level)
-        if not found:
+                with contextlib.suppress(CommandError):
+                    values[entity_id] = self._changed(read_field(record, self.field))
+        if not values:
             raise CommandError(f"Nothing that is selected has a field {self.field!r}.")
-        return level
+        return _with_values(level, self.field, values)
+
+    def _changed(self, before: float) -> float:
+        value = min(max(self.change.of(before), self.low), self.high)
+        return round(value) if isinstance(before, int) else value
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -298,9 +279,42 @@ class ResetFields:
         Raises:
             CommandError: An entity lacks the field, or the format does not allow the value.
         """
+        values: dict[str, dict[EntityId, Any]] = {}
         for entity, field, value in self.rows:
-            level = SetField(ids=(entity,), field=field, value=value).apply(level)
+            values.setdefault(field, {})[entity] = value
+        for field, each in values.items():
+            level = _with_values(level, field, each)
         return level
+
+
+def _with_values(level: Level, field: str, values: Mapping[EntityId, Any]) -> Level:
+    """Give a field a value for each entity; those without the field are passed over.
+
+    Raises:
+        CommandError: No entity has the field, or the format does not allow the value.
+    """
+    changed: dict[EntityId, Record] = {}
+    missing = CommandError("Nothing is selected.")
+    for entity_id, value in values.items():
+        for record in selected_records(level, (entity_id,)):
+            try:
+                changed[entity_id] = _with_value(record, field, value)
+            except CommandError as error:
+                missing = error
+                if not str(error).startswith("There is no field"):
+                    raise
+    if not changed:
+        raise missing
+    return _with_records(level, changed, field)
+
+
+def _with_value(record: Record, field: str, value: Any) -> Record:
+    changed = with_field(record, field, value)
+    if isinstance(changed, Body) and field.split(".")[0] in _MASS_FIELDS:
+        changed = changed.replace(mass_properties=None)
+    if isinstance(changed, Joint) and changed.a == changed.b:
+        raise CommandError("A joint needs two different bodies.")
+    return changed
 
 
 def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> Level:
@@ -313,11 +327,40 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
     bodies = tuple(body.id for body in level.bodies if body.id in changed)
     head = field.split(".")[0]
     if head in ("position", "angle"):
-        after = reanchored(after, bodies)
-    if head in ("fixed", "shape"):
-        for body_id in bodies:
+        after = reanchored_each(after, bodies)
+    for body_id in bodies:
+        if field == "shape.radius":
+            after = _with_scaled_parts(after, level.body(body_id))
+        if head in ("fixed", "shape"):
             after = freed(after, body_id)
-    return after
+    return after.replace(
+        joints=tuple(
+            _measured_anew(after, new) if _begins_to_hold(old, new) else new
+            for old, new in zip(level.joints, after.joints, strict=True)
+        )
+    )
+
+
+def _with_scaled_parts(level: Level, old: Body) -> Level:
+    """Keep anchors and thrusters where they are on a circle that got another radius."""
+    before, now = (read_field(body, "shape.radius") for body in (old, level.body(old.id)))
+    factor = now / before if before > 0 else 1.0
+    scaled = with_parts(level, (old.id,), lambda at: (factor * at[0], factor * at[1]))
+    return reanchored(scaled, (old.id,))
+
+
+def _begins_to_hold(old: Joint, new: Joint) -> bool:
+    return any(
+        read_field(old, field) != value == read_field(new, field) for field, value in _HOLDING
+    )
+
+
+def _measured_anew(level: Level, joint: Joint) -> Joint:
+    """Let the angle that is drawn count as zero, so that nothing jumps when the level is played."""
+    try:
+        return joint.replace(reference_angle=relative_angle(level, joint))
+    except KeyError:  # A body is missing, of which the problems tell.
+        return joint
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

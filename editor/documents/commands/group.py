@@ -2,11 +2,17 @@
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Set
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import reanchored, reshaped, with_bodies
+from editor.documents.commands.rigid import (
+    reanchored,
+    reanchored_each,
+    reshaped,
+    with_bodies,
+    with_parts,
+)
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     bounds,
@@ -16,10 +22,11 @@ from kinetix.level.geometry import (
     rotate,
     signed_area,
 )
-from kinetix.level.mirror import BOTH, End, mirrored_body, mirrored_joint, mirrored_thruster
+from kinetix.level.mirror import BOTH, Axis, End, mirrored_body, mirrored_joint, mirrored_thruster
 from kinetix.level.model import (
     FARTHEST,
     Body,
+    BodyReference,
     Circle,
     Joint,
     Level,
@@ -59,14 +66,15 @@ class Move:
         """
         if self.shift == (0.0, 0.0):
             return level
-        places = [body.position for body in _chosen(level, self.ids)]
-        dx, dy = (_within(way, [place[k] for place in places]) for k, way in enumerate(self.shift))
-        moved = with_bodies(
-            level,
-            self.ids,
-            lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy)),
-        )
-        return reanchored(moved, self.ids)
+        return reanchored(_shifted(level, self.ids, self.shift), self.ids)
+
+
+def _shifted(level: Level, ids: Selection, shift: Point) -> Level:
+    places = [body.position for body in _chosen(level, ids)]
+    dx, dy = (_within(way, [place[k] for place in places]) for k, way in enumerate(shift))
+    return with_bodies(
+        level, ids, lambda b: b.replace(position=(b.position[0] + dx, b.position[1] + dy))
+    )
 
 
 def _within(way: float, places: list[float]) -> float:
@@ -86,10 +94,10 @@ class MoveEach:
     merge_key: Hashable | None = None
 
     def apply(self, level: Level) -> Level:
-        """Shift the bodies."""
+        """Shift the bodies; joints follow."""
         for body_id, shift in self.shifts:
-            level = Move(ids=(body_id,), shift=shift).apply(level)
-        return level
+            level = _shifted(level, (body_id,), shift)
+        return reanchored_each(level, [body_id for body_id, _ in self.shifts])
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -221,17 +229,7 @@ def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body
         ids,
         lambda b: b.replace(shape=shape(b.shape), position=place(b), mass_properties=None),
     )
-    joints = tuple(
-        joint.replace(
-            anchor_a=scaled(joint.anchor_a) if joint.a in ids else joint.anchor_a,
-            anchor_b=scaled(joint.anchor_b) if joint.b in ids else joint.anchor_b,
-        )
-        for joint in level.joints
-    )
-    thrusters = tuple(
-        t.replace(position=scaled(t.position)) if t.body in ids else t for t in level.thrusters
-    )
-    return reanchored(resized.replace(joints=joints, thrusters=thrusters), ids)
+    return reanchored(with_parts(resized, ids, scaled), ids)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -266,7 +264,7 @@ class Mirror:
     """Mirrors bodies, their inner joints and their thrusters about the middle of the selection."""
 
     ids: Selection
-    axis: Literal["x", "y"]
+    axis: Axis
     """`x`: left and right change places; `y`: up and down."""
     merge_key: Hashable | None = None
 
@@ -290,20 +288,30 @@ class Mirror:
 
         ids = {body.id for body in bodies}  # the arena may be selected too, and stays
 
-        def joint(old: Joint) -> Joint:
-            mirrored: list[End] = [end for end in BOTH if getattr(old, end) in ids]
-            return mirrored_joint(old, self.axis, mirrored)
-
         def thruster(old: Thruster) -> Thruster:
             return mirrored_thruster(old, self.axis) if old.body in ids else old
 
         mirrored = with_bodies(
             level, ids, lambda old: mirrored_body(old, self.axis, middle)
         ).replace(
-            joints=tuple(joint(old) for old in level.joints),
+            joints=tuple(_joint_image(level, old, self.axis, ids) for old in level.joints),
             thrusters=tuple(thruster(old) for old in level.thrusters),
         )
         return reanchored(mirrored, ids)
+
+
+def _joint_image(level: Level, joint: Joint, axis: Axis, ids: Set[int]) -> Joint:
+    """The mirror image of a joint of mirrored bodies, as far from its limits as it was."""
+    ends: list[End] = [end for end in BOTH if getattr(joint, end) in ids]
+    if not ends:
+        return joint
+    image = mirrored_joint(joint, axis, ends)
+    # The angle of a body that stays keeps its sign; that of the arena is zero.
+    resting: dict[BodyReference, float] = {
+        body.id: body.angle for body in level.bodies if body.id not in ids
+    }
+    turn = resting.get(joint.b, 0.0) - resting.get(joint.a, 0.0)
+    return image.replace(reference_angle=image.reference_angle + 2 * turn)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,8 @@ from collections.abc import Callable, Hashable
 
 from editor.documents.commands.base import EntityId
 from kinetix.errors import CommandError
-from kinetix.level.geometry import referenced_body, to_local, to_world
+from kinetix.level.geometry import referenced_body, relative_angle, to_local, to_world
+from kinetix.level.mirror import reversed_joint
 from kinetix.level.model import (
     ARENA_NAMES,
     BodyReference,
@@ -106,7 +107,10 @@ class MoveJoint:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RehangJoint:
-    """Puts a joint at another place and on the bodies there; motor and limits stay."""
+    """Puts a joint at another place and on the bodies there; a body that stays is driven as before.
+
+    Name, motor and limits stay.
+    """
 
     joint: int
     bodies: tuple[BodyReference, BodyReference]
@@ -127,7 +131,12 @@ class RehangJoint:
 
         def rehung(joint: Joint) -> Joint:
             fresh = joint_between(level, self.bodies, self.point, joint.kind)
-            return fresh.replace(id=joint.id, motor=joint.motor, limits=joint.limits)
+            # A body that stays at the other end turns the other way against its new partner.
+            if fresh.a == joint.b or fresh.b == joint.a:
+                joint = reversed_joint(joint)
+            return fresh.replace(
+                id=joint.id, name=joint.name, motor=joint.motor, limits=joint.limits
+            )
 
         return _with_joint(level, self.joint, rehung)
 
@@ -163,8 +172,7 @@ class ReassignJoint:
         )
         local = to_local(referenced_body(level, self.body), point)
         changed = joint.replace(**{self.end: self.body, f"anchor_{self.end}": local})
-        angle = referenced_body(level, changed.b).angle - referenced_body(level, changed.a).angle
-        return changed.replace(reference_angle=angle)
+        return changed.replace(reference_angle=relative_angle(level, changed))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

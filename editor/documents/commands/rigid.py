@@ -39,26 +39,57 @@ def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body]
     )
 
 
+def with_parts(level: Level, ids: Collection[EntityId], change: Callable[[Point], Point]) -> Level:
+    """The level with the anchors and thrusters on some bodies elsewhere in the body's frame."""
+    joints = tuple(
+        joint.replace(
+            anchor_a=change(joint.anchor_a) if joint.a in ids else joint.anchor_a,
+            anchor_b=change(joint.anchor_b) if joint.b in ids else joint.anchor_b,
+        )
+        for joint in level.joints
+    )
+    thrusters = tuple(
+        t.replace(position=change(t.position)) if t.body in ids else t for t in level.thrusters
+    )
+    return level.replace(joints=joints, thrusters=thrusters)
+
+
 def reanchored(level: Level, moved: Collection[EntityId]) -> Level:
     """Let joints between moved and resting bodies follow the moved ones.
 
     The anchor on the moved body stays where it is on that body; the other one goes to the same
     place in the world. A weld holds the bodies at their new angles.
     """
-    if not any((joint.a in moved) != (joint.b in moved) for joint in level.joints):
+    loose = {joint.id for joint in level.joints if (joint.a in moved) != (joint.b in moved)}
+    return _closed(level, moved, loose)
+
+
+def reanchored_each(level: Level, moved: Collection[EntityId]) -> Level:
+    """Let joints follow bodies that moved each by itself.
+
+    As `reanchored`; of two moved bodies b, which is drawn above a, keeps its anchor: a wheel goes
+    on turning about its centre.
+    """
+    loose = {joint.id for joint in level.joints if joint.a in moved or joint.b in moved}
+    return _closed(level, moved, loose)
+
+
+def _closed(level: Level, moved: Collection[EntityId], loose: Collection[int]) -> Level:
+    """Bring the anchors of some joints together, on a moved body."""
+    if not loose:
         return level
 
     def follow(joint: Joint) -> Joint:
-        if (joint.a in moved) == (joint.b in moved):
+        if joint.id not in loose:
             return joint
         try:
             a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
         except KeyError:
             return joint
-        if joint.a in moved:
-            joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
-        else:
+        if joint.b in moved:
             joint = joint.replace(anchor_a=to_local(a, to_world(b, joint.anchor_b)))
+        else:
+            joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
         if joint.kind == "fixed":
             joint = joint.replace(reference_angle=b.angle - a.angle)
         return joint
@@ -78,18 +109,7 @@ def reshaped(level: Level, new: Body) -> Level:
     def kept(point: Point) -> Point:
         return point[0] - x, point[1] - y
 
-    joints = tuple(
-        joint.replace(
-            anchor_a=kept(joint.anchor_a) if joint.a == old.id else joint.anchor_a,
-            anchor_b=kept(joint.anchor_b) if joint.b == old.id else joint.anchor_b,
-        )
-        for joint in level.joints
-    )
-    thrusters = tuple(
-        t.replace(position=kept(t.position)) if t.body == old.id else t for t in level.thrusters
-    )
-    changed = with_bodies(level, (old.id,), lambda _: new)
-    return changed.replace(joints=joints, thrusters=thrusters)
+    return with_parts(with_bodies(level, (old.id,), lambda _: new), (old.id,), kept)
 
 
 def freed(level: Level, body_id: int) -> Level:
@@ -107,15 +127,5 @@ def freed(level: Level, body_id: int) -> Level:
     def shifted(point: Point) -> Point:
         return point[0] - shift[0], point[1] - shift[1]
 
-    joints = tuple(
-        joint.replace(
-            anchor_a=shifted(joint.anchor_a) if joint.a == body_id else joint.anchor_a,
-            anchor_b=shifted(joint.anchor_b) if joint.b == body_id else joint.anchor_b,
-        )
-        for joint in level.joints
-    )
-    thrusters = tuple(
-        t.replace(position=shifted(t.position)) if t.body == body_id else t for t in level.thrusters
-    )
     level = with_bodies(level, (body_id,), lambda b: recentred(b, level.inertia_model))
-    return level.replace(joints=joints, thrusters=thrusters)
+    return with_parts(level, (body_id,), shifted)

@@ -1,6 +1,8 @@
 """Edits of sizes by numbers: width and height of polygons, their corners, a joint's place."""
 
 import dataclasses
+import itertools
+import math
 from collections.abc import Hashable
 from typing import Final, Literal
 
@@ -9,13 +11,15 @@ from editor.documents.commands.base import Selection, count_label
 from editor.documents.commands.group import SetVertices, Stretch
 from editor.documents.commands.rigid import freed, reshaped
 from kinetix.errors import CommandError
-from kinetix.level.geometry import world_vertices
+from kinetix.level.geometry import to_world, world_vertices
 from kinetix.level.model import Body, Circle, Level, Point, Polygon
 
 Axis = Literal[0, 1]
 SIDE_MIN: Final = 0.02
 SIDE_MAX: Final = 10.0
 """Limits of widths and heights [m]."""
+_SAME_PLACE: Final = 1e-4
+"""Distance of two corners that counts as none [m]."""
 
 
 def extent(shape: Polygon, axis: Axis) -> float:
@@ -132,12 +136,13 @@ class SetCorner:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ResetCorners:
-    """Gives a polygon back its corners; joints and thrusters stay where they are in the world."""
+    """Gives a polygon back its corners, where it is now.
+
+    Joints and thrusters stay where they are in the world.
+    """
 
     body: int
     shape: Polygon
-    position: Point
-    """Origin of the shape's frame [m]."""
     merge_key: Hashable | None = None
 
     @property
@@ -146,7 +151,24 @@ class ResetCorners:
         return "Reset corners"
 
     def apply(self, level: Level) -> Level:
-        """Put the corners back, turned as the body is now."""
+        """Put the corners back; those that are the same stay where they are."""
         body = level.body(self.body)
-        back = body.replace(shape=self.shape, position=self.position, mass_properties=None)
+        assert not isinstance(body.shape, Circle)
+        origin = to_world(body, _offset(self.shape, body.shape))
+        back = body.replace(shape=self.shape, position=origin, mass_properties=None)
         return freed(reshaped(level, back), self.body)
+
+
+def _offset(shape: Polygon, other: Polygon) -> Point:
+    """The shift of a shape that brings most of its corners onto those of the other [m].
+
+    None where no two corners meet: one alone always can.
+    """
+    pairs = itertools.product(shape.vertices, other.vertices)
+    shifts = [(q[0] - p[0], q[1] - p[1]) for p, q in pairs]
+
+    def meeting(shift: Point) -> tuple[int, float]:
+        corners = sum(math.dist(shift, each) < _SAME_PLACE for each in shifts)
+        return max(corners, 1), -math.hypot(*shift)
+
+    return max((0.0, 0.0), *shifts, key=meeting)

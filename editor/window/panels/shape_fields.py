@@ -96,7 +96,7 @@ def _former_corners(session: "Session", body: Body) -> ResetCorners | None:
     now, before = body.shape.vertices, former.shape.vertices
     if len(now) == len(before) and all(map(alike, chain(*now), chain(*before))):
         return None
-    return ResetCorners(body=body.id, shape=former.shape, position=former.position)
+    return ResetCorners(body=body.id, shape=former.shape)
 
 
 def _corner(

@@ -12,6 +12,8 @@ from kinetix.level.validate.placed import Placed
 
 ANCHOR_TOLERANCE: Final = 1e-3
 """Distance of a joint's anchors that counts as none [m]."""
+ANGLE_TOLERANCE: Final = 1e-3
+"""Difference of a weld's angle from the one that it holds that counts as none [rad]."""
 
 
 def role_issues(level: Level) -> Iterator[Issue]:
@@ -73,7 +75,10 @@ def size_issues(level: Level) -> Iterator[Issue]:
 
 
 def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference]) -> Iterator[Issue]:
-    """Yield joints without effect, anchors apart, senseless limits (W205, W207, W209)."""
+    """Yield joints that do nothing, are drawn apart or turned, senseless limits.
+
+    W205, W207, W209 and W213.
+    """
     bodies = {each.reference: each.body for each in placed}
     for k, joint in enumerate(level.joints):
         path, a, b = f"$.joints[{k}]", bodies.get(joint.a), bodies.get(joint.b)
@@ -89,6 +94,12 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
             yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
         if joint.kind == "revolute":
             yield from _limit_issues(joint, path)
+            continue
+        turn = b.angle - a.angle - joint.reference_angle
+        if abs(turn) > ANGLE_TOLERANCE:
+            degrees = f"{abs(math.degrees(turn)):.3g}°"
+            message = f"{name}: drawn {degrees} from the angle that it holds, will be turned there."
+            yield issue("W213", message, path=path, ids=(joint.id,), fix="Hold as drawn")
 
 
 def _limit_issues(joint: Joint, path: str) -> Iterator[Issue]:

@@ -10,6 +10,7 @@ from editor import actions
 from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
 from editor.base.events import DropEvent, FocusEvent, QuitEvent
+from editor.documents.commands import clip
 from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.document import Document
 from editor.editing.picking import handles
@@ -108,6 +109,14 @@ def test_what_is_locked_stays_where_it_is(session, action):
     actions.run(session, action)
     assert session.document.level == before
     assert texts(session)[-1] == "What is selected is locked: unlock it first."
+
+
+def test_what_is_locked_is_not_cut(session):
+    session.document.locked = frozenset({1})
+    session.selection = (1, 3)
+    actions.run(session, "edit.cut")
+    assert [body.id for body in session.document.level.bodies] == [1, 2, 4]
+    assert [body.id for body in clip.loads(session.clipboard.get()).bodies] == [3]
 
 
 def test_what_is_not_locked_is_changed_and_the_rest_is_told(session):
@@ -529,6 +538,10 @@ ISSUES = {
     "W209": (
         a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
         "Re-anchor",
+    ),
+    "W213": (
+        a_level().replace(joints=(a_level().joints[0].replace(kind="fixed", reference_angle=0.5),)),
+        "Hold as drawn",
     ),
 }
 

@@ -3,28 +3,51 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
+from editor.base.arithmetic import Change
 from editor.documents.commands import clip
 from editor.documents.commands.fields import (
+    AdjustField,
     PasteProperties,
+    ResetFields,
     SetField,
     SetLevelField,
     read_field,
     shared_value,
 )
-from editor.documents.commands.group import Mirror, Remove, Reorder, Rotate, Scale, polygon_body
-from editor.documents.commands.joints import Reanchor, ReassignJoint
+from editor.documents.commands.group import (
+    Mirror,
+    Move,
+    MoveEach,
+    Remove,
+    Reorder,
+    Rotate,
+    Scale,
+    SetVertices,
+    polygon_body,
+)
+from editor.documents.commands.joints import (
+    AddJoint,
+    MoveJoint,
+    Reanchor,
+    ReassignJoint,
+    RehangJoint,
+)
 from editor.documents.commands.level import Permute
+from editor.documents.commands.sizes import ResetCorners
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     polygon_fault,
     referenced_body,
+    relative_angle,
     to_local,
     to_world,
     world_vertices,
 )
-from kinetix.level.model import Body, Joint, Level, Limits, Motor, Polygon, Thruster
+from kinetix.level.model import Body, Circle, Joint, Level, Limits, Motor, Polygon, Thruster
+from kinetix.level.validate import validate
 from tests.editor.core.helpers import a_level
 
 KITE = Polygon(vertices=((0.5, 0.0), (0.0, 0.2), (-0.5, 0.0), (0.0, -0.2)))
@@ -97,9 +120,142 @@ def test_an_absent_part_appears_and_stays_absent_when_nothing_changes():
     assert unchanged == a_level()
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(1, 2), field="shape.radius", value=0.6),
+        AdjustField(ids=(1, 2), field="shape.radius", change=Change(amount=4, operator="*")),
+        ResetFields(rows=((2, "shape.radius", 0.6),)),
+    ],
+    ids=str,
+)
+def test_anchors_and_thrusters_of_a_circle_keep_their_place_on_it(command):
+    thruster = Thruster(id=7, body=2, position=(0.0, -0.15))
+    level = MoveJoint(joint=5, point=(2.2, 2.15)).apply(a_level())
+    level = command.apply(level.replace(thrusters=(thruster,), next_id=8))
+    assert level.body(2).shape.radius == pytest.approx(0.6)
+    assert level.body(2).position == a_level().body(2).position
+    assert level.body(1) == a_level().body(1)
+    assert level.thrusters[0].position == pytest.approx((0.0, -0.6), abs=1e-6)
+    assert level.joints[0].anchor_b == pytest.approx((0.0, 0.6), abs=1e-6)
+    assert gap(level, level.joints[0]) < 1e-6
+
+
+def test_a_radius_that_cannot_be_is_mended():
+    broken = a_level().body(2).replace(shape=Circle(radius=0.0))
+    level = a_level().replace(bodies=(a_level().body(1), broken))
+    level = SetField(ids=(2,), field="shape.radius", value=0.5).apply(level)
+    assert level.body(2).shape.radius == 0.5
+    assert level.joints[0].anchor_b == (0.0, 0.0)
+
+
 def test_setting_an_angle_lets_joints_follow():
     level = SetField(ids=(1,), field="angle", value=1.0).apply(a_level())
     assert gap(level, level.joints[0]) < 1e-6
+
+
+def box(width, height):
+    x, y = width / 2, height / 2
+    return Polygon(vertices=((x, y), (-x, y), (-x, -y), (x, -y)))
+
+
+def a_car():
+    """A board on two wheels."""
+    board = Body(id=1, shape=box(1.0, 0.2), position=(2.0, 1.0))
+    wheels = [
+        Body(id=k, shape=Circle(radius=0.2), position=(x, 0.9)) for k, x in ((2, 1.6), (3, 2.4))
+    ]
+    level = Level(name="Car", bodies=(board, *wheels))
+    for wheel in wheels:
+        command = AddJoint(bodies=(1, wheel.id), point=wheel.position, kind="revolute")
+        level = command.apply(level)
+    return level
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(1, 2, 3), field="angle", value=0.5),
+        SetField(ids=(1, 2, 3), field="position.x", value=3.0),
+        SetField(ids=(3, 2, 1), field="position", value=(3.0, 2.0)),
+        AdjustField(ids=(1, 2, 3), field="angle", change=Change(amount=0.5, operator="+")),
+        ResetFields(rows=((1, "angle", 0.5), (2, "angle", -0.5), (3, "angle", 1.0))),
+        MoveEach(shifts=((1, (0.1, 0.0)), (2, (0.5, 0.0)), (3, (-0.5, 0.0))), label="Align"),
+    ],
+    ids=str,
+)
+def test_a_jointed_machine_stays_whole_and_its_wheels_turn_about_their_centres(command):
+    level = command.apply(a_car())
+    for joint in level.joints:
+        assert gap(level, joint) < 1e-6
+        assert joint.anchor_b == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_a_machine_that_moves_as_a_whole_keeps_its_joints():
+    change = Change(amount=1.0, operator="+")
+    level = AdjustField(ids=(1, 2, 3), field="position.x", change=change).apply(a_car())
+    for before, after in zip(a_car().joints, level.joints, strict=True):
+        assert after.anchor_a == pytest.approx(before.anchor_a, abs=1e-6)
+        assert after.anchor_b == pytest.approx(before.anchor_b, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("corners", "dragged"),
+    [
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.8), (2.0, 1.8)), (2.3, 2.4)),
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.0)), (2.3, 1.4)),
+        (((2.0, 2.0), (1.0, 2.0), (1.0, 1.0)), (0.6, 1.7)),
+    ],
+    ids=["board", "triangle", "triangle turned inside out"],
+)
+def test_corners_go_back_to_where_the_body_is_now(corners, dragged):
+    """The corners that were not dragged stay, so that thrusters are where they were on the body."""
+    body = polygon_body(corners, Level(name="x"))
+    thruster = Thruster(id=2, body=1, position=(0.1, 0.0))
+    level = Level(name="x", bodies=(body,), thrusters=(thruster,))
+    reshaped = SetVertices(body=1, vertices=(dragged, *corners[1:])).apply(level)
+    moves = (Rotate(ids=(1,), angle=0.3), Move(ids=(1,), shift=(1.0, 1.0)))
+    back = ResetCorners(body=1, shape=body.shape)
+    for command in (*moves, back):
+        reshaped = command.apply(reshaped)
+    assert reshaped.body(1).shape == body.shape
+    assert reshaped.thrusters[0].position == pytest.approx(thruster.position, abs=1e-6)
+
+
+def test_a_scaled_shape_gets_its_corners_back_about_its_middle():
+    scaled = Scale(ids=(1,), factor=2.0, pivot=(2.0, 2.0)).apply(a_level())
+    back = ResetCorners(body=1, shape=a_level().body(1).shape).apply(scaled)
+    assert back.body(1) == a_level().body(1)
+
+
+WELD = Joint(id=9, kind="fixed", a=1, b=2, anchor_a=(0, 0), anchor_b=(0, 0))
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SetField(ids=(5,), field="kind", value="fixed"),
+        SetField(ids=(5,), field="limits.on", value=True),
+        ResetFields(rows=((5, "kind", "fixed"),)),
+        PasteProperties(ids=(5,), source=WELD),
+        PasteProperties(ids=(5,), source=WELD.replace(kind="revolute", limits=Limits(max=1.0))),
+    ],
+    ids=str,
+)
+def test_new_welds_and_limits_are_measured_from_how_they_are_drawn(command):
+    turned = Rotate(ids=(2,), angle=math.pi / 2).apply(a_level())
+    assert turned.joints[0].reference_angle == 0.0
+    assert command.apply(turned).joints[0].reference_angle == pytest.approx(math.pi / 2)
+    alone = turned.replace(bodies=turned.bodies[1:])
+    assert command.apply(alone).joints[0].reference_angle == 0.0
+
+
+def test_a_weld_keeps_the_angle_that_was_given_to_it():
+    joint = a_level().joints[0].replace(kind="fixed", reference_angle=0.3)
+    level = a_level().replace(joints=(joint,))
+    for field, value in (("kind", "fixed"), ("limits.max", 1.0), ("motor.on", False)):
+        after = SetField(ids=(5,), field=field, value=value).apply(level)
+        assert after.joints[0].reference_angle == joint.reference_angle
 
 
 def test_mixed_values_are_told():
@@ -184,6 +340,27 @@ def test_a_mirrored_motor_turns_the_other_way():
     assert gap(level, after) < 1e-6
 
 
+@pytest.mark.parametrize("ids", [(1,), (1, 2)], ids=str)
+@pytest.mark.parametrize("ends", [("floor", 1), (1, "floor"), (1, 2), (2, 1)], ids=str)
+def test_a_mirrored_joint_is_as_far_from_its_limits_whatever_it_hangs_on(ends, ids):
+    level = Rotate(ids=(2,), angle=0.4).apply(Rotate(ids=(1,), angle=0.9).apply(a_level()))
+    a, b = ends
+    at_a, at_b = (to_local(referenced_body(level, end), (2.2, 2.0)) for end in ends)
+    limits = Limits(min=0.0, max=1.0)
+    joint = level.joints[0].replace(a=a, b=b, anchor_a=at_a, anchor_b=at_b, limits=limits)
+    level = level.replace(joints=(joint.replace(reference_angle=0.1),))
+    image = Mirror(ids=ids, axis="x").apply(level)
+    after = image.joints[0]
+    angle, turned = (
+        relative_angle(each, each.joints[0]) - each.joints[0].reference_angle
+        for each in (level, image)
+    )
+    assert turned == pytest.approx(-angle, abs=1e-6)
+    assert (after.limits.min, after.limits.max) == (-1.0, 0.0)
+    assert after.motor.speed == -joint.motor.speed
+    assert gap(image, after) < 1e-6
+
+
 def test_order_stays_within_a_kind():
     level = a_level()
     forward = Reorder(ids=(2,), step=1).apply(level)
@@ -240,6 +417,25 @@ def test_other_text_on_the_clipboard_is_refused(text):
         clip.loads(text)
 
 
+@pytest.mark.parametrize(("source", "target"), [("kinetix", "exact"), ("exact", "kinetix")])
+def test_shapes_are_pasted_between_levels_of_other_inertia_models(source, target):
+    """The origin of a free body's frame is its centre of mass, as each level has it."""
+    corners = ((2.0, 2.0), (1.0, 2.0), (1.0, 1.0), (1.2, 1.0))
+    level = a_level().replace(inertia_model=source)
+    trapezoid = polygon_body(corners, level, level.body(1))
+    level = level.replace(bodies=(trapezoid, *level.bodies[1:]))
+    level = Reanchor(joints=(5,)).apply(level)
+    copy = clip.loads(clip.dumps(clip.copied(level, (1, 2))))
+    empty = Level(name="x", inertia_model=target)
+    pasted = clip.Paste(clip=copy, shift=(0.0, 0.0)).apply(empty)
+    assert "E107" not in {issue.code for issue in validate(pasted)}
+    assert np.allclose(world_vertices(pasted.bodies[0]), corners, atol=1e-6)
+    assert gap(pasted, pasted.joints[0]) < 1e-6
+    place = to_world(trapezoid, level.thrusters[0].position)
+    now = to_world(pasted.bodies[0], pasted.thrusters[0].position)
+    assert now == pytest.approx(place, abs=1e-6)
+
+
 def test_a_clip_whose_joints_lead_nowhere_is_refused():
     whole = clip.copied(a_level(), (1, 2))
     with pytest.raises(CommandError, match="do not fit"):
@@ -277,6 +473,20 @@ def test_a_joint_can_hold_another_body():
     assert gap(level, joint) < 1e-6
     with pytest.raises(CommandError):
         ReassignJoint(joint=5, end="b", body=1).apply(a_level())
+
+
+@pytest.mark.parametrize(
+    ("bodies", "ends", "speed", "limits"),
+    [((2, 3), (2, 3), -2.0, (-1.0, 0.5)), ((1, 3), (1, 3), 2.0, (-0.5, 1.0))],
+    ids=["the wheel becomes a", "the box stays a"],
+)
+def test_a_rehung_joint_keeps_its_name_and_drives_what_it_drove(bodies, ends, speed, limits):
+    joint = a_level().joints[0].replace(name="Axle", limits=Limits(min=-0.5, max=1.0))
+    level = a_level().replace(joints=(joint,))
+    after = RehangJoint(joint=5, bodies=bodies, point=(3.0, 2.0)).apply(level).joints[0]
+    assert (after.name, after.a, after.b) == ("Axle", *ends)
+    assert after.motor == joint.motor.replace(speed=speed)
+    assert (after.limits.min, after.limits.max) == limits
 
 
 def test_reanchoring_closes_the_gap():
