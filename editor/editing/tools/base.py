@@ -190,7 +190,7 @@ class Driver:
 
     def text(self, characters: str) -> bool:
         """Take typed characters as a size; False when no gesture wants them."""
-        if self._gesture is None or not set(characters) <= set("0123456789.,x*"):
+        if self._gesture is None or not set(characters) <= set("-0123456789.,x*"):
             return False
         self._typed += characters.replace(",", ".").replace("*", "x")
         self._resend()

@@ -131,6 +131,24 @@ def test_shift_keeps_to_one_axis(session, hand):
     assert position(session, 3) == pytest.approx((4.4, 3.0), abs=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("way", "typed", "shift"),
+    [
+        ((0.3, 0.1), "0.5", (0.5, 0.0)),
+        ((-0.3, 0.1), "0.5", (-0.5, 0.0)),
+        ((0.3, 0.1), "-0.5", (-0.5, 0.0)),
+        ((0.1, -0.3), "0.5", (0.0, -0.5)),
+        ((-0.3, 0.1), "0.5x-0.2", (-0.5, -0.2)),
+    ],
+)
+def test_a_typed_shift_goes_the_way_of_the_drag(session, hand, way, typed, shift):
+    hand.press((4.0, 3.0))
+    hand.hold((4.0 + way[0], 3.0 + way[1]))
+    hand.type(typed)
+    hand.key("return")
+    assert position(session, 3) == pytest.approx((4.0 + shift[0], 3.0 + shift[1]))
+
+
 def test_less_than_three_pixels_is_no_drag(session, hand):
     hand.drag((4.0, 3.0), (4.02, 3.0))
     assert len(session.document.history.entries) == 1
