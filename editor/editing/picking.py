@@ -38,11 +38,11 @@ JOINT_RADIUS: Final = 0.06
 THRUSTER_RADIUS: Final = 0.10
 """Half the width of a thruster's mark [m]."""
 PICK_PIXELS: Final = 8.0
-"""Whatever the zoom, a thing this near to the pointer is under it [px]."""
+"""Whatever the zoom, a thing this near to the pointer is under it [px at 100 %]."""
 HANDLE_PIXELS: Final = 7.0
-"""Half the width of a handle's catch area [px]."""
+"""Half the width of a handle's catch area [px at 100 %]."""
 ROTATE_PIXELS: Final = 28.0
-"""Distance of the rotation handle [px]."""
+"""Distance of the rotation handle [px at 100 %]."""
 
 
 def joint_position(level: Level, joint: Joint) -> Point:
@@ -227,7 +227,7 @@ def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, 
     Args:
         level: Where the entities are.
         selection: What is selected.
-        metres: What one pixel covers [m].
+        metres: Width of a pixel at 100 % [m].
     """
     bodies = selected_bodies(level, selection)
     if len(bodies) == 0:

@@ -154,6 +154,21 @@ def test_less_than_three_pixels_is_no_drag(session, hand):
     assert len(session.document.history.entries) == 1
 
 
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_reach_of_the_pointer_grows_with_the_scale_of_the_window(session, hand, scale):
+    session.view.scale = scale
+    session.settings.snap_smart = True
+    pixel = 0.01 * scale  # [m]
+    hand.click((2.2 + 7 * pixel, 2.0))
+    assert session.selection == (5,)
+    hand.drag((4.0, 3.0), (4.0 + 2 * pixel, 3.0))
+    assert session.selection == (3,) and len(session.document.history.entries) == 1
+    x, y = handle(session, HandleKind.RADIUS)
+    hand.move((x + 6 * pixel, y))
+    assert session.driver.feedback.cursor is Cursor.RESIZE
+    assert session.rules().catch == pytest.approx(8 * pixel)
+
+
 def test_locked_things_are_neither_picked_nor_moved(session, hand):
     session.selection = (3,)
     hand.key("l", ctrl=True)

@@ -6,6 +6,7 @@ import pytest
 from imgui_bundle import imgui
 
 from editor.drawing.strokes import Room
+from editor.toolkit.widgets import px
 from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
 from tests.editor.core.helpers import a_level, a_session
@@ -43,6 +44,12 @@ def test_hidden_things_have_no_key_caps(make_gui):
     assert set(caps(gui)) == {6}
     gui.session.settings.key_caps = False
     gui.frames(2)
+
+
+def test_handles_are_caught_as_large_as_they_are_drawn(make_gui):
+    gui = make_gui(session=a_session(text_scale=1.5), scale=2.0)
+    gui.frames(2)
+    assert gui.session.view.scale == px(1.0) == 3.0
 
 
 @pytest.mark.parametrize(("size", "scale"), [((1024, 640), 1.0), ((1440, 900), 2.0)])
