@@ -1,10 +1,13 @@
 """Marks on the level: key caps, labels, debug drawings."""
 
+import dataclasses
 import itertools
 
+import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from editor.drawing import debug_draw
 from editor.drawing.strokes import Room
 from editor.toolkit.widgets import px
 from kinetix.level.geometry import FLOOR_TOP
@@ -93,6 +96,29 @@ def test_the_first_debug_drawing_shows_something(make_gui):
     gui.session.settings.debug_draw = ["aabbs"]
     gui.key("f3")
     assert gui.session.settings.debug_draw == ["aabbs"]
+
+
+@pytest.mark.parametrize(("speed", "drive", "way"), [(2.0, 1, 1), (-2.0, 1, -1), (-2.0, -1, 1)])
+def test_the_arrow_of_a_motors_drive_points_the_way_it_turns(
+    make_gui, monkeypatch, speed, drive, way
+):
+    level = a_level()
+    joint = level.joints[0].replace(motor=Motor(speed=speed))
+    session = a_session(level=level.replace(joints=(joint,)), debug_draw=["motors"])
+    session.view.debug_draw = True
+    gui = make_gui(session=session)
+    arrows = []
+    monkeypatch.setattr(
+        debug_draw, "arrow", lambda draw, start, tip, *_: arrows.append((start, tip))
+    )
+    gui.key("space")
+    simulator = session.playback.simulator
+    simulator.state = dataclasses.replace(simulator.state, motor=np.array([drive], np.float32))
+    gui.frames(3)
+    (x, y), tip = arrows[-1]
+    cx, cy = session.camera.to_screen((2.2, 2.0))
+    turn = (x - cx) * (tip[1] - y) - (y - cy) * (tip[0] - x)
+    assert turn * way < 0  # y points down in the window
 
 
 def test_thrusters_have_caps_too(make_gui):
