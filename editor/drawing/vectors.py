@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 
 from editor.base.camera import Camera, Point
 from editor.toolkit import draw_list
-from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA
+from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, inscribed_circle
 from kinetix.level.model import (
     ROLES,
     Body,
@@ -76,16 +76,7 @@ def inset(points: Sequence[Point], distance: float) -> list[Point] | None:
     return moved
 
 
-@functools.lru_cache(maxsize=4096)
-def _inscribed(vertices: tuple[Point, ...]) -> float:
-    """Distance from the origin of the frame to the nearest edge [m]; 0 when it lies outside."""
-    nearest = math.inf
-    for k in range(len(vertices)):
-        (ax, ay), (bx, by) = vertices[k - 1], vertices[k]
-        length = math.hypot(bx - ax, by - ay)
-        if length > 0:
-            nearest = min(nearest, (ax * (by - ay) - ay * (bx - ax)) / length)
-    return max(nearest, 0.0)
+_middle = functools.lru_cache(maxsize=4096)(inscribed_circle)
 
 
 def poses_of(level: Level) -> list[Pose]:
@@ -172,12 +163,11 @@ class Painter:
         """A body with outline, pattern and role glyph."""
         role = ROLES.index(body.role)
         fill = self.palette.fill(role, fixed=body.fixed)
-        centre = self.camera.to_screen((pose[0], pose[1]))
+        middle, inscribed = _middle(body.shape)
+        (centre,) = self.place(pose, [middle])
         if isinstance(body.shape, Circle):
-            inscribed = body.shape.radius
             self._circle(centre, inscribed, pose[2], fill)
         else:
-            inscribed = _inscribed(body.shape.vertices)
             self._polygon(self.place(pose, body.shape.vertices), fill)
         pattern = ROLE_PATTERNS[role]
         if self.style.patterns and pattern is not None:

@@ -11,6 +11,7 @@ from kinetix.level.geometry import (
     bounds,
     bounds_of,
     contains,
+    inscribed_circle,
     inside_box,
     rotate,
     signed_distance,
@@ -88,10 +89,10 @@ def reach(body: Body) -> float:
 
 
 def _under(body: Body, point: Point, radius: float) -> bool:
-    distance = math.dist(body.position, point)
-    if distance <= radius:
-        return True
-    return distance <= reach(body) and signed_distance(body, point) <= 0.0
+    if math.dist(body.position, point) > reach(body) + radius:
+        return False
+    middle, _ = inscribed_circle(body.shape)
+    return math.dist(to_world(body, middle), point) <= radius or contains(body, point)
 
 
 def stack(

@@ -123,19 +123,20 @@ def _polygons(world: World, state: State, role: Int[Array, " b"], view: _View) -
     if view.style.patterns:
         layers = _patterned(layers, position, angle, role, view)
     # The nearest edge, seen from the middle of the body.
-    local = raster.polygon_layers(
-        poses.corners(world)[keep] * jnp.array([1.0, -1.0]),
+    centroid = poses.centroids(corners)
+    around = raster.polygon_layers(
+        (corners - centroid[:, None]) * jnp.array([1.0, -1.0]),
         fill=layers.fill,
         ink=layers.ink,
         edge=layers.edge,
         shown=layers.shown,
     )
     on_floor = jnp.arange(len(keep)) == 0
-    inscribed = jnp.where(on_floor, _FLOOR_GLYPH_DEPTH, local.offset.min(axis=-1))
+    inscribed = jnp.where(on_floor, _FLOOR_GLYPH_DEPTH, around.offset.min(axis=-1))
     surface = jnp.stack(
         [position[:, 0], corners[..., 1].max(axis=-1) - _FLOOR_GLYPH_DEPTH], axis=-1
     )
-    middle = jnp.where(on_floor[:, None], surface, position)
+    middle = jnp.where(on_floor[:, None], surface, centroid)
     return _with_glyphs([layers], middle, angle, inscribed, role, fixed, view)
 
 
