@@ -5,7 +5,6 @@ the JAX renderer uses too; the two drawings of one level must agree.
 """
 
 import dataclasses
-import functools
 import math
 from collections.abc import Collection, Sequence
 from typing import Final
@@ -13,8 +12,9 @@ from typing import Final
 from imgui_bundle import imgui
 
 from editor.base.camera import Camera, Point
+from editor.base.glyphs import glyph_place
 from editor.toolkit import draw_list
-from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, inscribed_circle
+from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, arena_body
 from kinetix.level.model import (
     ROLES,
     Body,
@@ -74,9 +74,6 @@ def inset(points: Sequence[Point], distance: float) -> list[Point] | None:
         if (bx - ax) * (dx - cx) + (by - ay) * (dy - cy) <= 0:
             return None
     return moved
-
-
-_middle = functools.lru_cache(maxsize=4096)(inscribed_circle)
 
 
 def poses_of(level: Level) -> list[Pose]:
@@ -145,12 +142,10 @@ class Painter:
 
     def floor(self, level: Level) -> None:
         """The floor, cut off at the arena's edge."""
-        geometry = level.arena.floor.geometry or STANDARD_ARENA["floor"]
-        points = self.place((*geometry.position, 0.0), geometry.vertices)
+        floor = arena_body(level.arena, "floor")
         low, high = self.square(ARENA_WIDTH)
-        role = ROLES.index(level.arena.floor.role)
         self.draw.push_clip_rect(low, high, True)
-        self._polygon(points, self.palette.fill(role, fixed=True))
+        self.body(floor, (*floor.position, floor.angle))
         self.draw.pop_clip_rect()
 
     def _polygon(self, points: list[Point], fill: Rgb) -> None:
@@ -163,7 +158,7 @@ class Painter:
         """A body with outline, pattern and role glyph."""
         role = ROLES.index(body.role)
         fill = self.palette.fill(role, fixed=body.fixed)
-        middle, inscribed = _middle(body.shape)
+        middle, inscribed = glyph_place(body)
         (centre,) = self.place(pose, [middle])
         if isinstance(body.shape, Circle):
             self._circle(centre, inscribed, pose[2], fill)

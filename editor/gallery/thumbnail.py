@@ -12,10 +12,10 @@ from jaxtyping import UInt8
 from PIL import Image, ImageDraw
 
 from editor.base.camera import Point
+from editor.base.glyphs import glyph_place
 from kinetix.level.geometry import (
     ARENA_WIDTH,
     arena_body,
-    inscribed_circle,
     referenced_body,
     to_world,
 )
@@ -77,7 +77,7 @@ class _Sketch:
         """A body with its outline and role glyph."""
         role = ROLES.index(body.role)
         fill = self._palette.fill(role, fixed=body.fixed)
-        middle, inscribed = inscribed_circle(body.shape)
+        middle, inscribed = glyph_place(body)
         if isinstance(body.shape, Circle):
             self._disc(body.position, inscribed * self._scale, fill)
             tip = to_world(body, (0.0, inscribed))
@@ -99,7 +99,7 @@ class _Sketch:
 
     def _glyph(self, role: int, body: Body, at: Point, radius: float, fill: Rgb) -> None:
         glyph = ROLE_GLYPHS[role]
-        if glyph is None or body.id == 0:
+        if glyph is None:
             return
         r, colour = max(radius, _LEAST_MARK), ink(fill)
         x, y = self._at(at)

@@ -8,8 +8,10 @@ import pytest
 from editor.base.camera import Camera
 from editor.drawing.vectors import Painter
 from editor.gallery.thumbnail import draw_thumbnail
-from kinetix.level.geometry import recentred
-from kinetix.level.model import Body, Level, Polygon
+from kinetix.level.geometry import FLOOR_TOP, recentred
+from kinetix.level.model import ROLES, Arena, ArenaBody, Body, Level, Polygon
+from kinetix.render.palette import KINETIX, ink
+from kinetix.render.style import FLOOR_GLYPH_DEPTH
 
 BOX = Polygon(vertices=((1.3, 0.7), (0.7, 0.7), (0.7, 0.3), (1.3, 0.3)))
 """Its frame's origin lies outside of it."""
@@ -19,6 +21,26 @@ def strokes(draw):
     """Numbers of all that was drawn on a draw list."""
     told = [value for call in draw.mock_calls for value in call.args]
     return np.concatenate([np.ravel(value) for value in told]).astype(float)
+
+
+def floored(role):
+    return Level(name="x", arena=Arena(floor=ArenaBody(role=role)))
+
+
+@pytest.mark.parametrize("role", ["green", "blue", "red"])
+def test_the_floors_role_has_its_glyph_under_the_surface(role):
+    draw, camera = mock.Mock(), Camera(size=(500.0, 500.0))
+    Painter(draw=draw, camera=camera).floor(floored(role))
+    at = np.array(camera.to_screen((2.5, FLOOR_TOP - FLOOR_GLYPH_DEPTH)))
+    glyph = draw.add_line if role == "red" else draw.add_circle_filled
+    for call in glyph.call_args_list:
+        assert np.abs(np.array(call.args[0]) - at).max() < 10
+    assert glyph.call_args_list
+    picture = draw_thumbnail(floored(role), 500)
+    fill = KINETIX.fill(ROLES.index(role), fixed=True)
+    x, y = at.astype(int)
+    assert tuple(picture[y, x]) == ink(fill)
+    assert tuple(picture[y, x + 30]) == fill
 
 
 @pytest.mark.parametrize("role", ["green", "blue", "red"])
