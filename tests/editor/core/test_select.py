@@ -357,6 +357,10 @@ def test_arrows_nudge(session, hand, key, mods, shift):
     hand.key(key, **mods)
     assert position(session, 3) == pytest.approx((4.0 + shift[0], 3.0 + shift[1]), abs=1e-5)
     assert session.editing
+    session.document.undo()
+    session.settings.nudge_step = 0.1
+    hand.key(key, **mods)
+    assert position(session, 3) == pytest.approx((4.0 + 2 * shift[0], 3.0 + 2 * shift[1]), abs=1e-5)
 
 
 def test_quick_nudges_are_one_entry(session, hand):
