@@ -26,8 +26,8 @@ MIDDLE = (2.5, 2.5)
 """Place of new parts when the pointer is elsewhere [m]."""
 PASTE_SHIFT = (0.1, 0.1)
 """Offset of a duplicate [m]."""
-NUDGE_FINE = 0.005
-"""Step of Alt+arrow [m]."""
+NUDGE_FINE = 0.1
+"""Alt+arrow moves this part of a step."""
 NUDGE_COARSE = 10
 """Shift+arrow moves this many steps."""
 
@@ -247,7 +247,7 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
     def run(session: Session) -> None:
         step = session.settings.nudge_step
         if session.hands.modifiers.alt:
-            step = NUDGE_FINE
+            step *= NUDGE_FINE
         elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
         ids = moving_ids(session)

@@ -1,7 +1,6 @@
 """The pointer on the canvas: pan, zoom, gestures, the stack's menu, pulling bodies."""
 
 import dataclasses
-import math
 from typing import Final
 
 from editor.actions import context
@@ -9,7 +8,7 @@ from editor.base.camera import ZOOM_NOTCH
 from editor.base.controls import NOOP
 from editor.base.events import LEFT, MIDDLE, RIGHT, PinchEvent, Pointer, PointerEvent, WheelEvent
 from editor.editing.picking import bodies_at
-from editor.editing.tools.base import DRAG_PIXELS
+from editor.editing.tools.base import is_drag
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.requests import Pull
@@ -74,7 +73,7 @@ def _panned(session: Session, event: PointerEvent, table: context.Table) -> bool
         return False
     start, last, moved = session.hands.pan
     if event.kind is Pointer.MOVE:
-        moved = moved or math.dist(start, event.screen) >= DRAG_PIXELS
+        moved = moved or is_drag(session, start, event.screen)
         if moved:
             delta = (event.screen[0] - last[0], event.screen[1] - last[1])
             session.camera = session.camera.panned(delta)

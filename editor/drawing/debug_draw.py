@@ -248,10 +248,10 @@ class _Pen:
     def motors(self) -> None:
         assert self.snapshot is not None
         for joint, drive in zip(self.where.level.joints, self.snapshot.motor.tolist(), strict=True):
-            if abs(drive) < 1e-3:
+            if joint.motor is None or abs(drive) < 1e-3:
                 continue
             centre = self._at(self.where.joint_point(joint))
-            r, turn = px(16), math.copysign(0.5 + 2.0 * abs(drive), drive)
+            r, turn = px(16), math.copysign(0.5 + 2.0 * abs(drive), drive * joint.motor.speed)
             self.draw.path_arc_to(centre, r, math.pi / 2, math.pi / 2 - turn, 20)
             self.draw.path_stroke(u32(_ORANGE), px(2.5))
             end = math.pi / 2 - turn

@@ -5,7 +5,6 @@ the JAX renderer uses too; the two drawings of one level must agree.
 """
 
 import dataclasses
-import functools
 import math
 from collections.abc import Collection, Sequence
 from typing import Final
@@ -13,8 +12,9 @@ from typing import Final
 from imgui_bundle import imgui
 
 from editor.base.camera import Camera, Point
+from editor.base.glyphs import glyph_place
 from editor.toolkit import draw_list
-from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA
+from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, arena_body
 from kinetix.level.model import (
     ROLES,
     Body,
@@ -74,18 +74,6 @@ def inset(points: Sequence[Point], distance: float) -> list[Point] | None:
         if (bx - ax) * (dx - cx) + (by - ay) * (dy - cy) <= 0:
             return None
     return moved
-
-
-@functools.lru_cache(maxsize=4096)
-def _inscribed(vertices: tuple[Point, ...]) -> float:
-    """Distance from the origin of the frame to the nearest edge [m]; 0 when it lies outside."""
-    nearest = math.inf
-    for k in range(len(vertices)):
-        (ax, ay), (bx, by) = vertices[k - 1], vertices[k]
-        length = math.hypot(bx - ax, by - ay)
-        if length > 0:
-            nearest = min(nearest, (ax * (by - ay) - ay * (bx - ax)) / length)
-    return max(nearest, 0.0)
 
 
 def poses_of(level: Level) -> list[Pose]:
@@ -154,12 +142,10 @@ class Painter:
 
     def floor(self, level: Level) -> None:
         """The floor, cut off at the arena's edge."""
-        geometry = level.arena.floor.geometry or STANDARD_ARENA["floor"]
-        points = self.place((*geometry.position, 0.0), geometry.vertices)
+        floor = arena_body(level.arena, "floor")
         low, high = self.square(ARENA_WIDTH)
-        role = ROLES.index(level.arena.floor.role)
         self.draw.push_clip_rect(low, high, True)
-        self._polygon(points, self.palette.fill(role, fixed=True))
+        self.body(floor, (*floor.position, floor.angle))
         self.draw.pop_clip_rect()
 
     def _polygon(self, points: list[Point], fill: Rgb) -> None:
@@ -172,12 +158,11 @@ class Painter:
         """A body with outline, pattern and role glyph."""
         role = ROLES.index(body.role)
         fill = self.palette.fill(role, fixed=body.fixed)
-        centre = self.camera.to_screen((pose[0], pose[1]))
+        middle, inscribed = glyph_place(body)
+        (centre,) = self.place(pose, [middle])
         if isinstance(body.shape, Circle):
-            inscribed = body.shape.radius
             self._circle(centre, inscribed, pose[2], fill)
         else:
-            inscribed = _inscribed(body.shape.vertices)
             self._polygon(self.place(pose, body.shape.vertices), fill)
         pattern = ROLE_PATTERNS[role]
         if self.style.patterns and pattern is not None:

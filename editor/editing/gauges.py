@@ -28,18 +28,18 @@ KINDS: Final = frozenset(
 """Kinds of handles that this module places."""
 
 WEDGE_PIXELS: Final = 40.0
-"""Radius of the wedge of a joint's limits [px]."""
+"""Radius of the wedge of a joint's limits [px at 100 %]."""
 MOTOR_PIXELS: Final = 58.0
-"""Radius of the arc of a motor's speed [px]."""
+"""Radius of the arc of a motor's speed [px at 100 %]."""
 MOTOR_SWEEP: Final = math.radians(50.0)
 """Angle of the arc at speed 1 [rad]; it begins upwards."""
 POWER_BASE: Final = 22.0
 POWER_PIXELS: Final = 30.0
-"""A thruster's bar is that long at power 0, and this much longer at power 1 [px]."""
+"""A thruster's bar is that long at power 0, and this much longer at power 1 [px at 100 %]."""
 VELOCITY_SECONDS: Final = 0.15
 """A velocity's arrow is as long as the way in this time."""
 CLEAR_PIXELS: Final = 24.0
-"""Distance of a body's arrows from its outline [px]."""
+"""Distance of a body's arrows from its outline [px at 100 %]."""
 SPIN_SWEEP: Final = math.radians(8.0)
 """Angle of the arc at 1 rad/s [rad]; it begins at the upper left."""
 SPIN_START: Final = math.radians(135.0)
@@ -82,7 +82,7 @@ def handles_of(level: Level, selection: Selection, metres: float) -> tuple[Handl
     Args:
         level: Where it is.
         selection: What is selected.
-        metres: What one pixel covers [m].
+        metres: Width of a pixel at 100 % [m].
     """
     if not selection:
         gx, gy = level.gravity
@@ -147,7 +147,7 @@ def marks_of(level: Level, selection: Selection, metres: float) -> tuple[Mark, .
     Args:
         level: Where the selected thing is, a preview included.
         selection: What is selected.
-        metres: What one pixel covers [m].
+        metres: Width of a pixel at 100 % [m].
     """
     places = {handle.kind: handle.at for handle in handles_of(level, selection, metres)}
     marks: list[Mark] = []

@@ -11,6 +11,7 @@ from kinetix.level.geometry import (
     bounds,
     bounds_of,
     contains,
+    inscribed_circle,
     inside_box,
     rotate,
     signed_distance,
@@ -38,11 +39,11 @@ JOINT_RADIUS: Final = 0.06
 THRUSTER_RADIUS: Final = 0.10
 """Half the width of a thruster's mark [m]."""
 PICK_PIXELS: Final = 8.0
-"""Whatever the zoom, a thing this near to the pointer is under it [px]."""
+"""Whatever the zoom, a thing this near to the pointer is under it [px at 100 %]."""
 HANDLE_PIXELS: Final = 7.0
-"""Half the width of a handle's catch area [px]."""
+"""Half the width of a handle's catch area [px at 100 %]."""
 ROTATE_PIXELS: Final = 28.0
-"""Distance of the rotation handle [px]."""
+"""Distance of the rotation handle [px at 100 %]."""
 
 
 def joint_position(level: Level, joint: Joint) -> Point:
@@ -88,10 +89,10 @@ def reach(body: Body) -> float:
 
 
 def _under(body: Body, point: Point, radius: float) -> bool:
-    distance = math.dist(body.position, point)
-    if distance <= radius:
-        return True
-    return distance <= reach(body) and signed_distance(body, point) <= 0.0
+    if math.dist(body.position, point) > reach(body) + radius:
+        return False
+    middle, _ = inscribed_circle(body.shape)
+    return math.dist(to_world(body, middle), point) <= radius or contains(body, point)
 
 
 def stack(
@@ -227,7 +228,7 @@ def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, 
     Args:
         level: Where the entities are.
         selection: What is selected.
-        metres: What one pixel covers [m].
+        metres: Width of a pixel at 100 % [m].
     """
     bodies = selected_bodies(level, selection)
     if len(bodies) == 0:

@@ -16,9 +16,9 @@ from kinetix.level.geometry import FLOOR_TOP, bounds, world_vertices
 from kinetix.level.model import Body, Circle, Level, Point
 
 CATCH_PIXELS: Final = 8.0
-"""A target nearer than this catches [px]."""
+"""A target nearer than this catches [px at 100 %]."""
 RELEASE_PIXELS: Final = 12.0
-"""A target that has caught holds up to this [px]."""
+"""A target that has caught holds up to this [px at 100 %]."""
 ARENA_X: Final = (0.0, 2.5, 5.0)
 ARENA_Y: Final = (FLOOR_TOP, 2.5, 5.0)
 """Edges and middle of the playable square, the floor's surface below [m]."""

@@ -31,7 +31,7 @@ from kinetix.paths import cache_dir
 
 Thumbnail = UInt8[np.ndarray, "h w 3"]
 
-INDEX_VERSION: Final = 1
+INDEX_VERSION: Final = 2
 """Rises when cards or thumbnails are made in another way: older ones are made anew."""
 _PICTURES: Final = 320
 """Thumbnails kept in memory."""

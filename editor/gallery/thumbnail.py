@@ -12,7 +12,13 @@ from jaxtyping import UInt8
 from PIL import Image, ImageDraw
 
 from editor.base.camera import Point
-from kinetix.level.geometry import ARENA_WIDTH, arena_body, referenced_body, to_world
+from editor.base.glyphs import glyph_place
+from kinetix.level.geometry import (
+    ARENA_WIDTH,
+    arena_body,
+    referenced_body,
+    to_world,
+)
 from kinetix.level.model import ROLES, Body, Circle, Joint, Level, Thruster
 from kinetix.render.palette import KINETIX, Palette, Rgb, ink
 from kinetix.render.style import (
@@ -71,16 +77,16 @@ class _Sketch:
         """A body with its outline and role glyph."""
         role = ROLES.index(body.role)
         fill = self._palette.fill(role, fixed=body.fixed)
+        middle, inscribed = glyph_place(body)
         if isinstance(body.shape, Circle):
-            inscribed = body.shape.radius
             self._disc(body.position, inscribed * self._scale, fill)
             tip = to_world(body, (0.0, inscribed))
             ends = (self._at(body.position), self._at(tip))
             self._draw.line(ends, self._palette.outline, round(self._line))
         else:
-            inscribed = min(math.hypot(*vertex) for vertex in body.shape.vertices) * 0.6
             self._polygon([to_world(body, v) for v in body.shape.vertices], fill)
-        self._glyph(role, body, glyph_radius(inscribed, STYLE) * self._scale, fill)
+        radius = glyph_radius(inscribed, STYLE) * self._scale
+        self._glyph(role, body, to_world(body, middle), radius, fill)
 
     def _disc(self, centre: Point, radius: float, fill: Rgb) -> None:
         x, y = self._at(centre)
@@ -91,12 +97,12 @@ class _Sketch:
         corners = [self._at(point) for point in points]
         self._draw.polygon(corners, fill, self._palette.outline, max(1, round(line or self._line)))
 
-    def _glyph(self, role: int, body: Body, radius: float, fill: Rgb) -> None:
+    def _glyph(self, role: int, body: Body, at: Point, radius: float, fill: Rgb) -> None:
         glyph = ROLE_GLYPHS[role]
-        if glyph is None or body.id == 0:
+        if glyph is None:
             return
         r, colour = max(radius, _LEAST_MARK), ink(fill)
-        x, y = self._at(body.position)
+        x, y = self._at(at)
         if glyph.disc > 0:
             d = glyph.disc * r
             self._draw.ellipse((x - d, y - d, x + d, y + d), colour)

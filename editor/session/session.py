@@ -219,8 +219,8 @@ class Session:
 
     @property
     def metres(self) -> float:
-        """Metres per pixel of the canvas."""
-        return 1.0 / self.camera.scale
+        """Metres per pixel of the canvas at 100 %."""
+        return self.view.scale / self.camera.scale
 
     @property
     def angle_step(self) -> float:

@@ -7,6 +7,8 @@ import dataclasses
 class View:
     """View settings besides the level; the window's panels and actions change them freely."""
 
+    scale: float = 1.0
+    """Window pixels per pixel at 100 %; the window sets it."""
     interface: bool = True
     """Panels and bars; Tab hides them."""
     panels_in_play: bool = False

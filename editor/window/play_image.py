@@ -13,6 +13,7 @@ import numpy as np
 
 from editor.play.mode import Mode
 from editor.worker.jobs import Job, JobState
+from editor.worker.recording import Snapshot
 from editor.worker.requests import RenderState
 from kinetix.engine.spec import Capacity
 from kinetix.level.geometry import ARENA_WIDTH
@@ -35,11 +36,13 @@ _Key = tuple[Capacity, int, str, bool, bool]
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A picture of the arena at one step."""
+    """A picture of the arena at one moment of an episode."""
 
     pixels: np.ndarray
     """uint8[side, side, 3], top row first."""
-    step: int
+    snapshot: Snapshot
+    episode: int
+    """Number of the episode, as `Playback` counts."""
     stamp: int
 
 
@@ -74,46 +77,56 @@ class PlayImage:
             level = session.document.level
             key = _key(session, level, side)
             if key not in self._ready and session.worker.idle:
-                self._ask(session, _request(session, level, None, side), key, 0)
+                self._ask(session, _request(session, level, None, side), key, None)
             return
         level, snapshot = playback.level, playback.snapshot
         if level is None or snapshot is None or snapshot.state is None or level is self._given_up:
             return
         key = _key(session, level, side)
-        fresh = self._picture is not None and self._picture.step == snapshot.step
+        fresh = self._picture is not None and self._picture.snapshot is snapshot
         if key not in self._ready or fresh:
             return
         slow = playback.real_time_factor < _SLOW_FACTOR * playback.speed
         if session.mode is Mode.PLAYING and playback.step_count > 45 and slow:
             self._given_up, self._picture = level, None
             return
-        self._ask(session, _request(session, level, snapshot.state, side), key, snapshot.step)
+        self._ask(session, _request(session, level, snapshot.state, side), key, snapshot)
 
     def picture(self, session: "Session") -> Picture | None:
         """The picture to show now, or None when there is none that is recent enough."""
-        if session.editing or self._picture is None:
+        playback, picture = session.playback, self._picture
+        if session.editing or picture is None:
             return None
-        late = session.playback.step_count - self._picture.step
-        return self._picture if 0 <= late <= _LATE_STEPS else None
+        if picture.snapshot is playback.snapshot:
+            return picture
+        late = playback.step_count - picture.snapshot.step
+        recent = picture.episode == playback.episode and 0 < late <= _LATE_STEPS
+        return picture if recent else None
 
-    def _ask(self, session: "Session", request: RenderState, key: _Key, step: int) -> None:
+    def _ask(
+        self, session: "Session", request: RenderState, key: _Key, snapshot: Snapshot | None
+    ) -> None:
         self._pending = True
         session.worker.submit(
             request,
             title=_TITLE,
             urgent=not session.editing,
-            done=functools.partial(self._done, key, step),
+            done=functools.partial(self._done, key, snapshot, session.playback.episode),
         )
 
-    def _done(self, key: _Key, step: int, job: Job) -> None:
+    def _done(self, key: _Key, snapshot: Snapshot | None, episode: int, job: Job) -> None:
         self._pending = False
         if job.state is JobState.FAILED:
             # The log has the reason; the vectors show the same.
             self.enabled = False
         elif job.state is JobState.DONE:
             self._ready.add(key)
-            self._stamp += 1
-            self._picture = Picture(pixels=job.result.pixels, step=step, stamp=self._stamp)
+            if snapshot is not None:
+                self._stamp += 1
+                pixels, stamp = job.result.pixels, self._stamp
+                self._picture = Picture(
+                    pixels=pixels, snapshot=snapshot, episode=episode, stamp=stamp
+                )
 
 
 def _key(session: "Session", level: Level, side: int) -> _Key:

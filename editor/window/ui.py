@@ -206,6 +206,7 @@ class Ui:
         if self._look and (wanted, text) != self._look[:2]:
             self.workplace.rescale(wanted / self.scale)
         self.scale, self._look = wanted, look
+        self.session.view.scale = px(1.0)
 
     def _bars(self) -> None:
         session = self.session

@@ -309,6 +309,14 @@ def segment_distance(point: Point, start: Point, end: Point) -> float:
     return math.dist(point, (start[0] + along * dx, start[1] + along * dy))
 
 
+def inscribed_circle(shape: Shape) -> tuple[Point, float]:
+    """Return the middle of a shape in its frame and the distance from there to its edge [m]."""
+    if isinstance(shape, Circle):
+        return (0.0, 0.0), shape.radius
+    middle = area_centroid(shape.vertices)
+    return middle, min(segment_distance(middle, p, q) for p, q in _edges(shape.vertices))
+
+
 def signed_distance(body: Body, point: Point) -> float:
     """Distance of a world point from a body's outline [m], negative inside."""
     if isinstance(body.shape, Circle):

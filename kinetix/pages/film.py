@@ -94,13 +94,9 @@ def packed(film: Film) -> dict[str, Any]:
     count, bodies = film.angle.shape
     stride = max(1, -(-count * (_ROW_BYTES + _BODY_BYTES * bodies) // MOST_BYTES))
     rows = np.unique(np.append(np.arange(0, count, stride), count - 1))
-    poses = np.concatenate(
-        [
-            np.clip(film.position[rows] * MILLIMETRES, -32767, 32767),
-            (film.angle[rows] * TURN % 65536)[..., None],
-        ],
-        axis=-1,
-    )
+    poses = _last_known(np.concatenate([film.position, film.angle[..., None]], axis=-1))[rows]
+    poses[..., :2] = np.clip(poses[..., :2] * MILLIMETRES, -32767, 32767)
+    poses[..., 2] = poses[..., 2] * TURN % 65536
     return {
         "title": film.title,
         "outcome": film.outcome,
@@ -112,6 +108,13 @@ def packed(film: Film) -> dict[str, Any]:
         "value": _curve(film.value, rows),
         "entropy": _curve(film.entropy, rows),
     }
+
+
+def _last_known(poses: Float[np.ndarray, "k b 3"]) -> Float[np.ndarray, "k b 3"]:
+    """Return poses in which a body that is NaN stays where it was last."""
+    moment = np.arange(len(poses))[:, None]
+    known = np.where(np.isfinite(poses).all(axis=-1), moment, 0)
+    return np.take_along_axis(poses, np.maximum.accumulate(known)[..., None], axis=0)
 
 
 def _controls(actions: Float[np.ndarray, "k u"]) -> Float[np.ndarray, "k 6"]:

@@ -83,7 +83,7 @@ function outline(g, shape, at) {
   if (shape.radius !== undefined) {  // a spoke, so that one sees it turn
     g.beginPath();
     g.moveTo(at[0], at[1]);
-    g.lineTo(...placed(at, [shape.radius, 0]));
+    g.lineTo(...placed(at, [0, shape.radius]));
     g.stroke();
   }
 }

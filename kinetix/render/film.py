@@ -4,13 +4,14 @@ import contextlib
 import itertools
 import subprocess
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from jaxtyping import UInt8
-from PIL import Image
+from PIL import Image, ImageChops
+from PIL.GifImagePlugin import getdata, getheader
 
 from kinetix.errors import KinetixError
 
@@ -20,6 +21,8 @@ Frames = Iterable[UInt8[np.ndarray, "h w 3"]]
 FILM_SUFFIXES: Final = (".gif", ".mp4")
 _COLOURS: Final = 64
 """Colours of a GIF's picture: levels have few, and the file half the bytes of 256."""
+_MOST_COLOURS: Final = 256
+"""Colours that a picture of a GIF can have."""
 _SHORTEST: Final = 2
 """Least time of a GIF's picture [0.01 s]: browsers show anything shorter for 0.1 s."""
 
@@ -84,34 +87,69 @@ def write_gif(
     Raises:
         OSError: The file cannot be written.
     """
-    all_pictures = list(pictures)
-    shown, durations = _gif_times(len(all_pictures), per_second)
-    first, *rest = (all_pictures[k] for k in shown)
-    first.save(
-        path,
-        format="GIF",
-        save_all=True,
-        append_images=rest,
-        duration=durations,
-        loop=0,
-        optimize=True,
-        comment=comment.encode(),
-    )
+    with path.open("wb") as file:
+        for block in _gif_blocks(_timed(pictures, per_second), comment):
+            file.write(block)
 
 
-def _gif_times(count: int, per_second: float) -> tuple[list[int], list[int]]:
-    """Return which pictures a GIF shows, the last one always, and how long each lasts [ms]."""
-    # GIF counts hundredths of a second: each time is rounded, and their sum stays right.
-    moments = [round(100 * k / per_second) for k in range(count + 1)]
-    begins = [0]
-    for k in range(1, count):
-        if min(moments[k] - moments[begins[-1]], moments[-1] - moments[k]) >= _SHORTEST:
-            begins.append(k)
-    times = [
-        10 * (end - start)
-        for start, end in itertools.pairwise(moments[k] for k in (*begins, count))
-    ]
-    return [*begins[:-1], count - 1], times
+def _timed(pictures: Iterable[Image.Image], per_second: float) -> Iterator[tuple[Image.Image, int]]:
+    """Yield the pictures that a GIF shows, the last one always, and how long each lasts [0.01 s].
+
+    Each moment is rounded, so that the sum of the times stays right.
+    """
+    pictures = iter(pictures)
+    picture, end = next(pictures), round(100 / per_second)
+    begun = [(picture, 0)]
+    for count, picture in enumerate(pictures, 2):
+        moment, end = end, round(100 * count / per_second)
+        if moment - begun[-1][1] >= _SHORTEST:
+            begun.append((picture, moment))
+        if len(begun) > 2:
+            (shown, begin), *begun = begun
+            yield shown, begun[0][1] - begin
+    if len(begun) > 1 and end - begun[-1][1] < _SHORTEST:
+        begun.pop()
+    begun[-1] = (picture, begun[-1][1])
+    for (shown, begin), (_, until) in itertools.pairwise([*begun, (picture, end)]):
+        yield shown, until - begin
+
+
+def _gif_blocks(timed: Iterator[tuple[Image.Image, int]], comment: str) -> Iterator[bytes]:
+    """Yield the parts of a GIF file.
+
+    Pillow's own writer of films holds all of their pictures at once: gigabytes, if they are large.
+    """
+    before, time = next(timed)
+    header, _ = getheader(before, info={"loop": 0, "comment": comment.encode()})
+    yield from header
+    part: dict[str, Any] = {"im": before}
+    for picture, further in timed:
+        change = _change(before, picture)
+        if change is None:
+            time += further
+            continue
+        yield from getdata(**part, duration=10 * time)
+        part, before, time = change, picture, further
+    yield from getdata(**part, duration=10 * time)
+    yield b";"
+
+
+def _change(before: Image.Image, picture: Image.Image) -> dict[str, Any] | None:
+    """Return what `getdata` writes of a picture: what differs from the one before, if anything."""
+    difference = ImageChops.difference(before.convert("RGB"), picture.convert("RGB"))
+    box = difference.getbbox()
+    if box is None:
+        return None
+    part, palette = picture.crop(box), picture.getpalette() or []
+    change: dict[str, Any] = {"im": part, "offset": box[:2], "include_color_table": True}
+    clear = len(palette) // 3
+    if clear < _MOST_COLOURS:  # pixels that stay compress best where all of them are clear
+        red, green, blue = difference.crop(box).split()
+        most = ImageChops.lighter(ImageChops.lighter(red, green), blue)
+        part.putpalette([*palette, 0, 0, 0])
+        part.paste(clear, mask=most.point([255] + [0] * 255))
+        change["transparency"] = clear
+    return change
 
 
 def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:

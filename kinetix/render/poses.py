@@ -29,6 +29,15 @@ def corners(world: World) -> Float[Array, "p v 2"]:
     return jnp.stack(filled, axis=1)
 
 
+def centroids(corners: Float[Array, "p v 2"]) -> Float[Array, "p 2"]:
+    """Centroids of polygons [m], by the shoelace formula; of one without an area, a corner."""
+    arms = corners[:, 1:] - corners[:, :1]
+    a, b = arms[:, :-1], arms[:, 1:]
+    twice = a[..., :1] * b[..., 1:] - a[..., 1:] * b[..., :1]
+    area = twice.sum(axis=1)
+    return corners[:, 0] + ((a + b) * twice).sum(axis=1) / jnp.where(area == 0, 1.0, 3 * area)
+
+
 def world_corners(world: World, state: State) -> Float[Array, "p v 2"]:
     """Corners of the polygons in the world [m]."""
     local = corners(world)
@@ -65,4 +74,4 @@ def thruster_poses(world: World, state: State) -> tuple[Float[Array, "t 2"], Flo
     return position, turn + thrusters.angle
 
 
-__all__ = ["corners", "joint_anchors", "rotated", "thruster_poses", "world_corners"]
+__all__ = ["centroids", "corners", "joint_anchors", "rotated", "thruster_poses", "world_corners"]

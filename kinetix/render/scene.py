@@ -10,10 +10,14 @@ from kinetix.engine.types import State, World
 from kinetix.render import poses, raster, textures
 from kinetix.render.camera import Camera, to_pixels
 from kinetix.render.palette import KINETIX, Palette
-from kinetix.render.style import FIRST_POLYGON, FLOOR, ROLE_PATTERNS, STYLE, Style
-
-_FLOOR_GLYPH_DEPTH = 0.2
-"""Depth of the floor's glyph below its surface [m]: the floor's middle is out of sight."""
+from kinetix.render.style import (
+    FIRST_POLYGON,
+    FLOOR,
+    FLOOR_GLYPH_DEPTH,
+    ROLE_PATTERNS,
+    STYLE,
+    Style,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -123,19 +127,18 @@ def _polygons(world: World, state: State, role: Int[Array, " b"], view: _View) -
     if view.style.patterns:
         layers = _patterned(layers, position, angle, role, view)
     # The nearest edge, seen from the middle of the body.
-    local = raster.polygon_layers(
-        poses.corners(world)[keep] * jnp.array([1.0, -1.0]),
+    centroid = poses.centroids(corners)
+    around = raster.polygon_layers(
+        (corners - centroid[:, None]) * jnp.array([1.0, -1.0]),
         fill=layers.fill,
         ink=layers.ink,
         edge=layers.edge,
         shown=layers.shown,
     )
     on_floor = jnp.arange(len(keep)) == 0
-    inscribed = jnp.where(on_floor, _FLOOR_GLYPH_DEPTH, local.offset.min(axis=-1))
-    surface = jnp.stack(
-        [position[:, 0], corners[..., 1].max(axis=-1) - _FLOOR_GLYPH_DEPTH], axis=-1
-    )
-    middle = jnp.where(on_floor[:, None], surface, position)
+    inscribed = jnp.where(on_floor, FLOOR_GLYPH_DEPTH, around.offset.min(axis=-1))
+    surface = jnp.stack([position[:, 0], corners[..., 1].max(axis=-1) - FLOOR_GLYPH_DEPTH], axis=-1)
+    middle = jnp.where(on_floor[:, None], surface, centroid)
     return _with_glyphs([layers], middle, angle, inscribed, role, fixed, view)
 
 

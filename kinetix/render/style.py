@@ -15,6 +15,8 @@ walls and ceiling (1–3) are never drawn. Bodies carry their outline and role g
 
 FLOOR: Final = 0
 """Global index of the floor, the only arena body that is drawn."""
+FLOOR_GLYPH_DEPTH: Final = 0.2
+"""Depth of the floor's glyph below its surface [m]: the floor's middle is out of sight."""
 FIRST_POLYGON: Final = 4
 """Global index of the first polygon that is not part of the arena."""
 
@@ -109,6 +111,7 @@ __all__ = [
     "DRAW_ORDER",
     "FIRST_POLYGON",
     "FLOOR",
+    "FLOOR_GLYPH_DEPTH",
     "ROLE_GLYPHS",
     "ROLE_PATTERNS",
     "STYLE",

@@ -12,6 +12,7 @@ from kinetix.level.geometry import (
     area_centroid,
     bounds,
     contains,
+    inscribed_circle,
     inside_box,
     inverse_mass,
     overlap_depth,
@@ -46,6 +47,15 @@ def samples(polygon, n=400):
         d = q - p
         inside &= d[0] * (grid[:, 1] - p[1]) - d[1] * (grid[:, 0] - p[0]) >= 0
     return grid[inside], (right - left) * (top - bottom) / n**2
+
+
+@few
+@given(polygons())
+def test_the_inscribed_circle_touches_an_edge_and_crosses_none(polygon):
+    centre, radius = inscribed_circle(polygon)
+    body = Body(id=1, shape=polygon, position=(0, 0))
+    assert signed_distance(body, centre) == pytest.approx(-radius)
+    assert centre == pytest.approx(area_centroid(polygon.vertices))
 
 
 @settings(max_examples=10, deadline=None)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from kinetix.level.model import Body, Circle, Level
+from kinetix.pages.film import Film
 from kinetix.pages.page import page_of
 from kinetix.render.palette import KINETIX, ROLE_NAMES
 from tests.pages.test_page import a_film
@@ -77,6 +79,16 @@ def test_buttons_keys_and_the_slider_go_to_a_moment(page, tmp_path):
         "s.dispatchEvent(new Event('input')); document.getElementById('back').click();"
     )
     assert time_in(dom_after(page, tmp_path, scrub)) == pytest.approx(29 / 30, abs=1e-3)
+
+
+def test_the_spoke_of_a_circle_points_up_as_in_every_drawing(tmp_path):
+    level = Level(name="x", bodies=(Body(id=1, shape=Circle(radius=0.5), position=(2.0, 3.0)),))
+    position, angle = np.array([[[2.0, 3.0]]]), np.zeros((1, 1))
+    film = Film(level=level, title="x", seconds=np.zeros(1), position=position, angle=angle)
+    note = "CanvasRenderingContext2D.prototype.lineTo = (...to) => (document.body.dataset.to = to)"
+    page = page_of([film])
+    page = page.replace("</head>", f"<script>{note}</script></head>")
+    assert re.search(r'data-to="([^"]+)"', dom_after(page, tmp_path))[1] == "2,3.5"
 
 
 def test_it_draws_the_level(page, tmp_path):

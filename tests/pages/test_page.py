@@ -1,6 +1,7 @@
 """Pages: small, self-contained, and what they hold is what was played."""
 
 import base64
+import dataclasses
 import json
 import re
 
@@ -59,6 +60,17 @@ def test_what_was_played_is_on_the_page():
     np.testing.assert_allclose(numbers(stored["value"], "<i2") / 1000, film.value, atol=1e-3)
     assert stored["entropy"] is None
     assert scene_of(film.level)["controls"]
+
+
+def test_what_broke_down_stays_where_it_was_last(recwarn):
+    film = a_film(10)
+    position, angle = film.position.copy(), film.angle.copy()
+    position[6:, 0], angle[8:, 1] = np.nan, np.inf
+    stored = packed(dataclasses.replace(film, position=position, angle=angle))
+    poses = numbers(stored["poses"], "<u2").reshape(10, -1, 3)
+    assert (poses[6:, 0] == poses[5, 0]).all() and (poses[8:, 1] == poses[7, 1]).all()
+    assert (poses[6:, 2] != poses[5, 2]).any()
+    assert not recwarn.list
 
 
 @pytest.mark.parametrize("count", [257, 5000])

@@ -1,13 +1,14 @@
 """Films: how long their pictures last, and that nothing forks beside JAX's threads."""
 
 import os
+import weakref
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from kinetix.errors import KinetixError
-from kinetix.render.film import write_film
+from kinetix.render.film import gif_picture, write_film, write_gif
 
 
 def _frames(count, side=24):
@@ -45,6 +46,41 @@ def test_no_picture_of_a_gif_is_so_short_that_browsers_show_it_for_longer(tmp_pa
     assert len(durations) == 1 or min(durations) >= 20
     if rate <= 50:
         assert len(durations) == count
+
+
+@pytest.mark.parametrize("colours", [64, 256])
+def test_a_gif_is_written_while_its_pictures_come(tmp_path, colours):
+    draw, alive, most, expected = np.random.default_rng(1), [], 0, []
+
+    def pictures():
+        nonlocal most
+        frame = draw.integers(0, 256, (40, 40, 3), np.uint8)
+        for k in range(20):
+            frame[k : k + 9, k] = draw.integers(0, 256, 3)
+            picture = gif_picture(frame, colours)
+            expected.append(np.asarray(picture.convert("RGB")))
+            alive.append(weakref.ref(picture))
+            yield picture
+            del picture
+            most = max(most, sum(each() is not None for each in alive))
+
+    write_gif(tmp_path / "a.gif", pictures(), per_second=30)
+    assert most <= 4
+    with Image.open(tmp_path / "a.gif") as film:
+        for k in range(20):
+            film.seek(k)
+            assert np.array_equal(film.convert("RGB"), expected[k]), k
+
+
+def test_pictures_of_a_gif_that_are_alike_are_one(tmp_path):
+    frames = [np.full((30, 30, 3), shade, np.uint8) for shade in (9, 9, 99, 99, 99, 9)]
+    write_film(tmp_path / "a.gif", frames, kind=".gif", per_second=25)
+    durations = []
+    with Image.open(tmp_path / "a.gif") as film:
+        for k in range(film.n_frames):
+            film.seek(k)
+            durations.append(film.info["duration"])
+    assert durations == [80, 120, 40]
 
 
 def test_an_mp4_is_written_without_forking(tmp_path):

@@ -171,7 +171,7 @@ def test_a_fitted_arena_fills_the_smaller_side():
     np.testing.assert_allclose(corners, [[50, 200], [250, 0]], atol=1e-3)
 
 
-def _one_body(role, *, circle=False, vertices=None, glyph=True):
+def _one_body(role, *, circle=False, vertices=None, glyph=True, position=(2.5, 2.5)):
     env_state = only_bodies(random_env_state(0))
     env_state.world.bodies.active[:] = False
     body = 7 if circle else 4
@@ -181,7 +181,7 @@ def _one_body(role, *, circle=False, vertices=None, glyph=True):
     if vertices is not None:
         env_state.world.bodies.vertex_count[body] = len(vertices)
         env_state.world.bodies.vertices[body, : len(vertices)] = vertices
-    env_state.physics.position[body] = 2.5
+    env_state.physics.position[body] = position
     env_state.physics.rotation[body] = 0.4
     env_state.labels.role[body] = role
     style = Style(glyphs=glyph, outline=0, least_outline=0)
@@ -212,6 +212,16 @@ def test_roles_have_different_glyphs():
     for i in range(1, 4):
         for j in range(i):
             assert (masks[i] ^ masks[j]).sum() > 10, (i, j)
+
+
+@pytest.mark.parametrize("role", [1, 2, 3])
+def test_a_glyph_is_in_the_middle_of_a_body_wherever_its_frame_begins(role):
+    triangle = np.array([[0.0, 1.0], [0.5, -0.5], [-0.5, -0.5]])
+    shift = np.array([1.5, 0.5])
+    cos, sin = np.cos(0.4), np.sin(0.4)
+    place = 2.5 - np.array([[cos, -sin], [sin, cos]]) @ shift
+    shifted = _one_body(role, vertices=triangle + shift, position=place)
+    assert np.abs(shifted - _one_body(role, vertices=triangle)).max() <= 2
 
 
 def test_nothing_active_is_background():

@@ -226,7 +226,7 @@ ARRANGE: Final = (
             keys=(name,),
             variants=(f"shift+{name}", f"alt+{name}"),
             context=EDIT,
-            tooltip="0.05 m; Shift: ten times as far, Alt: a tenth.",
+            tooltip="One step, as the preferences say; Shift: ten times as far, Alt: a tenth.",
             enabled=selecting,
             run=edit.nudge(x, y),
         )

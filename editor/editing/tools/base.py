@@ -13,7 +13,7 @@ import math
 from collections.abc import Collection, Generator
 from typing import ClassVar, Final, Protocol, TypeAlias
 
-from editor.base.events import NO_MODIFIERS, Modifiers, Pointer, PointerEvent
+from editor.base.events import NO_MODIFIERS, Modifiers, Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Mark
 from editor.base.prompts import Prompt
 from editor.documents.commands.base import Command, EntityId, Selection
@@ -22,7 +22,7 @@ from editor.editing.snapping import Rules, Targets
 from kinetix.errors import CommandError
 
 DRAG_PIXELS: Final = 3.0
-"""Less movement than this between press and release is a click."""
+"""Less movement than this between press and release is a click [px at 100 %]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -50,8 +50,10 @@ class Preferences(Protocol):
 
 
 class Shown(Protocol):
-    """Parts of the level that can be taken on the canvas."""
+    """View settings that tools follow."""
 
+    scale: float
+    """Window pixels per pixel at 100 %."""
     edit_arena: bool
     """True if floor, walls and ceiling can be selected."""
 
@@ -90,7 +92,7 @@ class ToolContext(Protocol):
 
     @property
     def metres(self) -> float:
-        """Width of a pixel of the canvas [m]."""
+        """Width of a pixel of the canvas at 100 % [m]."""
         ...
 
     @property
@@ -121,6 +123,11 @@ class ToolContext(Protocol):
     def complain(self, text: str) -> None:
         """Say why something was not done."""
         ...
+
+
+def is_drag(session: ToolContext, start: Point, end: Point) -> bool:
+    """Return whether the way between two places of the window is long enough for a drag."""
+    return math.dist(start, end) >= DRAG_PIXELS * session.view.scale
 
 
 class Tool(abc.ABC):
@@ -190,7 +197,7 @@ class Driver:
 
     def text(self, characters: str) -> bool:
         """Take typed characters as a size; False when no gesture wants them."""
-        if self._gesture is None or not set(characters) <= set("0123456789.,x*"):
+        if self._gesture is None or not set(characters) <= set("-0123456789.,x*"):
             return False
         self._typed += characters.replace(",", ".").replace("*", "x")
         self._resend()
@@ -271,8 +278,8 @@ class Driver:
 
     def _is_click(self, event: PointerEvent) -> bool:
         assert self._press is not None
-        tool = self._session.tool
-        return tool.click_click and math.dist(self._press.screen, event.screen) < DRAG_PIXELS
+        dragged = is_drag(self._session, self._press.screen, event.screen)
+        return self._session.tool.click_click and not dragged
 
 
 def _numbers(text: str) -> tuple[float, ...]:

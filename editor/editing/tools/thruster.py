@@ -15,7 +15,7 @@ NO_BODY = "A thruster needs a shape to push"
 CENTRE_REACH: Final = math.radians(7.0)
 """Directions this near to the line through the body's centre go through it."""
 AIM_PIXELS: Final = 6.0
-"""A shorter drag does not aim; the thruster then pushes towards the centre, or upwards."""
+"""A shorter drag [px at 100 %] does not aim: the thruster pushes towards the centre, or upwards."""
 
 
 def aimed(body: Body, point: Point, pointer: Point, *, step: float | None) -> float:

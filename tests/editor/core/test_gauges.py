@@ -88,16 +88,33 @@ def test_motor_speed_power_velocity_spin_and_gravity_are_dragged_and_undone():
         assert value(document.level) == before
 
 
-def test_a_typed_number_is_the_value():
+@pytest.mark.parametrize(
+    ("kind", "selection", "typed", "value"),
+    [
+        (HandleKind.POWER, (6,), "2.5", lambda level: level.thrusters[0].power == 2.5),
+        (HandleKind.POWER, (6,), "-2", lambda level: level.thrusters[0].power == 0.0),
+        (HandleKind.MOTOR, (5,), "-1.5", lambda level: level.joints[0].motor.speed == -1.5),
+        (HandleKind.SPIN, (3,), "-4", lambda level: level.body(3).angular_velocity == -4.0),
+        (
+            HandleKind.LIMIT_MIN,
+            (5,),
+            "-60",
+            lambda level: level.joints[0].limits.min == pytest.approx(math.radians(-60)),
+        ),
+        (HandleKind.GRAVITY, (), "3", lambda level: level.gravity == (0.0, -3.0)),
+        (HandleKind.GRAVITY, (), "-3", lambda level: level.gravity == (0.0, -3.0)),
+    ],
+)
+def test_a_typed_number_is_the_value(kind, selection, typed, value):
     session = a_session(limited())
-    session.selection = (6,)
+    session.selection = selection
     hand = Hand(session)
-    x, y = place(session, HandleKind.POWER)
+    x, y = place(session, kind)
     hand.press((x, y))
-    hand.hold((x + 0.1, y + 0.1))
-    hand.type("2.5")
-    hand.release((x + 0.1, y + 0.1))
-    assert session.document.level.thrusters[0].power == pytest.approx(2.5)
+    hand.hold((x, y + 0.05))
+    hand.type(typed)
+    hand.release((x, y + 0.05))
+    assert value(session.document.level)
 
 
 def test_fixed_bodies_welds_and_groups_have_none():

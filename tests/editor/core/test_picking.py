@@ -14,7 +14,7 @@ from editor.editing.picking import (
     joint_position,
     stack,
 )
-from kinetix.level.geometry import signed_distance, to_world
+from kinetix.level.geometry import area_centroid, signed_distance, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from tests.editor.core.helpers import a_level
 from tests.pace import slowness
@@ -68,7 +68,10 @@ def brute_force(level, point, radius):
     found += [entity for _, entity in sorted(near)]
     for kind in (Circle, Polygon):
         for body in reversed(level.bodies):
-            under = signed_distance(body, point) <= 0 or math.dist(body.position, point) <= radius
+            round_body = isinstance(body.shape, Circle)
+            middle = (0, 0) if round_body else area_centroid(body.shape.vertices)
+            near = math.dist(to_world(body, middle), point) <= radius
+            under = signed_distance(body, point) <= 0 or near
             if isinstance(body.shape, kind) and under:
                 found.append(body.id)
     return tuple(found)
@@ -92,6 +95,13 @@ def test_small_things_can_be_picked_at_any_zoom():
     level = Level(name="x", bodies=(Body(id=1, shape=Circle(radius=0.02), position=(2, 2)),))
     assert stack(level, (2.07, 2.0), 0.08) == (1,)
     assert stack(level, (2.07, 2.0), 0.008) == ()
+
+
+def test_a_body_is_picked_by_its_middle_not_by_the_origin_of_its_frame():
+    far = Polygon(vertices=((1.01, 0.01), (0.99, 0.01), (0.99, -0.01), (1.01, -0.01)))
+    level = Level(name="x", bodies=(Body(id=1, shape=far, position=(2, 2), fixed=True),))
+    assert stack(level, (2.0, 2.0), 0.08) == ()
+    assert stack(level, (3.05, 2.0), 0.08) == (1,)
 
 
 def test_what_is_locked_or_hidden_is_passed_over():

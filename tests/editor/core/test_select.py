@@ -131,9 +131,42 @@ def test_shift_keeps_to_one_axis(session, hand):
     assert position(session, 3) == pytest.approx((4.4, 3.0), abs=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("way", "typed", "shift"),
+    [
+        ((0.3, 0.1), "0.5", (0.5, 0.0)),
+        ((-0.3, 0.1), "0.5", (-0.5, 0.0)),
+        ((0.3, 0.1), "-0.5", (-0.5, 0.0)),
+        ((0.1, -0.3), "0.5", (0.0, -0.5)),
+        ((-0.3, 0.1), "0.5x-0.2", (-0.5, -0.2)),
+    ],
+)
+def test_a_typed_shift_goes_the_way_of_the_drag(session, hand, way, typed, shift):
+    hand.press((4.0, 3.0))
+    hand.hold((4.0 + way[0], 3.0 + way[1]))
+    hand.type(typed)
+    hand.key("return")
+    assert position(session, 3) == pytest.approx((4.0 + shift[0], 3.0 + shift[1]))
+
+
 def test_less_than_three_pixels_is_no_drag(session, hand):
     hand.drag((4.0, 3.0), (4.02, 3.0))
     assert len(session.document.history.entries) == 1
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_reach_of_the_pointer_grows_with_the_scale_of_the_window(session, hand, scale):
+    session.view.scale = scale
+    session.settings.snap_smart = True
+    pixel = 0.01 * scale  # [m]
+    hand.click((2.2 + 7 * pixel, 2.0))
+    assert session.selection == (5,)
+    hand.drag((4.0, 3.0), (4.0 + 2 * pixel, 3.0))
+    assert session.selection == (3,) and len(session.document.history.entries) == 1
+    x, y = handle(session, HandleKind.RADIUS)
+    hand.move((x + 6 * pixel, y))
+    assert session.driver.feedback.cursor is Cursor.RESIZE
+    assert session.rules().catch == pytest.approx(8 * pixel)
 
 
 def test_locked_things_are_neither_picked_nor_moved(session, hand):
@@ -324,6 +357,10 @@ def test_arrows_nudge(session, hand, key, mods, shift):
     hand.key(key, **mods)
     assert position(session, 3) == pytest.approx((4.0 + shift[0], 3.0 + shift[1]), abs=1e-5)
     assert session.editing
+    session.document.undo()
+    session.settings.nudge_step = 0.1
+    hand.key(key, **mods)
+    assert position(session, 3) == pytest.approx((4.0 + 2 * shift[0], 3.0 + 2 * shift[1]), abs=1e-5)
 
 
 def test_quick_nudges_are_one_entry(session, hand):

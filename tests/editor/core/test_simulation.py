@@ -27,7 +27,17 @@ from editor.worker.requests import (
 )
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
-from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
+from kinetix.level.model import (
+    Arena,
+    ArenaBody,
+    Body,
+    Circle,
+    Joint,
+    Level,
+    Motor,
+    Polygon,
+    Thruster,
+)
 from kinetix.level.validate import validate
 from tests.editor.core.helpers import Unheard
 
@@ -73,6 +83,12 @@ def play(perform, level=LEVEL, actions=(LEFT,) * 40, **options):
 @pytest.fixture(scope="module")
 def episode(perform):
     return play(perform)
+
+
+def test_the_floors_role_counts_in_the_distance_from_the_start(perform):
+    level = LEVEL.replace(arena=Arena(floor=ArenaBody(role="green")))
+    start, after = play(perform, level, (LEFT,))
+    assert start.distance == pytest.approx(after.distance, abs=0.1)
 
 
 def test_an_episode_starts_where_the_level_says(episode):

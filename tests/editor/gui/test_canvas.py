@@ -1,11 +1,15 @@
 """Marks on the level: key caps, labels, debug drawings."""
 
+import dataclasses
 import itertools
 
+import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from editor.drawing import debug_draw
 from editor.drawing.strokes import Room
+from editor.toolkit.widgets import px
 from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
 from tests.editor.core.helpers import a_level, a_session
@@ -43,6 +47,12 @@ def test_hidden_things_have_no_key_caps(make_gui):
     assert set(caps(gui)) == {6}
     gui.session.settings.key_caps = False
     gui.frames(2)
+
+
+def test_handles_are_caught_as_large_as_they_are_drawn(make_gui):
+    gui = make_gui(session=a_session(text_scale=1.5), scale=2.0)
+    gui.frames(2)
+    assert gui.session.view.scale == px(1.0) == 3.0
 
 
 @pytest.mark.parametrize(("size", "scale"), [((1024, 640), 1.0), ((1440, 900), 2.0)])
@@ -86,6 +96,29 @@ def test_the_first_debug_drawing_shows_something(make_gui):
     gui.session.settings.debug_draw = ["aabbs"]
     gui.key("f3")
     assert gui.session.settings.debug_draw == ["aabbs"]
+
+
+@pytest.mark.parametrize(("speed", "drive", "way"), [(2.0, 1, 1), (-2.0, 1, -1), (-2.0, -1, 1)])
+def test_the_arrow_of_a_motors_drive_points_the_way_it_turns(
+    make_gui, monkeypatch, speed, drive, way
+):
+    level = a_level()
+    joint = level.joints[0].replace(motor=Motor(speed=speed))
+    session = a_session(level=level.replace(joints=(joint,)), debug_draw=["motors"])
+    session.view.debug_draw = True
+    gui = make_gui(session=session)
+    arrows = []
+    monkeypatch.setattr(
+        debug_draw, "arrow", lambda draw, start, tip, *_: arrows.append((start, tip))
+    )
+    gui.key("space")
+    simulator = session.playback.simulator
+    simulator.state = dataclasses.replace(simulator.state, motor=np.array([drive], np.float32))
+    gui.frames(3)
+    (x, y), tip = arrows[-1]
+    cx, cy = session.camera.to_screen((2.2, 2.0))
+    turn = (x - cx) * (tip[1] - y) - (y - cy) * (tip[0] - x)
+    assert turn * way < 0  # y points down in the window
 
 
 def test_thrusters_have_caps_too(make_gui):

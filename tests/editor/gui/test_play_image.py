@@ -8,7 +8,7 @@ from editor.play.mode import Mode
 from editor.session import Session
 from editor.window.play_image import PlayImage
 from editor.worker.jobs import Worker
-from editor.worker.recording import Snapshot
+from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import Advance, Image, RenderState, StartEpisode
 from kinetix.level.model import Body, Circle, Level
 
@@ -88,3 +88,24 @@ def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
     gui.key("escape")
     gui.frames(2)
     assert images.picture(session) is None
+
+
+def test_a_picture_of_another_episode_is_not_shown(make_gui):
+    simulation = Simulation()
+    session = Session(
+        settings=Settings(renderer_picture=True),
+        worker=Worker(perform=simulation.perform),
+        level=LEVEL,
+    )
+    gui = make_gui(session=session)
+    images = gui.host.ui.workplace.canvas.images
+    images.enabled = True
+    gui.frames(2)
+    for _ in range(2):
+        moments = (simulation.snapshot(), simulation.snapshot())
+        trace = Trace(physics="balanced", perturbed=False, snapshots=moments, actions=(NOOP,))
+        session.playback.replay(trace, LEVEL)
+        assert images.picture(session) is None
+        settle(gui)
+        gui.frames(2)
+        assert images.picture(session) is not None

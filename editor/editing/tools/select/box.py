@@ -1,11 +1,9 @@
 """The rubber band: left to right takes what lies wholly inside, right to left what it touches."""
 
-import math
-
 from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Box, Style
 from editor.editing.picking import inside
-from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, ToolContext
+from editor.editing.tools.base import Feedback, Gesture, ToolContext, is_drag
 
 
 def rubber_band(session: ToolContext, press: PointerEvent) -> Gesture:
@@ -26,7 +24,7 @@ def rubber_band(session: ToolContext, press: PointerEvent) -> Gesture:
             low = tuple(min(press.world[k], event.world[k]) for k in (0, 1))
             high = tuple(max(press.world[k], event.world[k]) for k in (0, 1))
             taken = ()
-            if math.dist(event.screen, press.screen) >= DRAG_PIXELS:
+            if is_drag(session, press.screen, event.screen):
                 box = (low[0], low[1], high[0], high[1])
                 taken = inside(document.level, box, touching=touching, without=without)
             session.selection = (*kept, *taken)

@@ -1,5 +1,6 @@
 """Drags of what is selected: bodies, a joint's anchor, a thruster's place."""
 
+import math
 from typing import Any, Final
 
 from editor.base.events import Point, Pointer, PointerEvent
@@ -43,7 +44,7 @@ def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...])
         if event.modifiers.shift:
             dx, dy = (dx, 0.0) if shift[1] == 0.0 else (0.0, dy)
         if event.typed:
-            dx, dy = event.typed[0], event.typed[1] if len(event.typed) > 1 else 0.0
+            dx, dy = _typed_shift(event.typed, shift)
         command = Move(ids=ids, shift=(dx, dy))
         if event.kind is Pointer.RELEASE:
             return command
@@ -51,6 +52,20 @@ def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...])
         feedback = Feedback(
             command=command, marks=(*measured(snapped.guides), label), cursor=Cursor.MOVE
         )
+
+
+def _typed_shift(typed: tuple[float, ...], dragged: Point) -> Point:
+    """Return the shift that was typed: along the longer axis of the drag, or in x and y [m].
+
+    Numbers go the way of the drag; with a minus they go left or down.
+    """
+    if len(typed) == 1:
+        along_x = abs(dragged[0]) >= abs(dragged[1])
+        typed = (typed[0], 0.0) if along_x else (0.0, typed[0])
+    x, y = (
+        min(number, math.copysign(number, way)) for number, way in zip(typed, dragged, strict=False)
+    )
+    return x, y
 
 
 def drag_joint(session: ToolContext, press: PointerEvent, joint: int) -> Gesture:

@@ -47,6 +47,11 @@ def _rounded(value: float, step: float, event: PointerEvent) -> float:
     return round(value, 6) if event.modifiers.ctrl else round(round(value / step) * step, 6)
 
 
+def _length(event: PointerEvent, dragged: float) -> float:
+    """Return the length of an arrow: as dragged or typed; where it points, the pointer says."""
+    return min(abs(event.typed[0]) if event.typed else dragged, 100.0)
+
+
 def _joint(session: ToolContext, level: Level) -> Joint:
     return next(joint for joint in level.joints if joint.id == session.document.unlocked[0])
 
@@ -92,7 +97,7 @@ def _power(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     at, back = thruster_position(level, thruster), gauges.thruster_direction(level, thruster)
     along = (at[0] - event.world[0]) * math.cos(back) + (at[1] - event.world[1]) * math.sin(back)
     power = _rounded(gauges.power_of(along, session.metres), POWER_STEP, event)
-    power = min(event.typed[0] if event.typed else power, 100.0)
+    power = min(max(event.typed[0] if event.typed else power, 0.0), 100.0)
     return SetField(ids=(thruster.id,), field="power", value=power), f"power {power:.2f}"
 
 
@@ -101,7 +106,7 @@ def _velocity(session: ToolContext, level: Level, event: PointerEvent) -> _Chang
     dx, dy = event.world[0] - body.position[0], event.world[1] - body.position[1]
     clear = gauges.clearance(body, session.metres)
     speed = max(math.hypot(dx, dy) - clear, 0.0) / gauges.VELOCITY_SECONDS
-    speed = min(event.typed[0] if event.typed else _rounded(speed, VELOCITY_STEP, event), 100.0)
+    speed = _length(event, _rounded(speed, VELOCITY_STEP, event))
     angle = math.atan2(dy, dx)
     if not event.modifiers.ctrl:
         angle = snap_angle(angle, session.angle_step)
@@ -127,8 +132,7 @@ def _gravity(session: ToolContext, level: Level, event: PointerEvent) -> _Change
     del level
     x = (event.world[0] - gauges.GRAVITY_AT[0]) / gauges.GRAVITY_METRES
     y = (event.world[1] - gauges.GRAVITY_AT[1]) / gauges.GRAVITY_METRES
-    strength = _rounded(math.hypot(x, y), GRAVITY_STEP, event)
-    strength = min(event.typed[0] if event.typed else strength, 100.0)
+    strength = _length(event, _rounded(math.hypot(x, y), GRAVITY_STEP, event))
     angle = math.atan2(y, x)
     if not event.modifiers.ctrl:
         angle = snap_angle(angle, session.angle_step)

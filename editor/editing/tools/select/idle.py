@@ -10,7 +10,7 @@ from editor.documents.commands.base import EntityId, Selection
 from editor.documents.commands.rigid import component
 from editor.editing import gauges
 from editor.editing.picking import HANDLE_PIXELS, PICK_PIXELS, handles, pick_handle, stack
-from editor.editing.tools.base import DRAG_PIXELS, Feedback, Gesture, Tool, ToolContext
+from editor.editing.tools.base import Feedback, Gesture, Tool, ToolContext, is_drag
 from editor.editing.tools.select.box import rubber_band
 from editor.editing.tools.select.drag import drag_bodies, drag_joint, drag_thruster
 from editor.editing.tools.select.gauge import adjust
@@ -19,7 +19,7 @@ from editor.editing.tools.select.rotate import aim, rotate_bodies
 
 CYCLE_PIXELS: Final = 4.0
 CYCLE_SECONDS: Final = 0.6
-"""A second click this near and this soon goes one deeper into the stack."""
+"""A second click this near [px at 100 %] and this soon [s] goes one deeper into the stack."""
 
 _CURSORS: Final = {
     HandleKind.ROTATE: Cursor.ROTATE,
@@ -77,7 +77,7 @@ class SelectTool(Tool):
                 if under:
                     self._clicked(session, press, under, before)
                 return None
-            if math.dist(event.screen, press.screen) >= DRAG_PIXELS:
+            if is_drag(session, press.screen, event.screen):
                 break
         # The handle keeps its distance to the pointer: taking it beside its middle moves nothing.
         offset = (handle.at[0] - press.world[0], handle.at[1] - press.world[1])
@@ -105,7 +105,7 @@ class SelectTool(Tool):
             if event.kind is Pointer.RELEASE:
                 self._clicked(session, press, under, before)
                 return None
-            if math.dist(event.screen, press.screen) >= DRAG_PIXELS:
+            if is_drag(session, press.screen, event.screen):
                 break
         if taken not in session.selection:
             session.selection = (*before, taken) if press.modifiers.shift else (taken,)
@@ -126,7 +126,7 @@ class SelectTool(Tool):
             return
         again = (
             last is not None
-            and math.dist(last.screen, press.screen) <= CYCLE_PIXELS
+            and math.dist(last.screen, press.screen) <= CYCLE_PIXELS * session.view.scale
             and press.time - last.time <= CYCLE_SECONDS
         )
         if (again or press.modifiers.alt) and len(before) == 1 and before[0] in under:
