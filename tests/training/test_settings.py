@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import capacity_of, parse_capacity
 from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
 
@@ -209,6 +209,23 @@ def test_demonstrations_that_are_too_large_for_a_presets_size_have_their_own():
     assert all(room.covers(capacity_of(level)) for level in levels)
     assert make_config("bc", preset="small", values={"data": ("s/goalkeeper",)}).size == "s"
     assert make_config("bc", preset="small", values={**large, "size": "l"}).size == "l"
+
+
+def test_demonstrations_are_played_under_their_physics_whatever_the_preset(tmp_path):
+    level = load_level("s/goalkeeper")
+    solution = level.solution.replace(physics="fast", frame_skip=4)
+    data, file = tmp_path / "level.json", tmp_path / "mine.toml"
+    save_level(level.replace(solution=solution), data)
+    file.write_text('physics = "accurate"\nframe_skip = 1\n')
+
+    def physics(**sources):
+        values = {"data": (str(data),)} | sources.pop("values", {})
+        config = make_config("bc", values=values, **sources)
+        return config.physics, config.frame_skip
+
+    assert physics() == physics(preset="small") == physics(preset="general") == ("fast", 4)
+    assert physics(preset="small", file=file) == ("accurate", 1)
+    assert physics(preset="small", values={"physics": "jax2d"}) == ("jax2d", 4)
 
 
 def test_steps_that_are_no_whole_number_of_updates_are_told():
