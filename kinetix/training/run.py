@@ -152,6 +152,11 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
             f"warning: demo_starts = {config.demo_starts:g} has no effect: no levels are named "
             "(--levels), and of random ones no way to a win is known"
         )
+    if trainer.setup.without_starts:
+        say(
+            f"warning: no episode of {', '.join(trainer.setup.without_starts)} begins on the way "
+            "of a win: the one that was found is lost when it is played again"
+        )
     if isinstance(trainer, Clone):
         say(trainer.told)
     if trainer.setup.cut_short():

@@ -67,6 +67,8 @@ class Setup:
     """Options of random levels and mutations."""
     levels: str
     """SHA-256 of the listed levels, in their order; empty where levels are drawn."""
+    without_starts: tuple[str, ...] = ()
+    """Listed levels of which no episode begins on the way of a win, though asked for."""
 
     @property
     def env(self) -> KinetixEnv:
@@ -240,10 +242,12 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         keep_terminal_observation=config.bootstrap_on_timeout,
         parity=config.parity,
     )
+    without_starts: tuple[str, ...] = ()
     if config.demo_starts and listed and not config.dummy_env:
-        moments = starts_on_the_way(listed, env)
-        on_the_way = beginning_on_the_way(env.reset_fn, moments, config.demo_starts)
+        starts = starts_on_the_way(listed, env)
+        on_the_way = beginning_on_the_way(env.reset_fn, starts.moments, config.demo_starts)
         env = dataclasses.replace(env, reset_fn=on_the_way)
+        without_starts = starts.without
     observations = observations_of_card(card, env_params, env.static_env_params)
     env = dataclasses.replace(env, observations=observations)
     if config.dummy_env:
@@ -265,6 +269,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         ),
         ued=ued,
         levels=_digest(listed),
+        without_starts=without_starts,
     )
 
 

@@ -75,7 +75,7 @@ class Clone:
     def told(self) -> str:
         """What there is to learn from, in words; a line for each file that is passed over."""
         played, held = self.played, int(self._config.held_out * self.played.episodes)
-        lost = f"; {played.lost} are not won here and left out" if played.lost else ""
+        lost = f"; {len(played.lost)} are not won here and left out" if played.lost else ""
         kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"
         learnt = (
             f"learning from {plural(played.episodes, 'demonstration')} with "
