@@ -231,12 +231,11 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     card = _card(config, env_params, static_env_params)
     if teacher is not None:
         _check_teacher(teacher.card, card, config)
+    reset_fn = _reset_function(config, env_params, static_env_params, ued, listed)
     env: Any = make_kinetix_env(
         action_type=config.action_type,
         observation_type=config.observation_type,
-        reset_fn=_shuffled(
-            config, _reset_function(config, env_params, static_env_params, ued, listed)
-        ),
+        reset_fn=reset_fn,
         env_params=env_params,
         static_env_params=static_env_params,
         keep_terminal_observation=config.bootstrap_on_timeout,
@@ -245,9 +244,9 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     without_starts: tuple[str, ...] = ()
     if config.demo_starts and listed and not config.dummy_env:
         starts = starts_on_the_way(listed, env)
-        on_the_way = beginning_on_the_way(env.reset_fn, starts.moments, config.demo_starts)
-        env = dataclasses.replace(env, reset_fn=on_the_way)
+        reset_fn = beginning_on_the_way(reset_fn, starts.moments, config.demo_starts)
         without_starts = starts.without
+    env = dataclasses.replace(env, reset_fn=_shuffled(config, reset_fn))
     observations = observations_of_card(card, env_params, env.static_env_params)
     env = dataclasses.replace(env, observations=observations)
     if config.dummy_env:

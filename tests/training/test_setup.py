@@ -5,15 +5,21 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import msgspec
+import numpy as np
 import pytest
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.card import NormalisationCard
 from kinetix.engine.spec import Features
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document
+from kinetix.level.sets import SetLevel
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.imitation.starts import Starts
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
 from tests.training.tiny import tiny_config
@@ -62,6 +68,25 @@ def test_controls_are_masked_but_with_parity(parity: Any) -> None:
     live = game.live_controls(state)
     assert bool(live.all()) is (parity is not None)
     assert bool(live.any())
+
+
+@pytest.mark.slow
+def test_moments_on_the_way_of_a_win_lie_in_other_slots_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def halfway(levels: list[SetLevel], env: KinetixEnv) -> Starts:
+        state = level_state(levels[0].level, env.static_env_params)
+        state = dataclasses.replace(state, timestep=jnp.int32(5))
+        return Starts(moments=jax.tree.map(lambda x: x[None], state), without=("b",))
+
+    monkeypatch.setattr("kinetix.training.setup.starts_on_the_way", halfway)
+    config = PpoConfig(**listed("s/wheelie"), demo_starts=0.5, permute_state_during_training=True)
+    setup = make_setup(config, gradient_steps=1)
+    assert setup.without_starts == ("b",)
+    states = jax.vmap(setup.reset_fn)(jax.random.split(jax.random.key(0), 32))
+    positions = np.asarray(states.physics.position)
+    for begun in (0, 5):
+        assert np.ptp(positions[np.asarray(states.timestep) == begun], axis=0).max() > 0.1
 
 
 def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
