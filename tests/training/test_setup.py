@@ -1,6 +1,7 @@
 """Parts that a configuration is put together from."""
 
 import dataclasses
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,21 @@ import pytest
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.card import NormalisationCard
+from kinetix.agents.evaluate import capacity_and_key
 from kinetix.engine.spec import Features
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import static_env_params_of
 from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_document
+from kinetix.level.codec import load_document, save_level
 from kinetix.level.sets import SetLevel
+from kinetix.level.sizes import SIZES
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.evaluation import evaluation_levels
 from kinetix.training.imitation.starts import Starts
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
-from tests.training.tiny import tiny_config
+from tests.training.tiny import rocket, tiny_config
 
 
 def listed(*levels: str) -> dict[str, Any]:
@@ -100,6 +105,22 @@ def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kinetix.environment.reset.load_document", counted)
     make_setup(PpoConfig(**listed()), gradient_steps=1)
     assert len(read) == 2
+
+
+def test_levels_are_evaluated_on_as_they_were_when_a_training_began(tmp_path: Path) -> None:
+    foreign = Path(__file__).parents[1] / "level" / "fixtures" / "kinetix_env" / "gaps.json"
+    save_level(rocket(), tmp_path / "a.json")
+    shutil.copy(foreign, tmp_path / "b.json")
+    files = [str(path) for path in sorted(tmp_path.iterdir())]
+    told = [capacity_and_key(file) for file in files]
+    static = static_env_params_of(SIZES["l"])
+    states = [level_state(file, static) for file in files]
+    levels = evaluation_levels(PpoConfig(size="l", level_mode="list", levels=(str(tmp_path),)))
+    shutil.rmtree(tmp_path)
+    assert [capacity_and_key(level.source) for level in levels] == told
+    for level, state in zip(levels, states, strict=True):
+        found = level_state(level.source, static)
+        jax.tree.map(np.testing.assert_array_equal, found, state)
 
 
 def normalising(frame_skip: int) -> Agent:
