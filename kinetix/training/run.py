@@ -171,7 +171,7 @@ def _keep_config(out: Path, algorithm: str, config: PpoConfig, progress: StoredP
 
 def _on_these_levels(progress: StoredProgress, levels: str, say: Say) -> StoredProgress:
     """Progress that goes on on the levels of now; what differs is said."""
-    if progress.levels and progress.levels != levels:
+    if progress.on_others(levels):
         say(
             "warning: the files of the levels have changed since the last checkpoint: what has "
             "been learnt so far was learnt on others"
@@ -183,8 +183,8 @@ def _begin(
     trainer: Trainer, out: Path, say: Say, status: Say, *, taught: bool
 ) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
-    found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
-    config = trainer.setup.config
+    config, levels = trainer.setup.config, trainer.setup.levels
+    found = read_newest(out, lambda: jax.eval_shape(trainer.start), say, levels=levels)
     if found is None:
         if not taught and (config.teacher_coef or config.critic_warmup):
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
@@ -193,10 +193,9 @@ def _begin(
             refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
-        levels = trainer.setup.levels
         return trainer.start(), StoredProgress(updates=0, seconds=0.0, levels=levels), []
     state, progress, damaged = found
-    progress = _on_these_levels(progress, trainer.setup.levels, say)
+    progress = _on_these_levels(progress, levels, say)
     if progress.updates > config.num_updates:
         say(
             f"nothing is left to do: update {progress.updates} is done already; the length in "
