@@ -1,5 +1,6 @@
 """Configurations: where values come from, what is refused, and back to TOML."""
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -8,7 +9,9 @@ import pytest
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.training.devices import check_divisible
 from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
+from tests.training.tiny import tiny_config
 
 
 def test_the_defaults_are_the_published_ones():
@@ -121,6 +124,26 @@ def test_numbers_of_curricula_are_refused_too(algorithm, name):
 def test_sfl_cannot_save_more_than_it_scores():
     with pytest.raises(KinetixError, match="num_to_save = 8192 is more than"):
         make_config("sfl", values={"num_batches": 1, "batch_size": 64})
+
+
+def test_levels_that_sfl_scores_need_equal_shares_too():
+    config = tiny_config("sfl", batch_size=15, num_to_save=9)
+    assert config.uneven(2) == "batch_size = 15 must be a multiple of the 2 devices"
+    assert not config.fits_devices(2) and config.fits_devices(1)
+    config = tiny_config("sfl", batch_size=16, num_to_save=9)
+    assert config.fits_devices(2)
+    measured = dataclasses.replace(config, log_learnability_before_after=True)
+    assert measured.uneven(2) == "num_to_save = 9 must be a multiple of the 2 devices"
+
+
+def test_imitation_is_refused_on_no_number_of_devices(monkeypatch):
+    monkeypatch.setattr("jax.device_count", lambda: 3)
+    config = make_config("bc", values={"data": ("s/first_flight",)})
+    assert config.num_train_envs % 3
+    check_divisible(config)
+    assert not config.fits_devices(3)  # one core is enough
+    with pytest.raises(KinetixError, match="num_train_envs = 2048 must be a multiple of the 3"):
+        check_divisible(make_config("ppo"))
 
 
 @pytest.mark.parametrize(
