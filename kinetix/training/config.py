@@ -240,10 +240,10 @@ class PpoConfig:
         if self.full_minibatch_shuffle and self.network.recurrent_model:
             raise KinetixError("full_minibatch_shuffle cannot be used with recurrent_model")
         if self._shuffled_units() % self.num_minibatches:
-            raise KinetixError(
-                f"num_minibatches = {self.num_minibatches} must divide num_train_envs = "
-                f"{self.num_train_envs}"
-            )
+            units = f"num_train_envs = {self.num_train_envs}"
+            if self.full_minibatch_shuffle:
+                units += f" times num_steps = {self.num_steps}"
+            raise KinetixError(f"num_minibatches = {self.num_minibatches} must divide {units}")
 
     @property
     def only_listed(self) -> bool:
@@ -305,6 +305,17 @@ class SflConfig(PpoConfig):
                 f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
                 f"{self.batch_size * self.num_batches} levels that are scored"
             )
+        if self.sampled_envs_ratio and not self.drawn_envs:
+            raise KinetixError(
+                f"sampled_envs_ratio = {self.sampled_envs_ratio:g} of num_train_envs = "
+                f"{self.num_train_envs} is less than one environment: none would play levels that "
+                "were scored; expected more of either, or 0 for domain randomisation"
+            )
+
+    @property
+    def drawn_envs(self) -> int:
+        """Environments that play levels of the buffer."""
+        return int(self.sampled_envs_ratio * self.num_train_envs)
 
     @property
     def only_listed(self) -> bool:

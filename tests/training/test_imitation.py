@@ -382,5 +382,7 @@ def test_a_row_of_imitation_says_what_it_is_about(tmp_path, capsys):
     flags = [word for k, v in options.items() for word in (f"--{k.replace('_', '-')}", str(v))]
     out = str(tmp_path / "run")
     assert main(["train", "bc", "--data", "s/goalkeeper", "--out", out, *flags]) == 0
-    (row,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("1/1  ")]
+    told = capsys.readouterr().err
+    assert "1 update of 32 moments\n" in told and "environment" not in told
+    (row,) = [line for line in told.splitlines() if line.startswith("1/1  ")]
     assert "agreement 0." in row and "solved" not in row and "return" not in row

@@ -71,6 +71,10 @@ def test_imitation_has_no_environments_to_divide():
     ("values", "sentence"),
     [
         ({"num_minibatches": 30}, "num_minibatches = 30 must divide num_train_envs = 2048"),
+        (
+            {"num_minibatches": 30, "full_minibatch_shuffle": True},
+            "num_minibatches = 30 must divide num_train_envs = 2048 times num_steps = 64",
+        ),
         ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
         ({"total_timesteps": 10**16}, r"total_timesteps = 1\d+ is more than 2 000 000 000 updates"),
         ({"observation_type": "smell"}, "observation_type: 'smell' is none of the choices"),
@@ -124,6 +128,13 @@ def test_numbers_of_curricula_are_refused_too(algorithm, name):
 def test_sfl_cannot_save_more_than_it_scores():
     with pytest.raises(KinetixError, match="num_to_save = 8192 is more than"):
         make_config("sfl", values={"num_batches": 1, "batch_size": 64})
+
+
+def test_sfl_needs_an_environment_for_what_it_scores():
+    with pytest.raises(KinetixError, match="num_train_envs = 1 is less than one environment"):
+        tiny_config("sfl", num_train_envs=1, num_minibatches=1)
+    lone = tiny_config("sfl", num_train_envs=1, num_minibatches=1, sampled_envs_ratio=0.0)
+    assert lone.drawn_envs == 0
 
 
 def test_levels_that_sfl_scores_need_equal_shares_too():
