@@ -407,6 +407,10 @@ class BcConfig(PpoConfig):
                 "data: expected demonstrations: data of `kinetix teach` or `kinetix dataset`, "
                 "episodes that the editor saved, or levels with a recorded solution"
             )
+        if self.dummy_env:
+            raise KinetixError(
+                "dummy_env: imitation plays its demonstrations again, and must win: leave it out"
+            )
         if self.action_type != "multi_discrete":
             raise KinetixError(
                 f"action_type: demonstrations are multi_discrete, got {self.action_type!r}"

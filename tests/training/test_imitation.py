@@ -245,6 +245,7 @@ def test_smoothing_is_least_where_the_choice_is_likely_but_not_certain():
     [
         ({"data": ()}, "expected demonstrations"),
         ({"data": _SOLVED, "action_type": "discrete"}, "multi_discrete"),
+        ({"data": _SOLVED, "dummy_env": True}, "dummy_env: imitation plays"),
         ({"data": _SOLVED, "recurrent_model": True}, "recurrent_model"),
         ({"data": _SOLVED, "label_smoothing": 1.5}, "label_smoothing"),
     ],
