@@ -179,7 +179,7 @@ def _sampled(setup: Setup) -> list[NamedLevel]:
     count = setup.config.eval_sampled_levels
     if setup.config.eval_freq == 0 or count == 0:
         return []
-    levels: Any = setup.fresh_levels(jax.random.PRNGKey(EVALUATION_SEED), count)
+    levels: Any = setup.random_levels(jax.random.PRNGKey(EVALUATION_SEED), count)
     return [
         NamedLevel(
             name=f"random {index}", source=jax.tree.map(lambda x, i=index: np.asarray(x[i]), levels)

@@ -22,6 +22,7 @@ from kinetix.agents.card import (
 )
 from kinetix.agents.normalisation import Normalisation, from_card, normalise, start, update
 from kinetix.agents.shapes import init_parameters, network_of_card, observations_of_card
+from kinetix.engine.spec import Features
 from kinetix.environment.env import DummyEnv, KinetixEnv, ResetFunction, make_kinetix_env
 from kinetix.environment.generators.filters import sample_filtered_levels
 from kinetix.environment.generators.locomotion import locomotion_sampler
@@ -108,15 +109,39 @@ class Setup:
             key: Random key.
             count: How many.
         """
+        filtered = self.config.level_mode in ("random", "random_all")
+        return self._drawn(key, count, self.reset_fn, self.env, filtered=filtered)
+
+    def random_levels(self, key: Array, count: int) -> EnvState:
+        """Random levels to measure an agent on: like those it is trained on, else of its size.
+
+        Args:
+            key: Random key.
+            count: How many.
+        """
+        config, env_params = self.config, self.env.env_params
+        if config.level_mode not in ("list", "empty"):
+            return self.fresh_levels(key, count)
+        # The step of a training on listed levels does nothing else.
+        static = dataclasses.replace(self.env.static_env_params, features=Features())
+        env: Any = make_kinetix_env(
+            config.action_type, "blind", None, env_params, static, parity=config.parity
+        )
+        reset_fn = make_reset_fn_sample_kinetix_level(env_params, env.static_env_params, self.ued)
+        return self._drawn(key, count, reset_fn, env, filtered=True)
+
+    def _drawn(
+        self, key: Array, count: int, reset_fn: ResetFunction, env: KinetixEnv, *, filtered: bool
+    ) -> EnvState:
         config = self.config
-        chosen = config.filter_levels and config.level_mode in ("random", "random_all")
+        plays = filtered and config.filter_levels and not config.dummy_env
         return sample_filtered_levels(
             key,
             count,
-            self.reset_fn,
-            self.env,
-            self.env.env_params,
-            steps=config.level_filter_n_steps if chosen and not config.dummy_env else 0,
+            reset_fn,
+            env,
+            env.env_params,
+            steps=config.level_filter_n_steps if plays else 0,
             ratio=config.level_filter_sample_ratio,
         )
 

@@ -23,7 +23,7 @@ from kinetix.level.codec import load_document, save_level
 from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
-from kinetix.training.evaluation import evaluation_levels
+from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
 from kinetix.training.imitation.starts import Starts
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
@@ -121,6 +121,15 @@ def test_levels_are_evaluated_on_as_they_were_when_a_training_began(tmp_path: Pa
     for level, state in zip(levels, states, strict=True):
         found = level_state(level.source, static)
         jax.tree.map(np.testing.assert_array_equal, found, state)
+
+
+@pytest.mark.slow
+def test_random_levels_of_an_evaluation_are_random_where_levels_are_listed() -> None:
+    asked = {"eval_freq": 1, "eval_sampled_levels": 4, "level_filter_n_steps": 4}
+    config = tiny_config("ppo", levels=("s/first_flight",), size="s", **asked)
+    evaluation = TrainingEvaluation(make_setup(config, gradient_steps=1))
+    positions = [level.source.physics.position for level in evaluation._sampled]  # pyright: ignore
+    assert np.ptp(np.stack(positions), axis=0).max() > 0.1
 
 
 def normalising(frame_skip: int) -> Agent:
