@@ -31,7 +31,8 @@ class StoredProgress(msgspec.Struct, frozen=True, kw_only=True):
     digest: str = ""
     """SHA-256 of the state; empty in runs of older versions."""
     levels: str = ""
-    """SHA-256 of the listed levels that were trained on; empty where levels are drawn."""
+    """SHA-256 of the listed levels or demonstrations that were trained on; empty where levels are
+    drawn."""
 
     def on_others(self, levels: str) -> bool:
         """Return whether it is known that other levels were trained on.

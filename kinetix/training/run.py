@@ -169,9 +169,15 @@ def _keep_config(out: Path, algorithm: str, config: PpoConfig, progress: StoredP
         write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
 
 
-def _on_these_levels(progress: StoredProgress, levels: str, say: Say) -> StoredProgress:
+def _on_these_levels(progress: StoredProgress, trainer: Trainer, say: Say) -> StoredProgress:
     """Progress that goes on on the levels of now; what differs is said."""
-    if progress.on_others(levels):
+    levels = trainer.setup.levels
+    if progress.on_others(levels) and isinstance(trainer, Clone):
+        say(
+            "warning: the demonstrations have changed since the last checkpoint: what is held out "
+            "now may have been learnt from"
+        )
+    elif progress.on_others(levels):
         say(
             "warning: the files of the levels have changed since the last checkpoint: what has "
             "been learnt so far was learnt on others"
@@ -195,7 +201,7 @@ def _begin(
         status("compiling: start")
         return trainer.start(), StoredProgress(updates=0, seconds=0.0, levels=levels), []
     state, progress, damaged = found
-    progress = _on_these_levels(progress, levels, say)
+    progress = _on_these_levels(progress, trainer, say)
     if progress.updates > config.num_updates:
         say(
             f"nothing is left to do: update {progress.updates} is done already; the length in "

@@ -67,7 +67,8 @@ class Setup:
     ued: UEDParams
     """Options of random levels and mutations."""
     levels: str
-    """SHA-256 of the listed levels, in their order; empty where levels are drawn."""
+    """SHA-256 of the listed levels in their order, or of demonstrations; empty where levels are
+    drawn."""
     without_starts: tuple[str, ...] = ()
     """Listed levels of which no episode begins on the way of a win, though asked for."""
 

@@ -23,7 +23,7 @@ from kinetix.environment.reset import static_env_params_for_levels
 from kinetix.environment.search import solve_level
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Solution
 from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
@@ -381,9 +381,16 @@ def test_a_row_of_imitation_says_what_it_is_about(tmp_path, capsys):
     options = {"minibatch_size": 16, "num_minibatches": 2, "num_train_envs": 2, "eval_freq": 0}
     options |= {"observation_type": "symbolic_flat", "total_timesteps": 32, "held_out": 0.0}
     flags = [word for k, v in options.items() for word in (f"--{k.replace('_', '-')}", str(v))]
-    out = str(tmp_path / "run")
-    assert main(["train", "bc", "--data", "s/goalkeeper", "--out", out, *flags]) == 0
+    out, data = str(tmp_path / "run"), tmp_path / "data"
+    data.mkdir()
+    save_level(load_level("s/goalkeeper"), data / "a.json")
+    assert main(["train", "bc", "--data", str(data), "--out", out, *flags]) == 0
     told = capsys.readouterr().err
     assert "1 update of 32 moments\n" in told and "environment" not in told
     (row,) = [line for line in told.splitlines() if line.startswith("1/1  ")]
     assert "agreement 0." in row and "solved" not in row and "return" not in row
+    shutil.copy(data / "a.json", data / "b.json")
+    for steps, changed in (("64", True), ("96", False)):
+        assert main(["train", "bc", "--out", out, "--total-timesteps", steps]) == 0
+        told = capsys.readouterr().err
+        assert ("the demonstrations have changed" in told) is changed
