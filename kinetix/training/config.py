@@ -396,6 +396,11 @@ class BcConfig(PpoConfig):
         """One device learns; others would have nothing to do."""
         return devices == 1
 
+    @property
+    def only_listed(self) -> bool:
+        """See `PpoConfig`; demonstrations may be of other levels."""
+        return False
+
     def _check_minibatches(self) -> None:
         """Nothing is played, so `minibatch_size` alone counts."""
 

@@ -22,7 +22,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document, save_level
 from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
-from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
 from kinetix.training.imitation.starts import Starts
 from kinetix.training.setup import make_setup
@@ -59,8 +59,9 @@ def test_a_list_of_levels_is_trained_on_in_a_step_made_for_them() -> None:
         PpoConfig(**listed(), parity="kinetix-3"),
         SflConfig(**listed(), put_eval_levels_in_buffer=True),
         ReplayConfig(**listed(), use_accel=True),
+        BcConfig(**listed(), data=("s/goalkeeper",)),
     ],
-    ids=["random", "shuffled", "parity", "with evaluation levels", "mutated"],
+    ids=["random", "shuffled", "parity", "with evaluation levels", "mutated", "imitation"],
 )
 def test_where_other_levels_may_come_the_step_can_do_everything(config: PpoConfig) -> None:
     assert features_of_training(config) == Features()
