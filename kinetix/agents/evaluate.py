@@ -31,7 +31,7 @@ from kinetix.environment.outcome import OUTCOMES
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
 from kinetix.errors import CheckpointError, LevelError
-from kinetix.level.codec import level_hash, load_document
+from kinetix.level.codec import LoadedLevel, level_hash, load_document
 from kinetix.level.features import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of
@@ -48,8 +48,8 @@ class NamedLevel:
     """A level to be played, and what it is called in results."""
 
     name: str
-    source: str | Level | EnvState
-    """A file or bundled name, a document, or a state."""
+    source: str | Level | LoadedLevel | EnvState
+    """A file or bundled name, a document, what was read of a file, or a state."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -310,11 +310,11 @@ def prepare(player: Player, level: NamedLevel) -> Prepared:
     return Prepared(level=level, capacity=capacity, key=key)
 
 
-def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
+def capacity_and_key(source: str | Level | LoadedLevel | EnvState) -> tuple[Capacity, int]:
     """Sizes of a level, and the number that identifies its content: it seeds its episodes.
 
     Args:
-        source: A file or bundled name, a document, or a state.
+        source: A file or bundled name, a document, what was read of a file, or a state.
 
     Raises:
         LevelError: The file is bad.
@@ -325,7 +325,7 @@ def capacity_and_key(source: str | Level | EnvState) -> tuple[Capacity, int]:
         return capacity_of_world(source.world), key
     if isinstance(source, Level):
         return capacity_of(source), int(level_hash(source)[:8], 16)
-    document = load_document(source)
+    document = source if isinstance(source, LoadedLevel) else load_document(source)
     level = document.level
     capacity = document.source.capacity if document.source is not None else capacity_of(level)
     return capacity, int(level_hash(level)[:8], 16)

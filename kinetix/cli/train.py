@@ -15,7 +15,7 @@ from kinetix.command_line.paths import NamedPath
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
-from kinetix.training.config import CONFIGS
+from kinetix.training.config import CONFIGS, BcConfig
 from kinetix.training.settings import CONFIG, SOURCES, field_notes, settings_of
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 from kinetix.wording import plural, thousands
@@ -218,7 +218,6 @@ def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> N
 def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Terminal) -> None:
     """Train once, telling how it goes."""
     from kinetix.training.devices import is_leader
-    from kinetix.training.memory import estimate
     from kinetix.training.run import train
 
     last = train(
@@ -226,7 +225,7 @@ def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Termi
         config,
         out,
         teacher=teacher,
-        announce=lambda setup: terminal.say(_announcement(algorithm, config, estimate(setup))),
+        announce=lambda setup: terminal.say(_announcement(algorithm, setup)),
         report=lambda report: terminal.say(_line(report)),
         say=terminal.say,
         status=terminal.status,
@@ -236,15 +235,28 @@ def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Termi
         print(last)
 
 
-def _announcement(algorithm: str, config: Any, need: Any) -> str:
+def _announcement(algorithm: str, setup: Any) -> str:
     import jax
 
-    devices = jax.devices()
-    return (
+    config, devices = setup.config, jax.devices()
+    told = (
         f"{algorithm} on {config.size}, {config.physics}, {len(devices)} × {devices[0].platform}: "
-        f"{plural(config.num_updates, 'update')} of {config.steps_per_update} steps; about "
-        f"{need.per_environment / 2**20:.2f} MiB per environment, so that up to "
-        f"{need.largest_num_train_envs} of them fit (num_train_envs is {config.num_train_envs})"
+        f"{plural(config.num_updates, 'update')} of {config.steps_per_update} "
+    )
+    if isinstance(config, BcConfig):
+        return f"{told}moments"
+    return f"{told}steps; {_room(setup)}"
+
+
+def _room(setup: Any) -> str:
+    """Say how many environments there is memory for."""
+    from kinetix.training.memory import estimate
+
+    need = estimate(setup)
+    return (
+        f"about {need.per_environment / 2**20:.2f} MiB per environment, so that up to "
+        f"{need.largest_num_train_envs} of them fit (num_train_envs is "
+        f"{setup.config.num_train_envs})"
     )
 
 

@@ -81,7 +81,11 @@ def play_actions(
 
 
 def state_after(
-    level: Level, actions: Sequence[Sequence[int]], *, physics: str = "balanced"
+    level: Level,
+    actions: Sequence[Sequence[int]],
+    *,
+    physics: str = "balanced",
+    frame_skip: int = LEVEL_FRAME_SKIP,
 ) -> EnvState | None:
     """Return the state in which `play_actions` leaves a level; None where the episode is over.
 
@@ -89,11 +93,12 @@ def state_after(
         level: The level.
         actions: Multi-discrete, one per environment step.
         physics: Preset or solver.
+        frame_skip: Engine steps per environment step.
 
     Raises:
         KinetixError: The physics preset does not exist.
     """
-    env, start = _stage(level, physics, LEVEL_FRAME_SKIP)
+    env, start = _stage(level, physics, frame_skip)
     end = play_until(env, start, next_row, limit=len(actions), **recorded_rows(actions))
     return end.state if end.outcome is None else None
 

@@ -49,8 +49,8 @@ ResetFunction = Callable[[Array], EnvState]
 Source = Literal["file", "fixed"]
 """True if a number comes from the file or is the one that kinetix-env always uses."""
 
-LevelLike = str | Path | Level | EnvState
-"""A level in any form: file, bundled name, document, state."""
+LevelLike = str | Path | Level | LoadedLevel | EnvState
+"""A level in any form: file, bundled name, document, what was read of a file, state."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,7 +119,7 @@ def load_from_json_file(
 
 
 def _loaded(
-    path: str | Path | Level,
+    path: str | Path | Level | LoadedLevel,
     static_env_params: StaticEnvParams | None,
     gravity: Source = "file",
     time_limit: Source = "file",
@@ -131,7 +131,8 @@ def _loaded(
         loaded, name = LoadedLevel(level=path, format="kinetix-level"), f"level {path.name!r}"
         check_computable(path)
     else:
-        loaded, name = load_document(path), str(path)
+        loaded = path if isinstance(path, LoadedLevel) else load_document(path)
+        name = _file_of(path)
     for option, word in (("gravity", gravity), ("time_limit", time_limit)):
         if word not in get_args(Source):
             raise KinetixError(f"{option}={word!r}: expected 'file' or 'fixed'")
@@ -143,7 +144,7 @@ def _loaded(
     static = with_parity(static, parity)
     state = _compiled(loaded, static, gravity=gravity, time_limit=time_limit)
     check_bindings(state, static, name=name)
-    if not isinstance(path, Level):
+    if isinstance(path, str | Path):
         state = _permuted(state, path)
     return state, static, _env_params_of(loaded, time_limit)
 
@@ -153,7 +154,7 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
 
     Args:
         level: A file, a bundled name (with a suffix `.permuteN`, its entities are permuted with
-            the seed N), a document or a state.
+            the seed N), a document, what was read of a file, or a state.
         static_env_params: The sizes and the physics.
 
     Raises:
@@ -168,9 +169,13 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         check_computable(level)
         return _document_state(level, static_env_params)
     else:
-        name = str(level)
+        name = _file_of(level)
         state, _, _ = _loaded(level, static_env_params)
     return _fitting(state, static_env_params, name)
+
+
+def _file_of(level: str | Path | LoadedLevel) -> str:
+    return str(level.path if isinstance(level, LoadedLevel) else level)
 
 
 def _document_state(level: Level, static_env_params: StaticEnvParams) -> EnvState:
@@ -336,7 +341,7 @@ def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
         levels = load_set(levels)
     if isinstance(levels, LoadedSet):
         levels = levels.levels
-    if isinstance(levels, (str, Path, Level, EnvState)):
+    if isinstance(levels, LevelLike):
         levels = [levels]
     if not isinstance(levels, Iterable):
         kind = type(levels).__name__

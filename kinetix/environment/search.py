@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
 from kinetix.environment.plans import HOLD, Plans, random_plans, runs_of
 from kinetix.environment.rearrange import expand_state
 from kinetix.environment.replay import play_actions, state_after
@@ -131,13 +131,14 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
         physics: Physics preset under which a solution shall hold.
         seed: Of all draws.
     """
+    alone: Any = {"physics": physics, "frame_skip": env.static_env_params.frame_skip}
 
     def wins(actions: Int[np.ndarray, "k 6"]) -> bool:
         # A batch of one may round differently; only what holds there too is a proof.
-        return play_actions(level, actions.tolist(), physics=physics).outcome == "won"
+        return play_actions(level, actions.tolist(), **alone).outcome == "won"
 
     def after(actions: Int[np.ndarray, "k 6"]) -> EnvState | None:
-        state = state_after(level, actions.tolist(), physics=physics)
+        state = state_after(level, actions.tolist(), **alone)
         return None if state is None else expand_state(state, env.static_env_params)
 
     return Task(
@@ -151,17 +152,24 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
     )
 
 
-def solving_env(levels: Sequence[Level], *, physics: str) -> KinetixEnv:
+def solving_env(
+    levels: Sequence[Level], *, physics: str, frame_skip: int = LEVEL_FRAME_SKIP
+) -> KinetixEnv:
     """An environment for searching these levels, which ends its episodes.
 
     It computes what at least one of them can do. For one level that is least work a step; for
     many, one compilation serves them all.
 
+    Args:
+        levels: The levels.
+        physics: Physics preset.
+        frame_skip: Engine steps per environment step.
+
     Raises:
         KinetixError: The physics is unknown.
     """
     capacity = common_capacity(levels)
-    static = static_env_params_of(capacity, physics=physics)
+    static = static_env_params_of(capacity, physics=physics, frame_skip=frame_skip)
     static = static_env_params_for_levels(levels, static)
     env = make_kinetix_env(
         ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False

@@ -169,18 +169,40 @@ class PpoConfig:
             f"{thousands(self.steps_per_update)}: {thousands(trained)} are trained"
         )
 
-    def fits_devices(self, devices: int) -> bool:
-        """Tell whether that many devices get equal shares of environments and of minibatches.
+    def uneven(self, devices: int) -> str:
+        """Say what has no equal shares on so many devices; nothing where everything has.
 
         Args:
             devices: How many, over all processes.
         """
-        if self.num_train_envs % devices:
-            return False
-        units = self.num_train_envs // devices
-        if self.full_minibatch_shuffle:
-            units *= self.num_steps
-        return units % self.num_minibatches == 0
+        odd = self._no_multiple("num_train_envs", devices)
+        if odd:
+            return odd
+        if self._shuffled_units() // devices % self.num_minibatches:
+            return (
+                f"num_train_envs = {self.num_train_envs} in num_minibatches = "
+                f"{self.num_minibatches} parts: {devices} devices need a share of each part; "
+                "use fewer (--cores) or smaller numbers of parts"
+            )
+        return ""
+
+    def _no_multiple(self, name: str, devices: int) -> str:
+        value = getattr(self, name)
+        if value % devices == 0:
+            return ""
+        return f"{name} = {value} must be a multiple of the {devices} devices"
+
+    def _shuffled_units(self) -> int:
+        """Number of environments, or of single steps, that are shuffled into minibatches."""
+        return self.num_train_envs * (self.num_steps if self.full_minibatch_shuffle else 1)
+
+    def fits_devices(self, devices: int) -> bool:
+        """Tell whether so many devices are of use: each has an equal share.
+
+        Args:
+            devices: How many, over all processes.
+        """
+        return not self.uneven(devices)
 
     def check(self) -> None:
         """Refuse what cannot work, before anything is compiled.
@@ -220,16 +242,13 @@ class PpoConfig:
             )
 
     def _check_minibatches(self) -> None:
-        units = self.num_train_envs
-        if self.full_minibatch_shuffle:
-            if self.network.recurrent_model:
-                raise KinetixError("full_minibatch_shuffle cannot be used with recurrent_model")
-            units *= self.num_steps
-        if units % self.num_minibatches:
-            raise KinetixError(
-                f"num_minibatches = {self.num_minibatches} must divide num_train_envs = "
-                f"{self.num_train_envs}"
-            )
+        if self.full_minibatch_shuffle and self.network.recurrent_model:
+            raise KinetixError("full_minibatch_shuffle cannot be used with recurrent_model")
+        if self._shuffled_units() % self.num_minibatches:
+            units = f"num_train_envs = {self.num_train_envs}"
+            if self.full_minibatch_shuffle:
+                units += f" times num_steps = {self.num_steps}"
+            raise KinetixError(f"num_minibatches = {self.num_minibatches} must divide {units}")
 
     @property
     def only_listed(self) -> bool:
@@ -276,6 +295,13 @@ class SflConfig(PpoConfig):
     log_learnability_before_after: bool = False
     """Play the buffer's levels once more before and after they are trained on, for the metrics."""
 
+    def uneven(self, devices: int) -> str:
+        """See `PpoConfig`; levels are scored on all devices too."""
+        odd = super().uneven(devices) or self._no_multiple("batch_size", devices)
+        if self.log_learnability_before_after:
+            odd = odd or self._no_multiple("num_to_save", devices)
+        return odd
+
     def check(self) -> None:
         """See `PpoConfig.check`."""
         super().check()
@@ -284,6 +310,17 @@ class SflConfig(PpoConfig):
                 f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
                 f"{self.batch_size * self.num_batches} levels that are scored"
             )
+        if self.sampled_envs_ratio and not self.drawn_envs:
+            raise KinetixError(
+                f"sampled_envs_ratio = {self.sampled_envs_ratio:g} of num_train_envs = "
+                f"{self.num_train_envs} is less than one environment: none would play levels that "
+                "were scored; expected more of either, or 0 for domain randomisation"
+            )
+
+    @property
+    def drawn_envs(self) -> int:
+        """Environments that play levels of the buffer."""
+        return int(self.sampled_envs_ratio * self.num_train_envs)
 
     @property
     def only_listed(self) -> bool:
@@ -357,9 +394,18 @@ class BcConfig(PpoConfig):
 
     update_size: ClassVar[tuple[str, ...]] = ("minibatch_size", "num_minibatches")
 
+    def uneven(self, devices: int) -> str:
+        """Nothing is shared out, so that no number of devices is refused."""
+        return ""
+
     def fits_devices(self, devices: int) -> bool:
-        """One device learns."""
+        """One device learns; others would have nothing to do."""
         return devices == 1
+
+    @property
+    def only_listed(self) -> bool:
+        """See `PpoConfig`; demonstrations may be of other levels."""
+        return False
 
     def _check_minibatches(self) -> None:
         """Nothing is played, so `minibatch_size` alone counts."""
@@ -371,6 +417,10 @@ class BcConfig(PpoConfig):
             raise KinetixError(
                 "data: expected demonstrations: data of `kinetix teach` or `kinetix dataset`, "
                 "episodes that the editor saved, or levels with a recorded solution"
+            )
+        if self.dummy_env:
+            raise KinetixError(
+                "dummy_env: imitation plays its demonstrations again, and must win: leave it out"
             )
         if self.action_type != "multi_discrete":
             raise KinetixError(

@@ -190,16 +190,8 @@ def check_divisible(config: PpoConfig) -> None:
         config: The configuration.
 
     Raises:
-        KinetixError: Environments or minibatches have no equal shares.
+        KinetixError: Environments, minibatches or levels to be scored have no equal shares.
     """
-    count = jax.device_count()
-    if config.num_train_envs % count:
-        raise KinetixError(
-            f"num_train_envs = {config.num_train_envs} must be a multiple of the {count} devices"
-        )
-    if not config.fits_devices(count):
-        raise KinetixError(
-            f"num_train_envs = {config.num_train_envs} in num_minibatches = "
-            f"{config.num_minibatches} parts: {count} devices need a share of each part; "
-            "use fewer (--cores) or smaller numbers of parts"
-        )
+    uneven = config.uneven(jax.device_count())
+    if uneven:
+        raise KinetixError(uneven)

@@ -3,6 +3,7 @@
 import statistics
 import time
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import jax
@@ -14,7 +15,9 @@ from kinetix.agents.results import LevelResult, summarise
 from kinetix.environment.generators.filters import EVALUATION_SEED
 from kinetix.environment.params import static_env_params_from_size
 from kinetix.errors import CheckpointError, KinetixError
-from kinetix.level.sets import evaluation_part, gather_levels
+from kinetix.level.codec import LoadedLevel, load_document
+from kinetix.level.model import Level
+from kinetix.level.sets import SetLevel, evaluation_part, gather_levels
 from kinetix.level.sizes import capacity_of, describe_capacity
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
@@ -140,6 +143,8 @@ def _each(results: Sequence[LevelResult]) -> dict[str, float]:
 def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
     """The levels asked for, else the evaluation part of those trained on, else the bundled ones.
 
+    Their files are read here and no more: a training outlasts moves and edits.
+
     Args:
         config: The configuration.
     """
@@ -150,10 +155,12 @@ def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
         levels = evaluation_part(levels)
     room = static_env_params_from_size(config.size).capacity
     fitting = [level for level in levels if sources or room.covers(capacity_of(level.level))]
-    return [
-        NamedLevel(name=level.name, source=level.level if level.path is None else str(level.path))
-        for level in fitting
-    ]
+    return [NamedLevel(name=level.name, source=_as_read(level)) for level in fitting]
+
+
+def _as_read(level: SetLevel) -> Level | LoadedLevel:
+    """The level as its file says, which kinetix-env's says with more than a document."""
+    return load_document(level.played) if isinstance(level.played, Path) else level.played
 
 
 def _check_fit(level: NamedLevel, setup: Setup) -> None:
@@ -172,7 +179,7 @@ def _sampled(setup: Setup) -> list[NamedLevel]:
     count = setup.config.eval_sampled_levels
     if setup.config.eval_freq == 0 or count == 0:
         return []
-    levels: Any = setup.fresh_levels(jax.random.PRNGKey(EVALUATION_SEED), count)
+    levels: Any = setup.random_levels(jax.random.PRNGKey(EVALUATION_SEED), count)
     return [
         NamedLevel(
             name=f"random {index}", source=jax.tree.map(lambda x, i=index: np.asarray(x[i]), levels)

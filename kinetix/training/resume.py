@@ -31,7 +31,16 @@ class StoredProgress(msgspec.Struct, frozen=True, kw_only=True):
     digest: str = ""
     """SHA-256 of the state; empty in runs of older versions."""
     levels: str = ""
-    """SHA-256 of the listed levels that were trained on; empty where levels are drawn."""
+    """SHA-256 of the listed levels or demonstrations that were trained on; empty where levels are
+    drawn."""
+
+    def on_others(self, levels: str) -> bool:
+        """Return whether it is known that other levels were trained on.
+
+        Args:
+            levels: SHA-256 of those of now.
+        """
+        return bool(self.levels) and self.levels != levels
 
 
 def write_state(directory: Path, state: Any, progress: StoredProgress) -> None:
@@ -47,7 +56,7 @@ def write_state(directory: Path, state: Any, progress: StoredProgress) -> None:
 
 
 def read_newest(
-    out: Path, like: Callable[[], Any], say: Callable[[str], None]
+    out: Path, like: Callable[[], Any], say: Callable[[str], None], *, levels: str = ""
 ) -> tuple[Any, StoredProgress, list[Path]] | None:
     """Read the newest state that is sound.
 
@@ -55,23 +64,28 @@ def read_newest(
         out: The run's directory.
         like: Makes a state of the same structure, or its shapes.
         say: Takes a sentence about each checkpoint that cannot be read.
+        levels: SHA-256 of the levels of now, on which the shapes of a state depend.
 
     Returns:
         The state, its progress and the damaged checkpoints that are newer; None in a run that has
         no checkpoint yet.
 
     Raises:
-        KinetixError: There are checkpoints, and none has a state that can be read.
+        KinetixError: There are checkpoints, and none has a state that can be read, or that fits the
+            levels of now.
     """
     folders = [out / RUN_CHECKPOINTS / str(step) for step in reversed(_all_steps(out))]
     damaged: list[Path] = []
+    changed = False
     for folder in folders:
         if os.path.isfile(folder / CARD) and not os.path.isdir(folder / STATE):
             continue  # an older agent, whose state made room
         try:
-            state, progress = _read(folder, like())
+            progress = _read_progress(folder)
+            changed |= progress.on_others(levels)
+            state = _read_state(folder, like(), progress)
         except KinetixError as error:
-            say(f"damaged checkpoint: {error}")
+            say(f"{'checkpoint of other levels' if changed else 'damaged checkpoint'}: {error}")
             damaged.append(folder)
             continue
         newer = folders.index(folder) - len(damaged)
@@ -80,6 +94,12 @@ def read_newest(
         return state, progress, damaged
     if not folders:
         return None
+    if changed:
+        raise KinetixError(
+            f"{out}: the files of the levels have changed since the last checkpoint, and what is "
+            "stored of the training does not fit them: bring the former ones back, or choose "
+            f"another directory, with --from {out} to start from its newest agent"
+        )
     raise KinetixError(
         f"{out}: none of its training states can be read, being damaged or of another version of "
         "Kinetix, and a new start would overwrite the run; choose another directory, with "
@@ -87,7 +107,7 @@ def read_newest(
     )
 
 
-def _read(folder: Path, like: Any) -> tuple[Any, StoredProgress]:
+def _read_progress(folder: Path) -> StoredProgress:
     path = folder / PROGRESS
     tree = read_json(path, "run")
     try:
@@ -96,10 +116,14 @@ def _read(folder: Path, like: Any) -> tuple[Any, StoredProgress]:
         raise KinetixError(f"{path}: {misfit(error)}") from None
     if progress.updates < 1:
         raise KinetixError(f"{path}: $.updates: expected a number from 1")
+    return progress
+
+
+def _read_state(folder: Path, like: Any, progress: StoredProgress) -> Any:
     state, digest = load_state(folder, like)
     if progress.digest and digest != progress.digest:
         raise KinetixError(f"{folder / STATE}: the arrays are not those that {PROGRESS} names")
-    return state, progress
+    return state
 
 
 def put_aside(damaged: list[Path]) -> None:

@@ -152,6 +152,11 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
             f"warning: demo_starts = {config.demo_starts:g} has no effect: no levels are named "
             "(--levels), and of random ones no way to a win is known"
         )
+    if trainer.setup.without_starts:
+        say(
+            f"warning: no episode of {', '.join(trainer.setup.without_starts)} begins on the way "
+            "of a win: the one that was found is lost when it is played again"
+        )
     if isinstance(trainer, Clone):
         say(trainer.told)
     if trainer.setup.cut_short():
@@ -164,9 +169,15 @@ def _keep_config(out: Path, algorithm: str, config: PpoConfig, progress: StoredP
         write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
 
 
-def _on_these_levels(progress: StoredProgress, levels: str, say: Say) -> StoredProgress:
+def _on_these_levels(progress: StoredProgress, trainer: Trainer, say: Say) -> StoredProgress:
     """Progress that goes on on the levels of now; what differs is said."""
-    if progress.levels and progress.levels != levels:
+    levels = trainer.setup.levels
+    if progress.on_others(levels) and isinstance(trainer, Clone):
+        say(
+            "warning: the demonstrations have changed since the last checkpoint: what is held out "
+            "now may have been learnt from"
+        )
+    elif progress.on_others(levels):
         say(
             "warning: the files of the levels have changed since the last checkpoint: what has "
             "been learnt so far was learnt on others"
@@ -178,8 +189,8 @@ def _begin(
     trainer: Trainer, out: Path, say: Say, status: Say, *, taught: bool
 ) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
-    found = read_newest(out, lambda: jax.eval_shape(trainer.start), say)
-    config = trainer.setup.config
+    config, levels = trainer.setup.config, trainer.setup.levels
+    found = read_newest(out, lambda: jax.eval_shape(trainer.start), say, levels=levels)
     if found is None:
         if not taught and (config.teacher_coef or config.critic_warmup):
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
@@ -188,10 +199,9 @@ def _begin(
             refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")
         status("compiling: start")
-        levels = trainer.setup.levels
         return trainer.start(), StoredProgress(updates=0, seconds=0.0, levels=levels), []
     state, progress, damaged = found
-    progress = _on_these_levels(progress, trainer.setup.levels, say)
+    progress = _on_these_levels(progress, trainer, say)
     if progress.updates > config.num_updates:
         say(
             f"nothing is left to do: update {progress.updates} is done already; the length in "

@@ -10,10 +10,10 @@ import json
 import os
 import textwrap
 import tomllib
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence, Set
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import msgspec
 
@@ -71,13 +71,8 @@ def make_config(
     if algorithm not in CONFIGS:
         raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")
     values = _without_network(values or {})
-    fields: dict[str, Any] = dict(ALGORITHM_DEFAULTS.get(algorithm, {}))
-    network: dict[str, Any] = {}
-    told = "training configuration"
-    for content, where in _sources(algorithm, preset=preset, file=file, run=run):
-        _take(fields, network, content, algorithm, where)
-        told = f"{told}, {where}"
-    size_of_preset = "" if preset is None else _preset(preset).get("size", "")
+    given = _given(algorithm, preset=preset, file=file, run=run)
+    fields, network = given.fields, given.network
     known = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} | set(_NETWORK_NAMES)
     for name, value in values.items():
         if name not in known:
@@ -88,9 +83,8 @@ def make_config(
         if isinstance(field.default, tuple) and isinstance(fields.get(field.name), str):
             fields[field.name] = [fields[field.name]]
     _check_sources(fields)
-    may_grow = "size" not in values and fields.get("size") == size_of_preset
     try:
-        _complete(fields, known, may_grow=may_grow)
+        _complete(fields, known, fixed=fields.keys() - given.weak.difference(values))
     except LevelError as error:
         if not _of_elsewhere(fields, values, run):
             raise
@@ -106,7 +100,7 @@ def make_config(
             CONFIGS[algorithm],
         )
     except (msgspec.ValidationError, ValueError) as error:
-        raise KinetixError(f"{told}: {misfit(error)}") from None
+        raise KinetixError(f"{given.told}: {misfit(error)}") from None
     config.check()
     return config
 
@@ -141,9 +135,43 @@ def _match(fields: dict[str, Any], network: dict[str, Any], flags: Mapping[str, 
     network.setdefault("kind", _KIND_OF.get(observation, "entity_transformer"))
 
 
+@dataclasses.dataclass(kw_only=True)
+class _Given:
+    """Values of all sources, the weakest first."""
+
+    fields: dict[str, Any]
+    network: dict[str, Any]
+    weak: set[str]
+    """Fields that have the preset's value: what is trained on wins over them."""
+    told: str
+    """The sources, in words."""
+
+
+def _given(algorithm: str, *, preset: str | None, file: Path | None, run: Path | None) -> _Given:
+    given = _Given(
+        fields=dict(ALGORITHM_DEFAULTS.get(algorithm, {})),
+        network={},
+        weak=set(),
+        told="training configuration",
+    )
+    for source in _sources(algorithm, preset=preset, file=file, run=run):
+        own: dict[str, Any] = {}
+        _take(own, given.network, source.content, algorithm, source.where)
+        given.fields |= own
+        given.weak = given.weak | own.keys() if source.weak else given.weak - own.keys()
+        given.told = f"{given.told}, {source.where}"
+    return given
+
+
+class _Source(NamedTuple):
+    content: dict[str, Any]
+    where: str
+    weak: bool = False
+
+
 def _sources(
     algorithm: str, *, preset: str | None, file: Path | None, run: Path | None
-) -> Iterator[tuple[dict[str, Any], str]]:
+) -> Iterator[_Source]:
     """Tables of values and what they are from, weakest first."""
     stored = None if run is None else run / CONFIG
     if stored is not None and os.path.isfile(stored):
@@ -153,11 +181,11 @@ def _sources(
             raise KinetixError(f"{stored}: does not say its algorithm; it is damaged")
         if began != algorithm:
             raise KinetixError(f"{stored}: this run was started with {began}, not {algorithm}")
-        yield content, str(stored)
+        yield _Source(content, str(stored))
     if preset is not None:
-        yield _preset(preset), f"preset {preset!r}"
+        yield _Source(_preset(preset), f"preset {preset!r}", weak=True)
     if file is not None:
-        yield _parse(_read(file), str(file)), str(file)
+        yield _Source(_parse(_read(file), str(file)), str(file))
 
 
 SOURCES: Final = ("levels", "eval_levels", "data")
@@ -184,10 +212,10 @@ def _check_sources(fields: dict[str, Any]) -> None:
         fields[name] = [str(each) for each in listed]
 
 
-def _complete(fields: dict[str, Any], known: Container[str], *, may_grow: bool) -> None:
-    """Fill in what follows from other fields.
+def _complete(fields: dict[str, Any], known: Container[str], *, fixed: Set[str]) -> None:
+    """Fill in what follows from other fields; levels and demonstrations win over what is not fixed.
 
-    Levels and demonstrations that are too large for a size that may grow set it.
+    Those that are too large for the size set it; physics and frame skip are the demonstrations'.
     """
     needed: list[Capacity] = []
     if fields.get("levels"):
@@ -201,11 +229,11 @@ def _complete(fields: dict[str, Any], known: Container[str], *, may_grow: bool) 
 
         origin = origin_of(tuple(fields["data"]))
         needed.append(origin.capacity)
-        fields.setdefault("physics", origin.physics)
-        fields.setdefault("frame_skip", origin.frame_skip)
+        played = {"physics": origin.physics, "frame_skip": origin.frame_skip}
+        fields |= {name: value for name, value in played.items() if name not in fixed}
     if fields.get("level_mode", "random") != "random" and _FROM_EMPTY in known:
         fields.setdefault(_FROM_EMPTY, False)
-    if needed and ("size" not in fields or may_grow):
+    if needed and "size" not in fixed:
         fields["size"] = _size_for(needed, fields.get("size"))
     if "size" in fields:
         parse_capacity(fields["size"])

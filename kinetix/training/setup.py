@@ -22,6 +22,7 @@ from kinetix.agents.card import (
 )
 from kinetix.agents.normalisation import Normalisation, from_card, normalise, start, update
 from kinetix.agents.shapes import init_parameters, network_of_card, observations_of_card
+from kinetix.engine.spec import Features
 from kinetix.environment.env import DummyEnv, KinetixEnv, ResetFunction, make_kinetix_env
 from kinetix.environment.generators.filters import sample_filtered_levels
 from kinetix.environment.generators.locomotion import locomotion_sampler
@@ -66,7 +67,10 @@ class Setup:
     ued: UEDParams
     """Options of random levels and mutations."""
     levels: str
-    """SHA-256 of the listed levels, in their order; empty where levels are drawn."""
+    """SHA-256 of the listed levels in their order, or of demonstrations; empty where levels are
+    drawn."""
+    without_starts: tuple[str, ...] = ()
+    """Listed levels of which no episode begins on the way of a win, though asked for."""
 
     @property
     def env(self) -> KinetixEnv:
@@ -106,15 +110,39 @@ class Setup:
             key: Random key.
             count: How many.
         """
+        filtered = self.config.level_mode in ("random", "random_all")
+        return self._drawn(key, count, self.reset_fn, self.env, filtered=filtered)
+
+    def random_levels(self, key: Array, count: int) -> EnvState:
+        """Random levels to measure an agent on: like those it is trained on, else of its size.
+
+        Args:
+            key: Random key.
+            count: How many.
+        """
+        config, env_params = self.config, self.env.env_params
+        if config.level_mode not in ("list", "empty"):
+            return self.fresh_levels(key, count)
+        # The step of a training on listed levels does nothing else.
+        static = dataclasses.replace(self.env.static_env_params, features=Features())
+        env: Any = make_kinetix_env(
+            config.action_type, "blind", None, env_params, static, parity=config.parity
+        )
+        reset_fn = make_reset_fn_sample_kinetix_level(env_params, env.static_env_params, self.ued)
+        return self._drawn(key, count, reset_fn, env, filtered=True)
+
+    def _drawn(
+        self, key: Array, count: int, reset_fn: ResetFunction, env: KinetixEnv, *, filtered: bool
+    ) -> EnvState:
         config = self.config
-        chosen = config.filter_levels and config.level_mode in ("random", "random_all")
+        plays = filtered and config.filter_levels and not config.dummy_env
         return sample_filtered_levels(
             key,
             count,
-            self.reset_fn,
-            self.env,
-            self.env.env_params,
-            steps=config.level_filter_n_steps if chosen and not config.dummy_env else 0,
+            reset_fn,
+            env,
+            env.env_params,
+            steps=config.level_filter_n_steps if plays else 0,
             ratio=config.level_filter_sample_ratio,
         )
 
@@ -230,21 +258,22 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     card = _card(config, env_params, static_env_params)
     if teacher is not None:
         _check_teacher(teacher.card, card, config)
+    reset_fn = _reset_function(config, env_params, static_env_params, ued, listed)
     env: Any = make_kinetix_env(
         action_type=config.action_type,
         observation_type=config.observation_type,
-        reset_fn=_shuffled(
-            config, _reset_function(config, env_params, static_env_params, ued, listed)
-        ),
+        reset_fn=reset_fn,
         env_params=env_params,
         static_env_params=static_env_params,
         keep_terminal_observation=config.bootstrap_on_timeout,
         parity=config.parity,
     )
+    without_starts: tuple[str, ...] = ()
     if config.demo_starts and listed and not config.dummy_env:
-        moments = starts_on_the_way(listed, env)
-        on_the_way = beginning_on_the_way(env.reset_fn, moments, config.demo_starts)
-        env = dataclasses.replace(env, reset_fn=on_the_way)
+        starts = starts_on_the_way(listed, env)
+        reset_fn = beginning_on_the_way(reset_fn, starts.moments, config.demo_starts)
+        without_starts = starts.without
+    env = dataclasses.replace(env, reset_fn=_shuffled(config, reset_fn))
     observations = observations_of_card(card, env_params, env.static_env_params)
     env = dataclasses.replace(env, observations=observations)
     if config.dummy_env:
@@ -266,6 +295,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         ),
         ued=ued,
         levels=_digest(listed),
+        without_starts=without_starts,
     )
 
 

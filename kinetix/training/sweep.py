@@ -34,6 +34,8 @@ RESULTS: Final = {
 }
 """Columns of the table: the first of these metrics that a run has, the newest of its rows."""
 _PARTS: Final = ("grid", "random", "run")
+_IN_VAIN: Final = 1000
+"""Draws one after the other that are there already, after which no other is expected."""
 _LONGEST_NAME: Final = 120
 """Letters of a directory's name."""
 
@@ -102,17 +104,28 @@ def _choices(values: Any, name: str, path: Path) -> list[Any]:
 
 
 def _draws(table: dict[str, Any], path: Path) -> list[dict[str, Any]]:
-    """The draws of a table `random`; one without values where there is none."""
+    """The draws of a table `random`, all different; one without values where there is none."""
     if not table:
         return [{}]
     samples = table.pop("samples", None)
     if type(samples) is not int or samples < 1:
         raise KinetixError(f"{path}: random.samples: expected a number of draws, at least 1")
     numbers = random.Random(0)
-    return [
-        {name: _draw(numbers, spread, f"{path}: random.{name}") for name, spread in table.items()}
-        for _ in range(samples)
-    ]
+    draws: list[dict[str, Any]] = []
+    in_vain = 0
+    while len(draws) < samples:
+        draw = {
+            name: _draw(numbers, spread, f"{path}: random.{name}") for name, spread in table.items()
+        }
+        in_vain = in_vain + 1 if draw in draws else 0
+        if in_vain == 0:
+            draws.append(draw)
+        elif in_vain == _IN_VAIN:
+            raise KinetixError(
+                f"{path}: random.samples: expected at most {len(draws)}, as there are no more "
+                f"different draws, got {samples}"
+            )
+    return draws
 
 
 def _draw(numbers: random.Random, spread: Any, where: str) -> Any:

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+from typing import get_args
 
 import jax
 import jax.numpy as jnp
@@ -15,20 +16,26 @@ from kinetix.cli.dataset import GatherEpisodes, VerifyDataset, run
 from kinetix.datasets.episode import winning_plan
 from kinetix.datasets.folder import MANIFEST, add_episodes, read_dataset, writing
 from kinetix.datasets.sources import episodes_of
+from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.generators.machines import random_machines
-from kinetix.environment.params import static_env_params_of
+from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.reset import static_env_params_for_levels
+from kinetix.environment.search import solve_level
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
+from kinetix.level.model import Solution
+from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
-from kinetix.training.config import BcConfig
-from kinetix.training.imitation import sources, teach
+from kinetix.training.config import ActionName, BcConfig
+from kinetix.training.imitation import lessons, sources, starts, teach
 from kinetix.training.imitation.clone import imitation_loss
 from kinetix.training.imitation.lessons import played_again, state_at
 from kinetix.training.run import train
 from kinetix.training.settings import make_config
 from kinetix.training.setup import make_setup
 from tests.optimised import optimised
+from tests.training.tiny import rocket
 
 _SOLVED = ("s/goalkeeper", "s/first_flight", "s/hang_on")
 _SIZES = ((3, 3, 3, 3, 2, 2),)
@@ -142,7 +149,7 @@ def test_what_was_won_is_won_again_and_its_moments_are_the_episode(data):
     config = make_config("bc", values={"data": (str(out),), "observation_type": "symbolic_flat"})
     env = make_setup(config, gradient_steps=1).env
     played = played_again(env, episodes, gamma=0.99)
-    assert played.lost <= len(episodes) // 4
+    assert len(played.lost) <= len(episodes) // 4
     lessons = played.lessons
     assert lessons.count == len(lessons.action) == len(lessons.worth)
     ends = np.flatnonzero(np.diff(lessons.episode, append=-1) != 0)
@@ -238,6 +245,7 @@ def test_smoothing_is_least_where_the_choice_is_likely_but_not_certain():
     [
         ({"data": ()}, "expected demonstrations"),
         ({"data": _SOLVED, "action_type": "discrete"}, "multi_discrete"),
+        ({"data": _SOLVED, "dummy_env": True}, "dummy_env: imitation plays"),
         ({"data": _SOLVED, "recurrent_model": True}, "recurrent_model"),
         ({"data": _SOLVED, "label_smoothing": 1.5}, "label_smoothing"),
     ],
@@ -248,12 +256,15 @@ def test_settings_that_cannot_work_are_told_at_once(values, says):
 
 
 @pytest.mark.slow
-def test_episodes_begin_on_the_way_of_the_recorded_solution():
+@pytest.mark.parametrize("action_type", get_args(ActionName))
+def test_episodes_begin_on_the_way_of_the_recorded_solution(action_type, monkeypatch):
+    monkeypatch.setattr(starts, "solve_level", pytest.fail)
     name = "s/goalkeeper"
     solution = load_level(name).solution
     assert solution is not None
     steps = solution.steps
-    config = make_config("ppo", preset="specialist", values={"levels": (name,)})
+    values = {"levels": (name,), "action_type": action_type}
+    config = make_config("ppo", preset="specialist", values=values)
     reset = make_setup(config, gradient_steps=1).reset_fn
     states = jax.jit(jax.vmap(reset))(jax.random.split(jax.random.key(0), 400))
     begun = np.asarray(states.timestep)
@@ -263,6 +274,48 @@ def test_episodes_begin_on_the_way_of_the_recorded_solution():
     assert len(np.unique(begun)) > steps // 2
     apart = np.ptp(np.asarray(states.physics.position), axis=0).max()
     assert apart > 0.2
+
+
+def starts_of(levels, monkeypatch, search=None, frame_skip=2):
+    """Starts of levels in an environment that computes what they have."""
+    monkeypatch.setattr(starts, "solve_level", search or pytest.fail)
+    static = static_env_params_of(SIZES["s"], physics="jax2d", frame_skip=frame_skip)
+    static = static_env_params_for_levels(levels, static)
+    env = make_kinetix_env("multi_discrete", "blind", None, EnvParams(), static)
+    return starts.starts_on_the_way([SetLevel(name=each.name, level=each) for each in levels], env)
+
+
+def solved(level, steps):
+    """The level, with the solution of burning for so many steps."""
+    runs = ((steps, (0, 0, 0, 0, 1, 0)),)
+    solution = Solution(physics="jax2d", frame_skip=2, actions=runs)
+    return level.replace(solution=solution)
+
+
+def test_what_is_wrong_with_a_recorded_solution_is_not_taken_for_a_loss(monkeypatch):
+    def broken(*_):
+        raise KinetixError("broken")
+
+    monkeypatch.setattr(lessons, "_replay", broken)
+    with pytest.raises(KinetixError, match="broken"):
+        starts_of([solved(rocket(), 40)], monkeypatch)
+
+
+@pytest.mark.slow
+def test_a_win_is_searched_for_at_the_trainings_frame_skip(monkeypatch):
+    found = starts_of([rocket()], monkeypatch, solve_level, 4)
+    assert found.moments.timestep.max() >= 8
+
+
+@pytest.mark.slow
+def test_levels_whose_win_is_lost_are_named(monkeypatch):
+    def lost(level, **_):
+        return solved(level, 1).solution
+
+    levels = [solved(rocket(), 40), solved(rocket().replace(name="stays"), 1)]
+    assert starts_of(levels, monkeypatch, lost).without == ("stays",)
+    with pytest.raises(KinetixError, match="stays: no win that was found is one"):
+        starts_of(levels[1:], monkeypatch, lost)
 
 
 def test_the_share_of_starts_on_the_way_is_a_share():
@@ -328,7 +381,16 @@ def test_a_row_of_imitation_says_what_it_is_about(tmp_path, capsys):
     options = {"minibatch_size": 16, "num_minibatches": 2, "num_train_envs": 2, "eval_freq": 0}
     options |= {"observation_type": "symbolic_flat", "total_timesteps": 32, "held_out": 0.0}
     flags = [word for k, v in options.items() for word in (f"--{k.replace('_', '-')}", str(v))]
-    out = str(tmp_path / "run")
-    assert main(["train", "bc", "--data", "s/goalkeeper", "--out", out, *flags]) == 0
-    (row,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("1/1  ")]
+    out, data = str(tmp_path / "run"), tmp_path / "data"
+    data.mkdir()
+    save_level(load_level("s/goalkeeper"), data / "a.json")
+    assert main(["train", "bc", "--data", str(data), "--out", out, *flags]) == 0
+    told = capsys.readouterr().err
+    assert "1 update of 32 moments\n" in told and "environment" not in told
+    (row,) = [line for line in told.splitlines() if line.startswith("1/1  ")]
     assert "agreement 0." in row and "solved" not in row and "return" not in row
+    shutil.copy(data / "a.json", data / "b.json")
+    for steps, changed in (("64", True), ("96", False)):
+        assert main(["train", "bc", "--out", out, "--total-timesteps", steps]) == 0
+        told = capsys.readouterr().err
+        assert ("the demonstrations have changed" in told) is changed

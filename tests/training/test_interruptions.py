@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from kinetix.agents.checkpoint import steps_of_run
@@ -16,6 +17,7 @@ from kinetix.files.lock import locked_folder
 from kinetix.training.logging import read_metrics
 from kinetix.training.ppo.train import Ppo
 from kinetix.training.ppo.update import GRADIENT
+from kinetix.training.resume import PROGRESS, StoredProgress, read_newest, write_state
 from kinetix.training.run import train
 from kinetix.training.stopping import stop_requests
 from tests.training.tiny import same_parameters, tiny_config, without_time
@@ -25,8 +27,6 @@ pytestmark = pytest.mark.usefixtures("shared_trainers")
 
 def _flip_a_number(checkpoint):
     """Four bytes of the state are others, and nothing of the file format can tell."""
-    from kinetix.training.resume import PROGRESS, StoredProgress
-
     progress = json.loads((checkpoint / PROGRESS).read_text())
     assert StoredProgress(**progress).digest
     (checkpoint / PROGRESS).write_text(json.dumps(progress | {"digest": "0" * 64}))
@@ -81,6 +81,22 @@ def test_no_run_starts_again_where_its_states_are_damaged(finished, tmp_path):
         train("ppo", tiny_config("ppo", dummy_env=True), run)
     assert read_metrics(run) == read_metrics(finished)
     assert steps_of_run(run) == [64, 128, 192]
+
+
+def test_states_of_other_levels_are_not_called_damaged(tmp_path):
+    folder = tmp_path / "checkpoints" / "32"
+    folder.mkdir(parents=True)
+    stored = StoredProgress(updates=1, seconds=0.0, levels="before")
+    write_state(folder, {"a": np.zeros(3)}, stored)
+    for shape, levels in ((3, "before"), (3, "now")):
+        found = read_newest(tmp_path, lambda n=shape: {"a": np.zeros(n)}, print, levels=levels)
+        assert found is not None and found[1].on_others(levels) is (levels == "now")
+    said = []
+    with pytest.raises(KinetixError, match="the files of the levels have changed"):
+        read_newest(tmp_path, lambda: {"a": np.zeros(4)}, said.append, levels="now")
+    assert "damaged" not in " ".join(said)
+    with pytest.raises(KinetixError, match="being damaged or of another version"):
+        read_newest(tmp_path, lambda: {"a": np.zeros(4)}, print, levels="before")
 
 
 def test_two_trainings_do_not_write_to_one_run(finished):

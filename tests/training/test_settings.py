@@ -8,9 +8,11 @@ import pytest
 
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.training.devices import check_divisible
 from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
+from tests.training.tiny import tiny_config
 
 
 def test_the_defaults_are_the_published_ones():
@@ -70,6 +72,10 @@ def test_imitation_has_no_environments_to_divide():
     ("values", "sentence"),
     [
         ({"num_minibatches": 30}, "num_minibatches = 30 must divide num_train_envs = 2048"),
+        (
+            {"num_minibatches": 30, "full_minibatch_shuffle": True},
+            "num_minibatches = 30 must divide num_train_envs = 2048 times num_steps = 64",
+        ),
         ({"total_timesteps": 10}, "total_timesteps = 10 is less than one update"),
         ({"total_timesteps": 10**16}, r"total_timesteps = 1\d+ is more than 2 000 000 000 updates"),
         ({"observation_type": "smell"}, "observation_type: 'smell' is none of the choices"),
@@ -123,6 +129,33 @@ def test_numbers_of_curricula_are_refused_too(algorithm, name):
 def test_sfl_cannot_save_more_than_it_scores():
     with pytest.raises(KinetixError, match="num_to_save = 8192 is more than"):
         make_config("sfl", values={"num_batches": 1, "batch_size": 64})
+
+
+def test_sfl_needs_an_environment_for_what_it_scores():
+    with pytest.raises(KinetixError, match="num_train_envs = 1 is less than one environment"):
+        tiny_config("sfl", num_train_envs=1, num_minibatches=1)
+    lone = tiny_config("sfl", num_train_envs=1, num_minibatches=1, sampled_envs_ratio=0.0)
+    assert lone.drawn_envs == 0
+
+
+def test_levels_that_sfl_scores_need_equal_shares_too():
+    config = tiny_config("sfl", batch_size=15, num_to_save=9)
+    assert config.uneven(2) == "batch_size = 15 must be a multiple of the 2 devices"
+    assert not config.fits_devices(2) and config.fits_devices(1)
+    config = tiny_config("sfl", batch_size=16, num_to_save=9)
+    assert config.fits_devices(2)
+    measured = dataclasses.replace(config, log_learnability_before_after=True)
+    assert measured.uneven(2) == "num_to_save = 9 must be a multiple of the 2 devices"
+
+
+def test_imitation_is_refused_on_no_number_of_devices(monkeypatch):
+    monkeypatch.setattr("jax.device_count", lambda: 3)
+    config = make_config("bc", values={"data": ("s/first_flight",)})
+    assert config.num_train_envs % 3
+    check_divisible(config)
+    assert not config.fits_devices(3)  # one core is enough
+    with pytest.raises(KinetixError, match="num_train_envs = 2048 must be a multiple of the 3"):
+        check_divisible(make_config("ppo"))
 
 
 @pytest.mark.parametrize(
@@ -237,6 +270,23 @@ def test_demonstrations_that_are_too_large_for_a_presets_size_have_their_own():
     assert all(room.covers(capacity_of(level)) for level in levels)
     assert make_config("bc", preset="small", values={"data": ("s/goalkeeper",)}).size == "s"
     assert make_config("bc", preset="small", values={**large, "size": "l"}).size == "l"
+
+
+def test_demonstrations_are_played_under_their_physics_whatever_the_preset(tmp_path):
+    level = load_level("s/goalkeeper")
+    solution = level.solution.replace(physics="fast", frame_skip=4)
+    data, file = tmp_path / "level.json", tmp_path / "mine.toml"
+    save_level(level.replace(solution=solution), data)
+    file.write_text('physics = "accurate"\nframe_skip = 1\n')
+
+    def physics(**sources):
+        values = {"data": (str(data),)} | sources.pop("values", {})
+        config = make_config("bc", values=values, **sources)
+        return config.physics, config.frame_skip
+
+    assert physics() == physics(preset="small") == physics(preset="general") == ("fast", 4)
+    assert physics(preset="small", file=file) == ("accurate", 1)
+    assert physics(preset="small", values={"physics": "jax2d"}) == ("jax2d", 4)
 
 
 def test_steps_that_are_no_whole_number_of_updates_are_told():

@@ -1,22 +1,33 @@
 """Parts that a configuration is put together from."""
 
 import dataclasses
+import shutil
 from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import msgspec
+import numpy as np
 import pytest
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.card import NormalisationCard
+from kinetix.agents.evaluate import capacity_and_key
 from kinetix.engine.spec import Features
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import static_env_params_of
+from kinetix.environment.reset import level_state
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_document
-from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
+from kinetix.level.codec import load_document, save_level
+from kinetix.level.sets import SetLevel
+from kinetix.level.sizes import SIZES
+from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
+from kinetix.training.imitation.starts import Starts
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
-from tests.training.tiny import tiny_config
+from tests.training.tiny import rocket, tiny_config
 
 
 def listed(*levels: str) -> dict[str, Any]:
@@ -48,8 +59,9 @@ def test_a_list_of_levels_is_trained_on_in_a_step_made_for_them() -> None:
         PpoConfig(**listed(), parity="kinetix-3"),
         SflConfig(**listed(), put_eval_levels_in_buffer=True),
         ReplayConfig(**listed(), use_accel=True),
+        BcConfig(**listed(), data=("s/goalkeeper",)),
     ],
-    ids=["random", "shuffled", "parity", "with evaluation levels", "mutated"],
+    ids=["random", "shuffled", "parity", "with evaluation levels", "mutated", "imitation"],
 )
 def test_where_other_levels_may_come_the_step_can_do_everything(config: PpoConfig) -> None:
     assert features_of_training(config) == Features()
@@ -64,6 +76,25 @@ def test_controls_are_masked_but_with_parity(parity: Any) -> None:
     assert bool(live.any())
 
 
+@pytest.mark.slow
+def test_moments_on_the_way_of_a_win_lie_in_other_slots_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def halfway(levels: list[SetLevel], env: KinetixEnv) -> Starts:
+        state = level_state(levels[0].level, env.static_env_params)
+        state = dataclasses.replace(state, timestep=jnp.int32(5))
+        return Starts(moments=jax.tree.map(lambda x: x[None], state), without=("b",))
+
+    monkeypatch.setattr("kinetix.training.setup.starts_on_the_way", halfway)
+    config = PpoConfig(**listed("s/wheelie"), demo_starts=0.5, permute_state_during_training=True)
+    setup = make_setup(config, gradient_steps=1)
+    assert setup.without_starts == ("b",)
+    states = jax.vmap(setup.reset_fn)(jax.random.split(jax.random.key(0), 32))
+    positions = np.asarray(states.physics.position)
+    for begun in (0, 5):
+        assert np.ptp(positions[np.asarray(states.timestep) == begun], axis=0).max() > 0.1
+
+
 def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[str] = []
 
@@ -75,6 +106,31 @@ def test_files_of_levels_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kinetix.environment.reset.load_document", counted)
     make_setup(PpoConfig(**listed()), gradient_steps=1)
     assert len(read) == 2
+
+
+def test_levels_are_evaluated_on_as_they_were_when_a_training_began(tmp_path: Path) -> None:
+    foreign = Path(__file__).parents[1] / "level" / "fixtures" / "kinetix_env" / "gaps.json"
+    save_level(rocket(), tmp_path / "a.json")
+    shutil.copy(foreign, tmp_path / "b.json")
+    files = [str(path) for path in sorted(tmp_path.iterdir())]
+    told = [capacity_and_key(file) for file in files]
+    static = static_env_params_of(SIZES["l"])
+    states = [level_state(file, static) for file in files]
+    levels = evaluation_levels(PpoConfig(size="l", level_mode="list", levels=(str(tmp_path),)))
+    shutil.rmtree(tmp_path)
+    assert [capacity_and_key(level.source) for level in levels] == told
+    for level, state in zip(levels, states, strict=True):
+        found = level_state(level.source, static)
+        jax.tree.map(np.testing.assert_array_equal, found, state)
+
+
+@pytest.mark.slow
+def test_random_levels_of_an_evaluation_are_random_where_levels_are_listed() -> None:
+    asked = {"eval_freq": 1, "eval_sampled_levels": 4, "level_filter_n_steps": 4}
+    config = tiny_config("ppo", levels=("s/first_flight",), size="s", **asked)
+    evaluation = TrainingEvaluation(make_setup(config, gradient_steps=1))
+    positions = [level.source.physics.position for level in evaluation._sampled]  # pyright: ignore
+    assert np.ptp(np.stack(positions), axis=0).max() > 0.1
 
 
 def normalising(frame_skip: int) -> Agent:

@@ -18,7 +18,7 @@ from kinetix.datasets.sources import check_source
 from kinetix.pytree import pytree
 from kinetix.training.config import BcConfig
 from kinetix.training.imitation.lessons import Lessons, played_again, state_at
-from kinetix.training.imitation.sources import demonstrations
+from kinetix.training.imitation.sources import demonstrations, digest_of
 from kinetix.training.ppo.update import GRADIENT, Learner
 from kinetix.training.setup import Setup, make_setup
 from kinetix.training.work import Work
@@ -52,16 +52,16 @@ class Clone:
             KinetixError: There is nothing to learn from.
         """
         steps = config.num_updates * config.num_minibatches
-        self.setup: Setup = make_setup(config, gradient_steps=steps, teacher=teacher)
+        setup = make_setup(config, gradient_steps=steps, teacher=teacher)
         self._config, self._teacher = config, teacher
         self.work = Work()
         self.parts_per_update = {_UPDATE: 1.0}
-        env = self.setup.env
         self._passed_over = [each for source in config.data for each in check_source(source)]
-        episodes = demonstrations(config.data, env.static_env_params)
+        episodes = demonstrations(config.data, setup.env.static_env_params)
+        self.setup: Setup = dataclasses.replace(setup, levels=digest_of(episodes))
         random = np.random.default_rng(config.seed)
         random.shuffle(episodes)  # pyright: ignore[reportArgumentType]
-        self.played = played_again(env, episodes, gamma=config.gamma)
+        self.played = played_again(setup.env, episodes, gamma=config.gamma)
         lessons = self.played.lessons
         # Whole episodes are kept back: moments of one episode are much alike.
         kept_back = lessons.episode < int(config.held_out * self.played.episodes)
@@ -75,7 +75,7 @@ class Clone:
     def told(self) -> str:
         """What there is to learn from, in words; a line for each file that is passed over."""
         played, held = self.played, int(self._config.held_out * self.played.episodes)
-        lost = f"; {played.lost} are not won here and left out" if played.lost else ""
+        lost = f"; {len(played.lost)} are not won here and left out" if played.lost else ""
         kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"
         learnt = (
             f"learning from {plural(played.episodes, 'demonstration')} with "

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from kinetix.environment.actions import MultiDiscreteActions
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
@@ -54,24 +55,29 @@ class Replayed:
 
     lessons: Lessons
     episodes: int
-    lost: int
-    """Episodes that are not won here any more; they are left out."""
+    lost: tuple[int, ...]
+    """Indices of the episodes that are not won here any more; they are left out."""
+
+
+class NothingWonError(KinetixError):
+    """No demonstration is won here any more."""
 
 
 def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: float) -> Replayed:
     """Play demonstrations again and keep the moments of those that win.
 
     Args:
-        env: Where; its observations and actions do not matter.
+        env: Where; its observations, actions and reset function do not matter.
         episodes: The demonstrations, in slots of the environment's size.
         gamma: Discount a step.
 
     Raises:
-        KinetixError: None of them wins.
+        NothingWonError: None of them wins.
     """
-    env = dataclasses.replace(env, auto_reset=False)
+    env = _replaying(env)
     parts: list[dict[str, Any]] = []
     starts: list[EnvState] = []
+    lost: list[int] = []
     for first in range(0, len(episodes), BATCH):
         batch = episodes[first : first + BATCH]
         filled = [*batch, *[batch[0]] * (BATCH - len(batch))]
@@ -83,12 +89,14 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
         told = jax.device_get(_replay(env, states, jnp.asarray(actions)))
         for row, each in enumerate(batch):
             part = _won_part(told, row, actions[row], gamma)
-            if part is not None:
-                part["episode"] = np.full(len(part["worth"]), len(starts), np.int32)
-                parts.append(part)
-                starts.append(each.state)
+            if part is None:
+                lost.append(first + row)
+                continue
+            part["episode"] = np.full(len(part["worth"]), len(starts), np.int32)
+            parts.append(part)
+            starts.append(each.state)
     if not parts:
-        raise KinetixError(
+        raise NothingWonError(
             f"none of the {len(episodes)} demonstrations is won here any more: they were made "
             "under another physics; make them anew with `kinetix teach`"
         )
@@ -101,7 +109,16 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
         action=joined["action"],
         worth=joined["worth"],
     )
-    return Replayed(lessons=lessons, episodes=len(starts), lost=len(episodes) - len(starts))
+    return Replayed(lessons=lessons, episodes=len(starts), lost=tuple(lost))
+
+
+def _replaying(env: KinetixEnv) -> KinetixEnv:
+    """The environment for recorded actions, which are multi-discrete; it ends its episodes."""
+    kind = env.actions
+    recorded = MultiDiscreteActions(
+        motor_bindings=kind.motor_bindings, thruster_bindings=kind.thruster_bindings
+    )
+    return dataclasses.replace(env, actions=recorded, reset_fn=None, auto_reset=False)
 
 
 @functools.partial(jax.jit, static_argnums=0)

@@ -1,6 +1,7 @@
 """Demonstrations: recorded wins as first states and actions, in slots of one size."""
 
 import dataclasses
+import hashlib
 from collections.abc import Sequence
 
 import jax
@@ -75,3 +76,16 @@ def demonstrations(
         for found in episodes_of(source)
         if found.episode.outcome == "won"
     ]
+
+
+def digest_of(episodes: Sequence[Demonstration]) -> str:
+    """Return the SHA-256 of demonstrations, in their order.
+
+    Args:
+        episodes: The demonstrations.
+    """
+    found = hashlib.sha256()
+    for each in episodes:
+        for leaf in jax.tree.leaves((each.state, each.actions)):
+            found.update(leaf.tobytes())
+    return found.hexdigest()

@@ -1,5 +1,6 @@
 """Episodes that begin on the way of a win: what is near the goal is learnt first."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Final
 
@@ -10,32 +11,51 @@ from jaxtyping import Array
 
 from kinetix.environment.env import KinetixEnv, ResetFunction
 from kinetix.environment.reset import level_state
-from kinetix.environment.search import solve_level
+from kinetix.environment.search import solve_level, solving_env
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 from kinetix.level.sets import SetLevel
-from kinetix.training.imitation.lessons import played_again, state_at
+from kinetix.training.imitation.lessons import NothingWonError, played_again, state_at
 from kinetix.training.imitation.sources import Demonstration
 
 SECONDS: Final = 60.0
 """Time for which a win is searched for where none is recorded, or the recorded one wins no more."""
 
 
-def starts_on_the_way(levels: Sequence[SetLevel], env: KinetixEnv) -> EnvState:
-    """Return the moments of a win of each level, on one axis.
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Starts:
+    """Moments on the way of wins."""
+
+    moments: EnvState
+    """On one axis."""
+    without: tuple[str, ...]
+    """Levels whose win was lost when it was played again here, so that no moment is theirs."""
+
+
+def starts_on_the_way(levels: Sequence[SetLevel], env: KinetixEnv) -> Starts:
+    """Return the moments of a win of each level.
 
     Args:
         levels: Levels; the recorded solution shows the way, else one is searched for.
         env: Where they are played.
 
     Raises:
-        KinetixError: No win of a level was found.
+        KinetixError: No win of a level was found, or all were lost when they were played again.
     """
-    episodes = [_win(each.level, env) for each in levels]
-    lessons = played_again(env, episodes, gamma=1.0).lessons
-    moments = state_at(lessons, jnp.arange(lessons.count))
-    return jax.tree.map(np.asarray, moments)
+    wins = [_win(each.level, env) for each in levels]
+    try:
+        played = played_again(env, wins, gamma=1.0)
+    except NothingWonError:
+        raise KinetixError(
+            f"{', '.join(each.name for each in levels)}: no win that was found is one when it is "
+            "played again; set demo_starts = 0"
+        ) from None
+    moments = state_at(played.lessons, jnp.arange(played.lessons.count))
+    return Starts(
+        moments=jax.tree.map(np.asarray, moments),
+        without=tuple(levels[index].name for index in played.lost),
+    )
 
 
 def _win(level: Level, env: KinetixEnv) -> Demonstration:
@@ -46,11 +66,17 @@ def _win(level: Level, env: KinetixEnv) -> Demonstration:
         recorded = _demonstration(state, list(solution.unrolled()))
         try:
             played_again(env, [recorded], gamma=1.0)
-        except KinetixError:
-            pass  # It wins no more here: another one is searched for.
+        except NothingWonError:
+            pass  # another one is searched for
         else:
             return recorded
-    found = solve_level(level, physics=str(static.physics), seconds=SECONDS)
+    physics = str(static.physics)
+    found = solve_level(
+        level,
+        physics=physics,
+        seconds=SECONDS,
+        env=solving_env([level], physics=physics, frame_skip=static.frame_skip),
+    )
     if found is None:
         raise KinetixError(
             f"{level.name}: no win was found in {SECONDS:g} s to begin episodes from; record a "
