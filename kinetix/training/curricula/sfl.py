@@ -72,7 +72,7 @@ class Sfl:
         steps = config.num_updates * config.update_epochs * config.num_minibatches
         self.config = config
         self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
-        self._drawn = int(config.sampled_envs_ratio * config.num_train_envs)
+        self._drawn = config.drawn_envs
         self.work = Work()
         refills = 1 / config.buffer_update_frequency if self._drawn else 0.0
         self.parts_per_update = {_UPDATE: 1.0, _SCORING: refills * config.num_batches}
