@@ -27,7 +27,7 @@ MIDDLE = (2.5, 2.5)
 PASTE_SHIFT = (0.1, 0.1)
 """Offset of a duplicate [m]."""
 NUDGE_FINE = 0.1
-"""Alt+arrow moves this part of a step."""
+"""Alt+arrow moves this fraction of a step."""
 NUDGE_COARSE = 10
 """Shift+arrow moves this many steps."""
 

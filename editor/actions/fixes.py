@@ -4,12 +4,12 @@ import dataclasses
 from typing import TypeVar
 
 from editor.documents.commands.base import Command
-from editor.documents.commands.fields import ResetFields, SetField, SetLevelField
+from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.commands.group import Remove
-from editor.documents.commands.joints import Reanchor
+from editor.documents.commands.joints import HoldAsDrawn, Reanchor
 from editor.documents.commands.rigid import freed
 from editor.session import Session
-from kinetix.level.geometry import polygon_fault, relative_angle, reverse_winding
+from kinetix.level.geometry import polygon_fault, reverse_winding
 from kinetix.level.model import ARENA_NAMES, ArenaBody, Body, Joint, Level, Polygon
 from kinetix.level.sizes import AUTOMATIC, SIZES, needed_capacity
 from kinetix.level.validate import Issue
@@ -183,9 +183,8 @@ def _reanchor(level: Level, ids: tuple[int, ...]) -> Fix:
 
 
 def _hold_as_drawn(level: Level, ids: tuple[int, ...]) -> Fix:
-    joints = [joint for joint in level.joints if joint.id in ids]
-    rows = tuple((j.id, "reference_angle", relative_angle(level, j)) for j in joints)
-    return Fix(label="Hold as drawn", command=ResetFields(rows=rows))
+    del level
+    return Fix(label="Hold as drawn", command=HoldAsDrawn(joints=ids))
 
 
 _BY_ENTITY = {

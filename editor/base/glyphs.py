@@ -4,11 +4,11 @@ import functools
 from typing import Final
 
 from editor.base.camera import Point
-from kinetix.level.geometry import inscribed_circle
+from kinetix.level.geometry import circle_about_middle
 from kinetix.level.model import Body, Circle
 from kinetix.render.style import FLOOR_GLYPH_DEPTH
 
-_middle: Final = functools.lru_cache(maxsize=4096)(inscribed_circle)
+_middle: Final = functools.lru_cache(maxsize=4096)(circle_about_middle)
 
 
 def glyph_place(body: Body) -> tuple[Point, float]:

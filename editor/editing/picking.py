@@ -10,8 +10,8 @@ from kinetix.level.geometry import (
     arena_body,
     bounds,
     bounds_of,
+    circle_about_middle,
     contains,
-    inscribed_circle,
     inside_box,
     rotate,
     signed_distance,
@@ -91,7 +91,7 @@ def reach(body: Body) -> float:
 def _under(body: Body, point: Point, radius: float) -> bool:
     if math.dist(body.position, point) > reach(body) + radius:
         return False
-    middle, _ = inscribed_circle(body.shape)
+    middle, _ = circle_about_middle(body.shape)
     return math.dist(to_world(body, middle), point) <= radius or contains(body, point)
 
 

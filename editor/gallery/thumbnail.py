@@ -13,12 +13,7 @@ from PIL import Image, ImageDraw
 
 from editor.base.camera import Point
 from editor.base.glyphs import glyph_place
-from kinetix.level.geometry import (
-    ARENA_WIDTH,
-    arena_body,
-    referenced_body,
-    to_world,
-)
+from kinetix.level.geometry import ARENA_WIDTH, arena_body, referenced_body, to_world
 from kinetix.level.model import ROLES, Body, Circle, Joint, Level, Thruster
 from kinetix.render.palette import KINETIX, Palette, Rgb, ink
 from kinetix.render.style import (

@@ -24,7 +24,7 @@ from kinetix.datasets.episode import RecordedEpisode
 from kinetix.datasets.replays import checked
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.reset import level_state
-from kinetix.level.codec import load_level
+from kinetix.level.codec import LoadedLevel, load_level
 from kinetix.level.model import Level
 
 
@@ -51,7 +51,8 @@ def recorded_attempts(
         LevelError: The level is bad.
     """
     settings = settings or Settings()
-    document = level.source if isinstance(level.source, Level) else load_level(str(level.source))
+    source = level.source.level if isinstance(level.source, LoadedLevel) else level.source
+    document = source if isinstance(source, Level) else load_level(str(source))
     prepared = prepare(player, level)
     env = environment_for(player, prepared.capacity, physics=settings.physics_for(player))
     provenance = settings.provenance(player)

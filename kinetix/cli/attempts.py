@@ -42,17 +42,17 @@ def check_attempt(attempt: int | None, players: Sequence[str]) -> None:
 
     Args:
         attempt: From the command line; None where an episode of its own is meant.
-        players: The words for who plays.
+        players: Values of `--agent` and `--rival`.
 
     Raises:
-        KinetixError: It is out of range, or nobody plays who has attempts.
+        KinetixError: It is out of range, or only recorded solutions play.
     """
-    from kinetix.agents.named import SOLUTION
-
     if attempt is None:
         return
     if not 0 <= attempt <= _MOST:
         raise KinetixError(f"--attempt {attempt}: expected a number from 0 to {_MOST}")
+    from kinetix.agents.named import SOLUTION  # which loads JAX
+
     if all(player == SOLUTION for player in players):
         raise KinetixError(
             f"--attempt {attempt}: a recorded solution is a single episode; leave --attempt "

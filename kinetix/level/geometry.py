@@ -309,7 +309,7 @@ def segment_distance(point: Point, start: Point, end: Point) -> float:
     return math.dist(point, (start[0] + along * dx, start[1] + along * dy))
 
 
-def inscribed_circle(shape: Shape) -> tuple[Point, float]:
+def circle_about_middle(shape: Shape) -> tuple[Point, float]:
     """Return the middle of a shape in its frame and the distance from there to its edge [m]."""
     if isinstance(shape, Circle):
         return (0.0, 0.0), shape.radius

@@ -197,7 +197,7 @@ class PpoConfig:
         return self.num_train_envs * (self.num_steps if self.full_minibatch_shuffle else 1)
 
     def fits_devices(self, devices: int) -> bool:
-        """Tell whether so many devices are of use: each has an equal share.
+        """Return whether each of so many devices has an equal share.
 
         Args:
             devices: How many, over all processes.
@@ -237,8 +237,9 @@ class PpoConfig:
             )
         if self.rms_norm and self.network.kind == "relational":
             raise KinetixError(
-                "rms_norm: the relational network finds roles and keys by columns that are 0 or 1; "
-                "leave rms_norm off, or choose another kind of network"
+                "rms_norm: the relational network finds roles and keys by columns that are 0 or 1, "
+                "and an agent that was trained with it cannot be trained on; leave rms_norm off "
+                "or choose another kind of network"
             )
 
     def _check_minibatches(self) -> None:
@@ -297,7 +298,10 @@ class SflConfig(PpoConfig):
 
     def uneven(self, devices: int) -> str:
         """See `PpoConfig`; levels are scored on all devices too."""
-        odd = super().uneven(devices) or self._no_multiple("batch_size", devices)
+        odd = super().uneven(devices)
+        if not self.drawn_envs:
+            return odd
+        odd = odd or self._no_multiple("batch_size", devices)
         if self.log_learnability_before_after:
             odd = odd or self._no_multiple("num_to_save", devices)
         return odd

@@ -109,12 +109,12 @@ def loop(
 
 
 def _refuse_divergence(numbers: Mapping[str, float], update: int) -> None:
-    """End a training whose parameters are no numbers any more."""
+    """Raise an error where the gradient became NaN or infinite."""
     if not math.isfinite(numbers.get(GRADIENT, 0.0)):
         raise KinetixError(
-            f"update {update}: the gradient is not finite, the training has diverged; the "
-            "checkpoints until now are kept. Train anew, or from one of them (--from), with a "
-            "smaller learning_rate or max_grad_norm"
+            f"update {update}: the gradient is not finite, the training has diverged; what is "
+            "stored of the run is kept. Train anew, or from a checkpoint (--from), with a smaller "
+            "learning_rate or max_grad_norm"
         )
 
 

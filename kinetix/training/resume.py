@@ -97,8 +97,8 @@ def read_newest(
     if changed:
         raise KinetixError(
             f"{out}: the files of the levels have changed since the last checkpoint, and what is "
-            "stored of the training does not fit them: bring the former ones back, or choose "
-            f"another directory, with --from {out} to start from its newest agent"
+            "stored of the training does not fit them or is damaged: bring the former ones back, "
+            f"or choose another directory, with --from {out} to start from its newest agent"
         )
     raise KinetixError(
         f"{out}: none of its training states can be read, being damaged or of another version of "

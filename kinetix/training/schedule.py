@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import optax
+from jaxtyping import Array, Bool
 
 from kinetix.training.config import PpoConfig
 
@@ -35,6 +37,26 @@ def learning_rate(config: PpoConfig, gradient_steps: int) -> Callable[[Any], Any
             decay_steps=gradient_steps,
         )
     return optax.constant_schedule(config.learning_rate)
+
+
+def adam_anew(state: Any, now: Bool[Array, ""]) -> Any:
+    """Let Adam's averages count as begun at this moment.
+
+    What had no gradient until now has averages of 0, and Adam would divide by the root of a second
+    one that is far too small: its first steps would be four times the learning rate.
+
+    Args:
+        state: Of an optimiser of `make_optimiser`.
+        now: Whether this is the moment; the state stays as it is otherwise.
+    """
+
+    def is_adam(part: Any) -> bool:
+        return isinstance(part, optax.ScaleByAdamState)
+
+    def begun(part: Any) -> Any:
+        return part._replace(count=jnp.where(now, 0, part.count)) if is_adam(part) else part
+
+    return jax.tree.map(begun, state, is_leaf=is_adam)
 
 
 def make_optimiser(config: PpoConfig, gradient_steps: int) -> optax.GradientTransformation:

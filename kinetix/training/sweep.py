@@ -122,8 +122,8 @@ def _draws(table: dict[str, Any], path: Path) -> list[dict[str, Any]]:
             draws.append(draw)
         elif in_vain == _IN_VAIN:
             raise KinetixError(
-                f"{path}: random.samples: expected at most {len(draws)}, as there are no more "
-                f"different draws, got {samples}"
+                f"{path}: random.samples: expected fewer: only {len(draws)} different draws "
+                f"were found, got {samples}"
             )
     return draws
 

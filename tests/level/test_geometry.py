@@ -11,8 +11,8 @@ from kinetix.level.geometry import (
     STANDARD_ARENA,
     area_centroid,
     bounds,
+    circle_about_middle,
     contains,
-    inscribed_circle,
     inside_box,
     inverse_mass,
     overlap_depth,
@@ -51,8 +51,8 @@ def samples(polygon, n=400):
 
 @few
 @given(polygons())
-def test_the_inscribed_circle_touches_an_edge_and_crosses_none(polygon):
-    centre, radius = inscribed_circle(polygon)
+def test_the_circle_about_the_middle_touches_an_edge_and_crosses_none(polygon):
+    centre, radius = circle_about_middle(polygon)
     body = Body(id=1, shape=polygon, position=(0, 0))
     assert signed_distance(body, centre) == pytest.approx(-radius)
     assert centre == pytest.approx(area_centroid(polygon.vertices))

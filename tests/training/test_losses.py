@@ -22,7 +22,7 @@ from kinetix.training.ppo.losses import (
 )
 from kinetix.training.ppo.rollout import Rollout, Trajectory
 from kinetix.training.ppo.update import Learner, learn
-from kinetix.training.schedule import learning_rate
+from kinetix.training.schedule import adam_anew, learning_rate, make_optimiser
 
 
 def _column(*values):
@@ -267,3 +267,19 @@ def test_divergences_are_those_of_the_textbook():
     own, other = head(a[:11], None), head(b[:11], None)
     p, q = jax.nn.softmax(a[:11]), jax.nn.softmax(b[:11])
     np.testing.assert_allclose(own.divergence(other), jnp.sum(p * jnp.log(p / q)), rtol=1e-5)
+
+
+@pytest.mark.parametrize(("anew", "largest"), [(False, 4.0), (True, 1.01)])
+def test_after_a_warm_up_the_first_steps_are_as_large_as_the_rate(anew, largest):
+    config = PpoConfig(anneal_lr=False, learning_rate=0.1, max_grad_norm=1e9)
+    optimiser = make_optimiser(config, gradient_steps=1000)
+    quiet, steady = jnp.zeros(3), jnp.ones(3)
+
+    def step(state, gradient):
+        change, state = optimiser.update(gradient, state)
+        return state, jnp.abs(change).max()
+
+    state, _ = jax.lax.scan(step, optimiser.init(quiet), jnp.tile(quiet, (500, 1)))
+    state = adam_anew(state, jnp.array(anew))
+    _, sizes = jax.lax.scan(step, state, jnp.tile(steady, (60, 1)))
+    assert largest * 0.9 < float(sizes.max()) / config.learning_rate <= largest * 1.1

@@ -13,7 +13,7 @@ import msgspec
 from editor.base.arithmetic import Change
 from editor.base.memory import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
-from editor.documents.commands.rigid import freed, reanchored, reanchored_each, with_parts
+from editor.documents.commands.rigid import freed, reanchored_each, with_parts
 from kinetix.errors import CommandError
 from kinetix.level.geometry import relative_angle
 from kinetix.level.model import ARENA_NAMES, Body, Joint, Level, Limits, Motor, Record
@@ -25,8 +25,6 @@ _AXES: Final = {"x": 0, "y": 1}
 _FIXED_FIELDS: Final = ("id", "next_id")
 _MASS_FIELDS: Final = ("shape", "density")
 _ANGLES: Final = ("angle", "angular_velocity", "reference_angle", "limits.min", "limits.max")
-_HOLDING: Final = (("kind", "fixed"), ("limits.on", True))
-"""Fields and values that make a joint hold an angle."""
 _SPOKEN: Final = {
     "max_timesteps": "Time limit",
     "gravity.0": "Gravity x",
@@ -277,7 +275,7 @@ class ResetFields:
         """Set them.
 
         Raises:
-            CommandError: An entity lacks the field, or the format does not allow the value.
+            CommandError: No entity has one of the fields, or the format does not allow the value.
         """
         values: dict[str, dict[EntityId, Any]] = {}
         for entity, field, value in self.rows:
@@ -328,14 +326,16 @@ def _with_records(level: Level, changed: dict[EntityId, Record], field: str) -> 
     head = field.split(".")[0]
     if head in ("position", "angle"):
         after = reanchored_each(after, bodies)
-    for body_id in bodies:
-        if field == "shape.radius":
+    if field == "shape.radius":
+        for body_id in bodies:
             after = _with_scaled_parts(after, level.body(body_id))
-        if head in ("fixed", "shape"):
+        after = reanchored_each(after, bodies)
+    if head in ("fixed", "shape"):
+        for body_id in bodies:
             after = freed(after, body_id)
     return after.replace(
         joints=tuple(
-            _measured_anew(after, new) if _begins_to_hold(old, new) else new
+            _holding_as_drawn(after, old, new) if new.id in changed else new
             for old, new in zip(level.joints, after.joints, strict=True)
         )
     )
@@ -345,22 +345,29 @@ def _with_scaled_parts(level: Level, old: Body) -> Level:
     """Keep anchors and thrusters where they are on a circle that got another radius."""
     before, now = (read_field(body, "shape.radius") for body in (old, level.body(old.id)))
     factor = now / before if before > 0 else 1.0
-    scaled = with_parts(level, (old.id,), lambda at: (factor * at[0], factor * at[1]))
-    return reanchored(scaled, (old.id,))
+    return with_parts(level, (old.id,), lambda at: (factor * at[0], factor * at[1]))
 
 
-def _begins_to_hold(old: Joint, new: Joint) -> bool:
-    return any(
-        read_field(old, field) != value == read_field(new, field) for field, value in _HOLDING
-    )
+def _holding_as_drawn(level: Level, old: Joint, new: Joint) -> Joint:
+    """Let the drawn angle count as zero where a joint would turn it from now on.
 
-
-def _measured_anew(level: Level, joint: Joint) -> Joint:
-    """Let the angle that is drawn count as zero, so that nothing jumps when the level is played."""
+    So nothing jumps when the level is played. Limits that are switched off and on again stay.
+    """
     try:
-        return joint.replace(reference_angle=relative_angle(level, joint))
-    except KeyError:  # A body is missing, of which the problems tell.
-        return joint
+        drawn = relative_angle(level, new)
+    except KeyError:  # A body is missing; the problems panel says so.
+        return new
+    if new.kind == "fixed":
+        begins = old.kind != "fixed"
+    else:
+        begins = _limited(new) and not _limited(old)
+        if begins and old.limits is not None and new.limits is not None:
+            begins = not new.limits.min <= drawn - new.reference_angle <= new.limits.max
+    return new.replace(reference_angle=drawn) if begins else new
+
+
+def _limited(joint: Joint) -> bool:
+    return joint.limits is not None and joint.limits.on
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

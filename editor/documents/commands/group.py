@@ -2,7 +2,7 @@
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Hashable, Set
+from collections.abc import Callable, Hashable, Mapping, Set
 from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
@@ -287,6 +287,10 @@ class Mirror:
         middle = (min(box[k] for box in boxes) + max(box[k + 2] for box in boxes)) / 2
 
         ids = {body.id for body in bodies}  # the arena may be selected too, and stays
+        # The angle of a body that stays keeps its sign; that of the arena is zero.
+        resting: dict[BodyReference, float] = {
+            body.id: body.angle for body in level.bodies if body.id not in ids
+        }
 
         def thruster(old: Thruster) -> Thruster:
             return mirrored_thruster(old, self.axis) if old.body in ids else old
@@ -294,22 +298,20 @@ class Mirror:
         mirrored = with_bodies(
             level, ids, lambda old: mirrored_body(old, self.axis, middle)
         ).replace(
-            joints=tuple(_joint_image(level, old, self.axis, ids) for old in level.joints),
+            joints=tuple(_joint_image(old, self.axis, ids, resting) for old in level.joints),
             thrusters=tuple(thruster(old) for old in level.thrusters),
         )
         return reanchored(mirrored, ids)
 
 
-def _joint_image(level: Level, joint: Joint, axis: Axis, ids: Set[int]) -> Joint:
+def _joint_image(
+    joint: Joint, axis: Axis, ids: Set[int], resting: Mapping[BodyReference, float]
+) -> Joint:
     """The mirror image of a joint of mirrored bodies, as far from its limits as it was."""
     ends: list[End] = [end for end in BOTH if getattr(joint, end) in ids]
     if not ends:
         return joint
     image = mirrored_joint(joint, axis, ends)
-    # The angle of a body that stays keeps its sign; that of the arena is zero.
-    resting: dict[BodyReference, float] = {
-        body.id: body.angle for body in level.bodies if body.id not in ids
-    }
     turn = resting.get(joint.b, 0.0) - resting.get(joint.a, 0.0)
     return image.replace(reference_angle=image.reference_angle + 2 * turn)
 

@@ -204,6 +204,30 @@ class Reanchor:
         )
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class HoldAsDrawn:
+    """Lets joints hold the angles at which their bodies are drawn (the fix of W213)."""
+
+    joints: tuple[EntityId, ...]
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Hold as drawn"
+
+    def apply(self, level: Level) -> Level:
+        """Count the drawn angles as zero."""
+        return level.replace(
+            joints=tuple(
+                joint.replace(reference_angle=relative_angle(level, joint))
+                if joint.id in self.joints
+                else joint
+                for joint in level.joints
+            )
+        )
+
+
 def _with_joint(level: Level, joint_id: int, change: Callable[[Joint], Joint]) -> Level:
     if all(joint.id != joint_id for joint in level.joints):
         raise CommandError(f"There is no joint {joint_id}.")

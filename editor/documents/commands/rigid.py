@@ -8,6 +8,7 @@ from kinetix.level.geometry import (
     centre_of_mass,
     recentred,
     referenced_body,
+    relative_angle,
     rotate,
     to_local,
     to_world,
@@ -91,7 +92,7 @@ def _closed(level: Level, moved: Collection[EntityId], loose: Collection[int]) -
         else:
             joint = joint.replace(anchor_b=to_local(b, to_world(a, joint.anchor_a)))
         if joint.kind == "fixed":
-            joint = joint.replace(reference_angle=b.angle - a.angle)
+            joint = joint.replace(reference_angle=relative_angle(level, joint))
         return joint
 
     return level.replace(joints=tuple(follow(joint) for joint in level.joints))

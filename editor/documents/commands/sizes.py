@@ -162,7 +162,7 @@ class ResetCorners:
 def _offset(shape: Polygon, other: Polygon) -> Point:
     """The shift of a shape that brings most of its corners onto those of the other [m].
 
-    None where no two corners meet: one alone always can.
+    (0, 0) where at most one corner would meet: that is always possible.
     """
     pairs = itertools.product(shape.vertices, other.vertices)
     shifts = [(q[0] - p[0], q[1] - p[1]) for p, q in pairs]

@@ -1,4 +1,4 @@
-"""Parameters that the value depends on and the policy does not."""
+"""Parameters of the critic alone."""
 
 from typing import Any
 
@@ -12,7 +12,9 @@ from kinetix.agents.networks.relational import critic_layers as relational_criti
 
 
 def for_the_critic_alone(config: NetworkConfig, gradient: Any) -> Any:
-    """Return a gradient with zeros for all that moves the policy, encoders that both share too.
+    """Return a gradient with zeros for all but the critic's own layers of the head.
+
+    Encoders wait, whether the policy reads them or not.
 
     Args:
         config: Of the network.

@@ -96,7 +96,7 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
             yield from _limit_issues(joint, path)
             continue
         turn = b.angle - a.angle - joint.reference_angle
-        if abs(turn) > ANGLE_TOLERANCE:
+        if abs(turn) > ANGLE_TOLERANCE and not (a.fixed and b.fixed):
             degrees = f"{abs(math.degrees(turn)):.3g}°"
             message = f"{name}: drawn {degrees} from the angle that it holds, will be turned there."
             yield issue("W213", message, path=path, ids=(joint.id,), fix="Hold as drawn")

@@ -30,7 +30,7 @@ class Starts:
     moments: EnvState
     """On one axis."""
     without: tuple[str, ...]
-    """Levels whose win was lost when it was played again here, so that no moment is theirs."""
+    """Levels without moments: their win was lost when it was played again."""
 
 
 def starts_on_the_way(levels: Sequence[SetLevel], env: KinetixEnv) -> Starts:

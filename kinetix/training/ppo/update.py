@@ -33,6 +33,7 @@ from kinetix.training.ppo.losses import (
     value_loss,
 )
 from kinetix.training.ppo.rollout import Rollout, Trajectory
+from kinetix.training.schedule import adam_anew
 
 GRADIENT: Final = "loss/grad_norm"
 """Column of the gradient's norm before it is clipped."""
@@ -109,6 +110,11 @@ def _learn(
         gae_lambda=config.gae_lambda,
     )
     batch = Batch(trajectory=trajectory, advantage=advantage, target=target)
+    if config.critic_warmup and learner.age is not None:
+        policy_begins = learner.age == config.critic_warmup
+        learner = dataclasses.replace(
+            learner, optimiser=adam_anew(learner.optimiser, policy_begins)
+        )
 
     def gradient_step(
         learner: Learner, inputs: tuple[Batch, Carry, Array]

@@ -250,6 +250,28 @@ def test_new_welds_and_limits_are_measured_from_how_they_are_drawn(command):
     assert command.apply(alone).joints[0].reference_angle == 0.0
 
 
+def test_limits_that_are_switched_off_and_on_again_are_where_they_were():
+    joint = a_level().joints[0].replace(limits=Limits(min=-0.8, max=0.8))
+    level = Rotate(ids=(2,), angle=0.5).apply(a_level().replace(joints=(joint,)))
+    after = level
+    for on in (False, True):
+        after = SetField(ids=(5,), field="limits.on", value=on).apply(after)
+    assert after == level
+
+
+def test_two_jointed_circles_get_a_radius_together():
+    level = a_level()
+    discs = tuple(
+        body.replace(shape=Circle(radius=0.3)) if body.id in (1, 2) else body
+        for body in level.bodies
+    )
+    joint = level.joints[0].replace(anchor_b=(-0.1, 0.0))
+    level = level.replace(bodies=discs, joints=(joint,))
+    level = SetField(ids=(1, 2), field="shape.radius", value=0.6).apply(level)
+    assert level.joints[0].anchor_b == pytest.approx((-0.2, 0.0), abs=1e-6)
+    assert gap(level, level.joints[0]) < 1e-6
+
+
 def test_a_weld_keeps_the_angle_that_was_given_to_it():
     joint = a_level().joints[0].replace(kind="fixed", reference_angle=0.3)
     level = a_level().replace(joints=(joint,))

@@ -138,7 +138,7 @@ def test_shift_keeps_to_one_axis(session, hand):
         ((-0.3, 0.1), "0.5", (-0.5, 0.0)),
         ((0.3, 0.1), "-0.5", (-0.5, 0.0)),
         ((0.1, -0.3), "0.5", (0.0, -0.5)),
-        ((-0.3, 0.1), "0.5x-0.2", (-0.5, -0.2)),
+        ((-0.3, 0.1), "0.5x-0.2", (0.5, -0.2)),
     ],
 )
 def test_a_typed_shift_goes_the_way_of_the_drag(session, hand, way, typed, shift):

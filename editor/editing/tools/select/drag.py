@@ -57,15 +57,14 @@ def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...])
 def _typed_shift(typed: tuple[float, ...], dragged: Point) -> Point:
     """Return the shift that was typed: along the longer axis of the drag, or in x and y [m].
 
-    Numbers go the way of the drag; with a minus they go left or down.
+    A single number goes the way of the drag; with a minus it goes left or down.
     """
-    if len(typed) == 1:
-        along_x = abs(dragged[0]) >= abs(dragged[1])
-        typed = (typed[0], 0.0) if along_x else (0.0, typed[0])
-    x, y = (
-        min(number, math.copysign(number, way)) for number, way in zip(typed, dragged, strict=False)
-    )
-    return x, y
+    number, *others = typed
+    if others:
+        return number, others[0]
+    axis = 0 if abs(dragged[0]) >= abs(dragged[1]) else 1
+    amount = min(number, math.copysign(number, dragged[axis]))
+    return (amount, 0.0) if axis == 0 else (0.0, amount)
 
 
 def drag_joint(session: ToolContext, press: PointerEvent, joint: int) -> Gesture:
