@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import msgspec
 import optax
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import (
@@ -46,7 +46,7 @@ from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.sets import SetLevel, gather_levels, training_part
 from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
-from kinetix.training.devices import check_divisible
+from kinetix.training.devices import OWN, check_divisible, on_each_device
 from kinetix.training.imitation.starts import beginning_on_the_way, starts_on_the_way
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
 from kinetix.training.ppo.update import Learner, learn
@@ -197,13 +197,19 @@ class Setup:
         if not self.config.stagger_starts or self.config.parity is not None:
             return playing
         # Otherwise episodes that time out do so all at once, for a long while.
+        spread = jax.random.uniform(jax.random.fold_in(key, 1), playing.begins.shape)
+        return on_each_device(self._under_way, (OWN, OWN), OWN)(playing, spread)
+
+    def _under_way(self, playing: Playing, spread: Float[Array, " n"]) -> Playing:
+        """Episodes with a share of their time behind them.
+
+        They do not begin any more: there curricula put their levels.
+        """
         state = playing.env_state
         own = state.labels.max_timesteps
         limit = jnp.where(own > 0, own, self.env.env_params.max_timesteps)
-        spread = jax.random.uniform(jax.random.fold_in(key, 1), limit.shape)
         timestep = jnp.floor(spread * limit).astype(state.timestep.dtype)
         state = dataclasses.replace(state, timestep=timestep)
-        # They are under way: curricula put their levels where an episode begins.
         return dataclasses.replace(playing, env_state=state, begins=jnp.zeros_like(playing.begins))
 
     def learn(

@@ -231,7 +231,9 @@ def test_sfl_finishes_episodes_that_are_longer_than_a_rollout(tmp_path):
     goal = Body(id=2, shape=Circle(radius=0.2), position=(4.5, 0.5), role="blue")
     level = Level(name="far", max_timesteps=10, next_id=3, bodies=(ball, goal))
     save_level(level, tmp_path / "far.json")
-    config = _config("sfl", levels=(str(tmp_path / "far.json"),), level_mode="list")
+    config = _config(
+        "sfl", levels=(str(tmp_path / "far.json"),), level_mode="list", stagger_starts=False
+    )
     trainer = make_trainer(config)
     assert trainer.setup.longest_episode == 10
     assert "rollout_steps = 8" in trainer.setup.cut_short()
