@@ -1,4 +1,4 @@
-"""What is free, on systems that tell and on others."""
+"""Available memory, on Linux and on other systems."""
 
 import os
 

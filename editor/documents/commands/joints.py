@@ -1,7 +1,7 @@
 """Edits of joints: joining two bodies, bringing the anchors together again."""
 
 import dataclasses
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Collection, Hashable
 
 from editor.documents.commands.base import EntityId
 from kinetix.errors import CommandError
@@ -189,19 +189,12 @@ class Reanchor:
 
     def apply(self, level: Level) -> Level:
         """Move anchor b onto anchor a."""
-        return level.replace(
-            joints=tuple(
-                joint.replace(
-                    anchor_b=to_local(
-                        referenced_body(level, joint.b),
-                        to_world(referenced_body(level, joint.a), joint.anchor_a),
-                    )
-                )
-                if joint.id in self.joints
-                else joint
-                for joint in level.joints
-            )
-        )
+
+        def reanchored(joint: Joint) -> Joint:
+            at = to_world(referenced_body(level, joint.a), joint.anchor_a)
+            return joint.replace(anchor_b=to_local(referenced_body(level, joint.b), at))
+
+        return _with_joints(level, self.joints, reanchored)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -218,19 +211,22 @@ class HoldAsDrawn:
 
     def apply(self, level: Level) -> Level:
         """Count the drawn angles as zero."""
-        return level.replace(
-            joints=tuple(
-                joint.replace(reference_angle=relative_angle(level, joint))
-                if joint.id in self.joints
-                else joint
-                for joint in level.joints
-            )
-        )
+
+        def held(joint: Joint) -> Joint:
+            return joint.replace(reference_angle=relative_angle(level, joint))
+
+        return _with_joints(level, self.joints, held)
 
 
 def _with_joint(level: Level, joint_id: int, change: Callable[[Joint], Joint]) -> Level:
     if all(joint.id != joint_id for joint in level.joints):
         raise CommandError(f"There is no joint {joint_id}.")
+    return _with_joints(level, (joint_id,), change)
+
+
+def _with_joints(
+    level: Level, ids: Collection[EntityId], change: Callable[[Joint], Joint]
+) -> Level:
     return level.replace(
-        joints=tuple(change(joint) if joint.id == joint_id else joint for joint in level.joints)
+        joints=tuple(change(joint) if joint.id in ids else joint for joint in level.joints)
     )

@@ -73,7 +73,7 @@ class Clone:
 
     @property
     def told(self) -> str:
-        """What there is to learn from, in words; a line for each file that is passed over."""
+        """Summary of the demonstrations, and a line for each file that was skipped."""
         played, held = self.played, int(self._config.held_out * self.played.episodes)
         lost = f"; {len(played.lost)} are not won here and left out" if played.lost else ""
         kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"

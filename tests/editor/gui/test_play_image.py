@@ -52,6 +52,14 @@ class Simulation:
                 return tuple(snapshots)
 
 
+def showing(simulation: Simulation) -> Session:
+    return Session(
+        settings=Settings(renderer_picture=True),
+        worker=Worker(perform=simulation.perform),
+        level=LEVEL,
+    )
+
+
 def settle(gui) -> None:
     gui.session.worker.wait(5.0)
     gui.frames(2)
@@ -59,11 +67,7 @@ def settle(gui) -> None:
 
 def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
     simulation = Simulation()
-    session = Session(
-        settings=Settings(renderer_picture=True),
-        worker=Worker(perform=simulation.perform),
-        level=LEVEL,
-    )
+    session = showing(simulation)
     gui = make_gui(session=session)
     images = gui.host.ui.workplace.canvas.images
     assert isinstance(images, PlayImage) and not images.enabled
@@ -92,11 +96,7 @@ def test_prepares_in_edit_and_shows_what_is_recent(make_gui):
 
 def test_a_picture_of_another_episode_is_not_shown(make_gui):
     simulation = Simulation()
-    session = Session(
-        settings=Settings(renderer_picture=True),
-        worker=Worker(perform=simulation.perform),
-        level=LEVEL,
-    )
+    session = showing(simulation)
     gui = make_gui(session=session)
     images = gui.host.ui.workplace.canvas.images
     images.enabled = True
