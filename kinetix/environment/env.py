@@ -6,13 +6,11 @@ from typing import Any, Self
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Int
+from jaxtyping import Array
 
-from kinetix.engine.batch import where_marked, worlds_last
-from kinetix.engine.solvers.room import worlds_at_once
+from kinetix.engine.batch import where_marked
 from kinetix.environment.actions import ACTIONS, AbstractAction
 from kinetix.environment.actions.checks import check_action
-from kinetix.environment.advance import Advanced, advance
 from kinetix.environment.checks import (
     check_is_state,
     check_key,
@@ -24,6 +22,7 @@ from kinetix.environment.checks import (
 )
 from kinetix.environment.dummy import DummyEnv
 from kinetix.environment.eager import quick_alone
+from kinetix.environment.kernels import observing, playing
 from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
 from kinetix.environment.params import (
@@ -194,7 +193,8 @@ class KinetixEnv(MethodsOfKinetixEnv):
         key, state, action, params, override = jax.lax.stop_gradient(
             (key, state, action, params, override)
         )
-        played, observation, reward, done, info = self._advance_many()(state, action, params)
+        play = playing(self.actions, self.observations, self.static_env_params)
+        played, observation, reward, done, info = play(state, action, params)
         state = _settled(dataclasses.replace(state, **played))
         if self.keep_terminal_observation:
             info["terminal_observation"] = observation
@@ -210,10 +210,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return self._observe(state)
 
     def _observe(self, state: EnvState) -> Any:
-        state = jax.lax.stop_gradient(state)
-        if not self.observations.worlds_last:
-            return self.observations(state)
-        return worlds_last(jax.vmap(self.observations, in_axes=-1, out_axes=-1))(state)
+        return observing(self.observations)(jax.lax.stop_gradient(state))
 
     def _fitted(self, state: EnvState) -> EnvState:
         return fitted(state, self.physics_engine)
@@ -234,39 +231,6 @@ class KinetixEnv(MethodsOfKinetixEnv):
         """State and observation at the start of an episode."""
         state = self._start(*seeds)
         return state, self._observe(state)
-
-    def _advance_many(self) -> Callable[..., Any]:
-        """Step and observation as a function of one world that runs worlds-last when batched."""
-        if not self.observations.worlds_last:
-            advance = self._by_tiles(self._advance)
-
-            def apart(state: EnvState, action: Any, params: EnvParams) -> Any:
-                played, *rest = advance(state, action, params)
-                return played, self.observations(dataclasses.replace(state, **played)), *rest
-
-            return apart
-
-        def one(state: EnvState, action: Any, params: EnvParams) -> Any:
-            played, *rest = self._advance(state, action, params)
-            return played, self.observations(dataclasses.replace(state, **played)), *rest
-
-        return self._by_tiles(one)
-
-    def _advance(self, state: EnvState, action: Any, params: EnvParams) -> Advanced:
-        control = self.actions.process_action(action, state.labels)
-        return advance(state, control, params, static=self.static_env_params)
-
-    def _by_tiles(self, one: Callable[..., Any]) -> Callable[..., Any]:
-        return worlds_last(
-            jax.vmap(one, in_axes=-1, out_axes=-1),
-            self._effort,
-            tile=worlds_at_once(self.physics_engine.spec),
-        )
-
-    def _effort(self, state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
-        """Estimate the work that the next step of each world takes."""
-        del action, params
-        return self.physics_engine.solver.effort(state.world, state.physics)
 
 
 KinetixEnv.__setattr__ = set_method

@@ -1,6 +1,7 @@
 """A function of many worlds, as the primitive carries it through a program."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -43,12 +44,18 @@ class BatchProgram:
 
     def shapes(self, leaves: Sequence[Any]) -> Tree:
         """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
-        run = self.like or self.kernel
-        return jax.eval_shape(lambda *leaves: run(*self.arguments(leaves)), *leaves)
+        return jax.eval_shape(_alike(self), *leaves)
 
     def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
         """The same as a list."""
         return jax.tree.leaves(self.shapes(leaves))
+
+
+@functools.lru_cache(maxsize=64)
+def _alike(program: BatchProgram) -> Callable[..., Tree]:
+    """What is asked for its shapes alone: jitted, as JAX traces such a function once."""
+    run = program.like or program.kernel
+    return jax.jit(lambda *leaves: run(*program.arguments(leaves)))
 
 
 def count(leaves: Sequence[Any]) -> int:
