@@ -9,6 +9,7 @@ import pytest
 
 from kinetix.engine.solvers import SOLVERS
 from kinetix.environment.env import make_kinetix_env
+from kinetix.environment.kernels import playing
 from kinetix.environment.params import EnvParams, static_env_params_from_size
 from kinetix.environment.reset import level_state
 from kinetix.paths import levels_dir
@@ -46,7 +47,7 @@ def compare(folder, size, physics, **options):
         return jax.tree.leaves(advance(state, action))
 
     def advance(state, action):
-        return env._advance_many()(state, action, env.env_params)
+        return playing(env.actions, env.observations, static)(state, action, env.env_params)
 
     example = states[0], jnp.zeros(shape, jnp.int32)
     structure = jax.tree.structure(example)
