@@ -62,4 +62,6 @@ def _stepper(spec: SceneSpec, solver: AbstractSolver) -> Callable[..., State]:
         del world, control, parameters
         return state
 
-    return worlds_last(kernel, effort, like, worlds_at_once(spec))
+    return worlds_last(
+        kernel, effort, like, worlds_at_once(spec), made_of=("physics", spec, solver)
+    )

@@ -33,7 +33,8 @@ def observing(observations: AbstractObservation) -> Callable[[EnvState], Any]:
     """
     if not observations.worlds_last:
         return observations
-    return worlds_last(jax.vmap(observations, in_axes=-1, out_axes=-1))
+    many = jax.vmap(observations, in_axes=-1, out_axes=-1)
+    return worlds_last(many, made_of=("observation", observations))
 
 
 @functools.lru_cache(_KEPT)
@@ -63,8 +64,8 @@ def playing(
         return played, observed(state, played), *rest
 
     if observations.worlds_last:
-        return _by_tiles(both, static)
-    played_by_tiles = _by_tiles(play, static)
+        return _by_tiles(both, static, ("step, observation", actions, observations, static))
+    played_by_tiles = _by_tiles(play, static, ("step", actions, static))
 
     def apart(state: EnvState, action: Any, params: EnvParams) -> tuple[Any, ...]:
         played, *rest = played_by_tiles(state, action, params)
@@ -73,7 +74,9 @@ def playing(
     return apart
 
 
-def _by_tiles(one: Callable[..., Any], static: StaticEnvParams) -> Callable[..., Any]:
+def _by_tiles(
+    one: Callable[..., Any], static: StaticEnvParams, made_of: tuple[Any, ...]
+) -> Callable[..., Any]:
     engine = physics_engine(static)
 
     def effort(state: EnvState, action: Any, params: EnvParams) -> Int[Array, " n"]:
@@ -82,4 +85,4 @@ def _by_tiles(one: Callable[..., Any], static: StaticEnvParams) -> Callable[...,
         return engine.solver.effort(state.world, state.physics)
 
     many = jax.vmap(one, in_axes=-1, out_axes=-1)
-    return worlds_last(many, effort, tile=worlds_at_once(engine.spec))
+    return worlds_last(many, effort, tile=worlds_at_once(engine.spec), made_of=made_of)

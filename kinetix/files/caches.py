@@ -29,6 +29,7 @@ class CacheBound:
 CACHES: Final[dict[str, CacheBound]] = {
     "jax": CacheBound(what="compiled programs of JAX", largest=1024 * MIB),
     "steps": CacheBound(what="compiled steps of the editor", largest=64 * MIB),
+    "lowered": CacheBound(what="steps as they are given to the compiler", largest=64 * MIB),
     "kernels": CacheBound(what="compiled steps for GPUs", largest=64 * MIB),
     "gallery": CacheBound(what="the gallery's index and thumbnails", largest=256 * MIB),
     "peers": CacheBound(what="compiled programs of other engines", largest=1024 * MIB),

@@ -8,7 +8,6 @@ user's cache folder, are never exchanged, and a file that is not whole is thrown
 import contextlib
 import functools
 import hashlib
-import importlib.resources
 import os
 import platform
 import zlib
@@ -22,6 +21,7 @@ from jax.experimental import serialize_executable
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.caches import cache_folder
+from kinetix.sources import digest
 
 _SUFFIX: Final = ".step"
 
@@ -39,14 +39,11 @@ def _file(key: object) -> Path:
 @functools.cache
 def _stamp() -> str:
     """Return the dependencies of a compiled step besides its parameters."""
-    package = Path(str(importlib.resources.files("kinetix")))
-    sources = hashlib.sha256()
-    for path in [*sorted(package.rglob("*.py")), Path(__file__).with_name("stepping.py")]:
-        sources.update(path.read_bytes())
     parts = (
         jax.__version__,
         jaxlib.version.__version__,
-        sources.hexdigest(),
+        digest(),
+        Path(__file__).with_name("stepping.py").read_bytes(),
         os.environ.get("XLA_FLAGS", ""),
         len(jax.devices()),
         _processor(),

@@ -24,6 +24,8 @@ class BatchProgram:
     tile: int
     structure: Any
     """Of the arguments."""
+    words: str | None = None
+    """All about the kernel, the same in every process; None where there are no such words."""
 
     def arguments(self, leaves: Sequence[Any]) -> tuple[Tree, ...]:
         """The kernel's arguments, with what worlds share repeated for each."""
@@ -44,7 +46,13 @@ class BatchProgram:
 
     def shapes(self, leaves: Sequence[Any]) -> Tree:
         """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
-        return jax.eval_shape(_alike(self), *leaves)
+        # Asked for one world, so that it is traced once, however many there are.
+        one = [jax.ShapeDtypeStruct((*x.shape[:-1], 1), x.dtype) for x in leaves]
+        worlds = count(leaves)
+        return jax.tree.map(
+            lambda x: jax.ShapeDtypeStruct((*x.shape[:-1], worlds), x.dtype),
+            jax.eval_shape(_alike(self), *one),
+        )
 
     def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
         """The same as a list."""

@@ -12,6 +12,8 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Int, Shaped
 
+from kinetix.engine.batch.described import NotOurs, described
+from kinetix.engine.batch.lowered import from_disk
 from kinetix.engine.batch.program import BatchProgram, count
 from kinetix.engine.batch.tiles import TILE, by_tiles
 from kinetix.engine.garbage import uncollected
@@ -28,6 +30,7 @@ def worlds_last(
     effort: Callable[..., Int[Array, " n"]] | None = None,
     like: Callable[..., Tree] | None = None,
     tile: int = TILE,
+    made_of: tuple[Any, ...] | None = None,
 ) -> Callable[..., Tree]:
     """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
 
@@ -39,22 +42,37 @@ def worlds_last(
         like: Which of its arguments the kernel's result looks like, array for array, if any: then
             the kernel need not be traced to know what comes out.
         tile: Worlds that are advanced together.
+        made_of: Name and parameters of the kernel, which together say all about it. Where they are
+            values of our own, it is lowered once on a computer, not once in each process.
 
     Returns:
         A function of the same pytrees without that axis.
     """
+    words = _words((made_of, tile)) if made_of is not None else None
 
     def one(*arguments: Tree) -> Tree:
         wide = jax.tree.map(_alone_on_an_axis, arguments)
         leaves, structure = jax.tree.flatten(wide)
         program = BatchProgram(
-            kernel=kernel, effort=effort, like=like, tile=tile, structure=structure
+            kernel=kernel,
+            effort=effort,
+            like=like,
+            tile=tile,
+            structure=structure,
+            words=words,
         )
         results = _RUN.bind(*leaves, program=program)
         shapes = program.shapes(leaves)
         return jax.tree.unflatten(jax.tree.structure(shapes), [_without_axis(x) for x in results])
 
     return one
+
+
+def _words(values: tuple[Any, ...]) -> str | None:
+    try:
+        return described(values)
+    except NotOurs:
+        return None
 
 
 _RUN: Final = Primitive("worlds")
@@ -76,6 +94,14 @@ def _alone(program: BatchProgram) -> Callable[..., list[Array]]:
 def _on_processor(*leaves: Array, program: BatchProgram) -> list[Array]:
     with usual_promotion():
         return _compiled(program, takes_whole_batches())(*leaves)
+
+
+def _from_disk(*leaves: Array, program: BatchProgram) -> list[Array]:
+    whole = takes_whole_batches()
+    run = _compiled(program, whole)
+    with usual_promotion():
+        kept = from_disk(f"{program.words} {program.structure} {whole}", run, leaves)
+        return kept or run(*leaves)
 
 
 def _on_accelerator(*leaves: Array, program: BatchProgram) -> list[Array]:
@@ -142,6 +168,13 @@ def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
     return lowered
 
 
+def _on_cpu(context: Any, *arguments: Any, program: BatchProgram) -> Any:
+    """The rule for processors: as it lies on disk, where the program is for them alone."""
+    alone = context.module_context.platforms == ("cpu",)
+    run = _from_disk if alone and program.words else _on_processor
+    return _lowering(run)(context, *arguments, program=program)
+
+
 def _on_cuda(context: Any, *arguments: Any, program: BatchProgram) -> Any:
     """The rule for CUDA: a kernel of its own, else what any accelerator gets."""
     from kinetix.engine.native.launch import lowered  # here, as a processor never needs it
@@ -163,7 +196,7 @@ def _no_derivative(*_: Any, program: BatchProgram) -> Any:
 ad.primitive_jvps[_RUN] = _no_derivative
 batching.primitive_batchers[_RUN] = _batched
 mlir.register_lowering(_RUN, _lowering(_on_accelerator))
-mlir.register_lowering(_RUN, _lowering(_on_processor), platform="cpu")
+mlir.register_lowering(_RUN, _on_cpu, platform="cpu")
 mlir.register_lowering(_RUN, _on_cuda, platform="cuda")
 
 
