@@ -675,14 +675,14 @@ def test_an_export_that_fails_leaves_no_new_file(folder, tmp_path, monkeypatch):
 
     written = []
 
-    def full(path, data):
+    def full(path, data, **_):
         if len(written) == 1:
             raise LevelError(f"{path}: cannot be saved: No space left on device")
         written.append(path)
         path.write_bytes(data)
 
     monkeypatch.setattr(export, "write_with_backup", full)
-    save_level(playable("Other", 1.5), folder / "other.json")
+    save_level(playable("Other", 2.5), folder / "other.json")
     levels = dict.fromkeys((folder / "rocket.json", folder / "other.json"), 1.0)
     with pytest.raises(LevelError, match="No space"):
         export_set(levels, SetPlan(form="folder"), tmp_path / "out")
