@@ -202,8 +202,8 @@ def test_the_split_depends_on_hashes_and_seed_alone():
         draw_split(hashes, share=1.5, seed=0)
 
 
-def test_a_set_can_be_split_anew(folder, made):
-    again = split_set(made, split=0.5, seed=9, folder=folder)
+def test_a_set_can_be_split_anew(made):
+    again = split_set(made, split=0.5, seed=9)
     assert again.manifest.seed == 9
     assert Counter(each.split for each in again.levels) == {"train": 4, "eval": 3}
     assert [e.sha256 for e in again.manifest.levels] == [e.sha256 for e in made.manifest.levels]
