@@ -131,7 +131,9 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
         return LoadedLevel(level=level_from_tree(tree, file), format=FORMAT)
     if isinstance(tree, dict) and "format" not in tree and "env_state" in tree:
         source = document_from_tree(tree, text, file)
-        level, mends, lost = to_level(source, name=Path(file).stem[:120] or "level")
+        # A file's name may hold bytes that are no text, which a level's may not.
+        name = Path(file).stem.encode(errors="replace").decode()[:120] or "level"
+        level, mends, lost = to_level(source, name=name)
         return LoadedLevel(level=level, format="kinetix-env", mends=mends, lost=lost, source=source)
     faults = FaultCollector()
     if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
