@@ -13,6 +13,7 @@ import msgspec
 from kinetix.bundled import level_hint, named_levels, refuse_empty, without_permutation
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically
+from kinetix.files.limits import LIMITS, MIB
 from kinetix.level.canonical import (
     FORMAT,
     VERSION,
@@ -229,9 +230,22 @@ def dumps(
             it, its text comes out byte for byte, unused slots and all.
 
     Raises:
-        LevelError: The format of kinetix-env cannot hold the level, or JSON cannot (a number is not
-            finite, a text is no Unicode); whatever else is wrong with a level can be saved.
+        LevelError: The format of kinetix-env cannot hold the level, JSON cannot (a number is not
+            finite, a text is no Unicode), or the text is larger than a reader takes; whatever else
+            is wrong with a level can be saved.
     """
+    text = _text_of(level, format, source)
+    size, largest = len(text.encode()), LIMITS["level"].largest
+    if size > largest:
+        hint = "" if format == FORMAT else f", or write it as {FORMAT}"
+        raise LevelError(
+            f"level {level.name!r} cannot be written: expected at most {largest // MIB} MiB of "
+            f"{format}, got {size / MIB:.1f} MiB; give it fewer parts{hint}"
+        )
+    return text
+
+
+def _text_of(level: Level, format: LevelFormat, source: KinetixEnvDocument | None) -> str:
     tree = level_tree(level)
     for path in unsayable_paths(tree):
         raise LevelError(f"level {level.name!r} cannot be written: {path} is no JSON value")
