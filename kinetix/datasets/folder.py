@@ -17,7 +17,6 @@ from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_json
-from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_bytes
 from kinetix.version import __version__
 from kinetix.wording import misfit
@@ -253,7 +252,7 @@ def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
 @contextlib.contextmanager
 def _opened(folder: Path) -> Iterator[Manifest]:
     """Make the folder where there is none, and hold its lock."""
-    with begun_folder(folder), locked_folder(folder, "another recording"):
+    with begun_folder(folder, "another recording"):
         if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)
             return
