@@ -106,10 +106,11 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
         size: Of all states: a name or four capacities.
 
     Raises:
-        KinetixError: The folder is not empty, or cannot be written.
+        KinetixError: The folder is not empty, another process writes to it, or it cannot be
+            written.
     """
     capacity = parse_capacity(size)
-    with begun_folder(out):
+    with begun_folder(out, "another export"):
         _refuse_filled(out)
         return _written(out, episodes, capacity)
 
@@ -143,9 +144,9 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
         if len(rows) == PER_SHARD:
             _write(out, shards, rows, origins)
             rows, shards = [], shards + 1
-    if rows or not shards:
+    if rows:
         _write(out, shards, rows, origins)
-        shards += bool(rows)
+        shards += 1
     return Written(trajectories=len(origins), shards=shards, left_out=tuple(left))
 
 
@@ -346,12 +347,10 @@ def _refuse_filled(out: Path) -> None:
 def _write(
     out: Path, number: int, rows: list[dict[str, np.ndarray]], origins: list[_Origin]
 ) -> None:
-    """Write the origins of all trajectories until now and then a shard, if it has any."""
+    """Write the origins of all trajectories until now and then a shard."""
     # Origins first: a shard without them is read as one of kinetix-env.
     told = {"trajectories": msgspec.to_builtins(origins)}
     write_atomically(out / ORIGINS, (json.dumps(told, indent=1) + "\n").encode())
-    if not rows:
-        return
     stacked = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     packed = io.BytesIO()
     np.savez_compressed(packed, **stacked)  # pyright: ignore[reportArgumentType]

@@ -189,6 +189,21 @@ def test_what_ends_otherwise_at_the_size_of_an_export_is_left_out(
     told = write_offline(tmp_path / "out", [_solution()])
     assert told.trajectories == told.shards == 0
     assert "in states of this size, it ends with" in told.left_out[0]
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_exports_do_not_write_into_one_folder(
+    tmp_path: Path, states: dict[str, object]
+) -> None:
+    """The second one would write over the shards of the first."""
+    out = tmp_path / "out"
+
+    def asking_for_another() -> Iterator[RecordedEpisode]:
+        with pytest.raises(KinetixError, match="another export writes here now"):
+            write_offline(out, [_solution()])
+        yield _solution()
+
+    assert write_offline(out, asking_for_another()).trajectories == 1
 
 
 def test_an_interrupted_export_says_where_its_shards_are_from(
