@@ -5,6 +5,7 @@ state. Its published shards are zarr archives; these are `.npz` files with the s
 layout has no field for, such as the physics, stands beside them in `ORIGINS`.
 """
 
+import contextlib
 import dataclasses
 import io
 import itertools
@@ -26,6 +27,7 @@ from kinetix.files.arrays import read_npz
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_object
+from kinetix.files.regular import FileError
 from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level
@@ -207,12 +209,12 @@ def _told(states: Any, name: str) -> Any:
 
 
 def is_offline(folder: Path) -> bool:
-    """Return whether a folder's first shard has the fields of kinetix-env's layout."""
-    shards = sorted(folder.glob("*.npz")) if os.path.isdir(folder) else []
-    if not shards:
-        return False
+    """Return whether a folder's first shard that can be read has kinetix-env's fields."""
     mark = f"{PREFIX}timestep"
-    return mark in read_npz(shards[0], "episodes", only=(mark,))
+    for path in sorted(folder.glob("*.npz")):
+        with contextlib.suppress(FileError):
+            return mark in read_npz(path, "episodes", only=(mark,))
+    return False
 
 
 def read_offline(folder: Path) -> Iterator[RecordedEpisode]:

@@ -231,8 +231,20 @@ def test_a_folder_of_everything_is_gathered(
     write_offline(tmp_path / "out", [found])
     save_level(found.level, tmp_path / "a.json")
     (tmp_path / "notes.json").write_text("{}")
-    (sentence,) = check_source(str(tmp_path))
-    assert sentence.startswith(str(tmp_path / "notes.json"))
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "dataset.json").write_text('{"name": "of another program"}')
+    (tmp_path / "A.NPZ").write_bytes(b"no archive")
+    np.savez(tmp_path / "foreign.npz", x=np.zeros(3))
+    sentences = check_source(str(tmp_path))
+    assert [Path(one.split(":")[0]).relative_to(tmp_path).as_posix() for one in sentences] == [
+        "other/dataset.json",
+        "notes.json",
+        "A.NPZ",
+        "foreign.npz",
+    ]
+    for file in ("A.NPZ", "foreign.npz", "other"):  # what is named itself is refused
+        with pytest.raises(KinetixError, match=file):
+            check_source(str(tmp_path / file))
     monkeypatch.setattr("kinetix.datasets.sources.read_offline", lambda folder: iter([found]))
     places = [(one.place, one.name) for one in episodes_of(str(tmp_path))]
     assert places == [
