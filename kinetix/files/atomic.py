@@ -48,14 +48,18 @@ def check_target(path: Path) -> None:
     """Refuse what could not be written, before the work whose result it is.
 
     Args:
-        path: The file; its folder must exist.
+        path: The file; its folder may be made later.
 
     Raises:
         LevelError: See `write_atomically`.
     """
     with _naming(path):
+        there = next(place for place in path.absolute().parents if os.path.lexists(place))
+        if os.path.isfile(there):
+            raise OSError(0, f"expected a folder, got the file {there}")
         target, _ = _regular(path)
-        if not os.access(target.parent, os.W_OK):
+        folder = target.parent if os.path.exists(target.parent) else there
+        if not os.access(folder, os.W_OK):
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
 
 

@@ -262,5 +262,12 @@ def test_where_a_programs_output_goes_is_no_file_to_replace(tmp_path, name):
 
 def test_what_could_not_be_written_is_known_before(tmp_path):
     atomic.check_target(tmp_path / "new.json")
+    atomic.check_target(tmp_path / "new" / "folders" / "new.json")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").touch()
+    with pytest.raises(
+        LevelError, match=r"cannot be saved: expected a folder, got the file .*/file$"
+    ):
+        atomic.check_target(tmp_path / "file" / "new.json")
     with pytest.raises(LevelError, match="it is a folder; choose another name"):
         atomic.check_target(tmp_path)
