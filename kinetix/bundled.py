@@ -13,7 +13,7 @@ from kinetix.paths import checkpoints_dir, levels_dir
 LEVEL_FOLDERS: Final = "KINETIX_LEVELS"
 """Variable with further folders in which names of levels are looked up, such as a copy of
 kinetix-env's `levels`; they come before the bundled ones."""
-_PERMUTATION = re.compile(r"\.permute(\d+)(?=(\.json)?$)")
+_PERMUTATION = re.compile(r"\.permute(\d{1,40})(?=(\.json)?$)")
 
 
 def refuse_empty(word: str | Path, expected: str) -> None:

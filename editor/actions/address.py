@@ -85,8 +85,9 @@ def open_any(session: Session, words: str) -> bool:
         open_address(session, words)
         return True
     path = Path(words)
-    if path.suffix == SUFFIX:
+    suffix = path.suffix.lower()
+    if suffix == SUFFIX:
         return export.open_trace(session, path)
-    if path.suffix == ".json" and is_comparison(path):
+    if suffix == ".json" and is_comparison(path):
         return comparison.open_comparison(session, path)
     return file.open_path(session, path)

@@ -43,7 +43,7 @@ def open_path(
     try:
         document = files.open_document(path, session.old_names)
     except LevelError as error:
-        other = Path(path).suffix not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path)
+        other = Path(path).suffix.lower() not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path)
         told = f"{path}: this is no level; a level is a file that ends in .json" if other else error
         tell(session, "This cannot be opened", str(told))
         return False

@@ -60,8 +60,6 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     Raises:
         LevelError: The file cannot be written; the old one is as it was.
     """
-    if os.path.isfile(path) and not os.access(path, os.W_OK):
-        raise LevelError(f"{path}: cannot be saved: the file is read-only")
     if not os.path.isdir(path.parent):
         raise LevelError(f"{path}: cannot be saved: its folder is gone")
     level = document.level

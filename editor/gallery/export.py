@@ -1,7 +1,10 @@
 """Level sets from chosen levels: the same code as `kinetix levelset`, with weights and copies."""
 
+import collections
 import contextlib
 import dataclasses
+import functools
+import itertools
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -12,7 +15,7 @@ from kinetix.errors import LevelError
 from kinetix.files.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document
 from kinetix.level.model import Level, SizeName
-from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, dumps_set
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, save_set
 
 Form = Literal["file", "folder"]
 
@@ -44,8 +47,9 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
         What was written.
 
     Raises:
-        LevelError: A level is bad, does not fit the size, or something cannot be written: then no
-            new file stays. What was overwritten stays as `NAME.json.bak`.
+        LevelError: A level is bad, does not fit the size, something cannot be written, or could
+            not be read again: then no new file stays. What was overwritten stays as
+            `NAME.json.bak`, and older backups of it as `NAME.json.bak2`, `NAME.json.bak3`.
     """
     chosen = [_read(path, weight) for path, weight in levels.items()]
     folder = target.parent if plan.form == "file" else target
@@ -53,14 +57,14 @@ def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> Loa
         chosen, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
     )
     if plan.form == "file":
-        write_with_backup(target, dumps_set(made, inline=True).encode())
+        save_set(made, target, inline=True, backup=True)
         return made
     with _new_files(folder) as new:
         placed = _copies(made, folder, new)
         made = build_set(
             placed, name=plan.name, folder=folder, size=plan.size, split=plan.split, seed=plan.seed
         )
-        write_with_backup(folder / "set.json", dumps_set(made).encode())
+        save_set(made, folder / "set.json", backup=True)
     return made
 
 
@@ -102,20 +106,25 @@ def _new_files(folder: Path) -> Iterator[list[Path]]:
 def _copies(
     made: LoadedSet, folder: Path, new: list[Path], *, overwrite: bool = True
 ) -> list[SetLevel]:
-    """Write every level into the folder, under names that differ, and note the new files."""
+    """Write every level into the folder, under names that differ, and note the new files.
+
+    Names that differ in upper and lower case alone are one file on some disks.
+    """
     taken = {"set"}
+    numbers = collections.defaultdict(functools.partial(itertools.count, 2))
     placed = []
     for each in made.levels:
-        stem = Path(each.name).name
-        name, number = stem, 2
-        while name in taken or not (overwrite or _may_have(folder / f"{name}.json", each.level)):
-            name, number = f"{stem}_{number}", number + 1
-        taken.add(name)
+        name = stem = Path(each.name).name
+        while name.casefold() in taken or not (
+            overwrite or _may_have(folder / f"{name}.json", each.level)
+        ):
+            name = f"{stem}_{next(numbers[stem.casefold()])}"
+        taken.add(name.casefold())
         path = folder / f"{name}.json"
         if not os.path.lexists(path):
             new.append(path)
         if not _holds(path, each.level):
-            write_with_backup(path, dumps(each.level).encode())
+            write_with_backup(path, dumps(each.level).encode(), keep_all=True)
         placed.append(dataclasses.replace(each, path=path, name=name))
     return placed
 

@@ -1,11 +1,11 @@
 """The files below the gallery's folders, and what it passes over."""
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
 from kinetix.files.names import is_text
+from kinetix.files.walk import walked
 
 MAX_FILES: Final = 20_000
 """Most files of one look: a bound against a folder that was chosen by mistake."""
@@ -33,22 +33,21 @@ class Walk:
         return ""
 
     def files(self) -> Iterator[tuple[Path, int, int]]:
-        """Every JSON file with time [ns] and length, in the order of paths."""
+        """Every JSON file with time [ns] and length, in the order of paths, behind links last."""
         count = 0
-        for folder in self._folders:
-            for place, inner, names in os.walk(folder):
-                inner[:] = self._shown(inner)
-                for name in self._shown(name for name in names if name.endswith(".json")):
-                    path = Path(place) / name
-                    try:
-                        status = path.stat()
-                    except OSError:
-                        continue
-                    if count == MAX_FILES:
-                        self._full = True
-                        return
-                    yield path, status.st_mtime_ns, status.st_size
-                    count += 1
+        for place, inner, names in walked(self._folders):
+            inner[:] = self._shown(inner)
+            for name in self._shown(name for name in names if name.lower().endswith(".json")):
+                path = place / name
+                try:
+                    status = path.stat()
+                except OSError:
+                    continue
+                if count == MAX_FILES:
+                    self._full = True
+                    return
+                yield path, status.st_mtime_ns, status.st_size
+                count += 1
 
     def _shown(self, names: Iterable[str]) -> list[str]:
         """The names that can be shown, sorted; whether some are no text is noted."""

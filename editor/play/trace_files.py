@@ -44,7 +44,7 @@ def write_trace(trace: Trace, level: Level, path: Path) -> None:
     arrays = trace.arrays() | {"level": np.array(dumps(level))} | names
     packed = io.BytesIO()
     np.savez_compressed(packed, **arrays)  # pyright: ignore[reportArgumentType]
-    target = path if path.suffix == SUFFIX else path.with_name(path.name + SUFFIX)
+    target = path if path.suffix.lower() == SUFFIX else path.with_name(path.name + SUFFIX)
     write_atomically(target, packed.getvalue())
 
 

@@ -5,12 +5,44 @@ import html
 import io
 import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Final
 
 from kinetix.agents.compare import Contender, as_document, differences, leaderboard
 from kinetix.agents.results import LevelFailure
+from kinetix.errors import KinetixError
+from kinetix.files.limits import LIMITS, MIB
+from kinetix.wording import plural
 
 SUFFIXES: Final = (".json", ".csv", ".html")
+
+
+_LEVEL_BYTES: Final = 400
+"""Length of what a JSON file says of a level per policy, episodes aside."""
+_EPISODE_BYTES: Final = 45
+"""Length of an episode in a JSON file."""
+
+
+def check_size(path: Path, policies: int, levels: int, attempts: int) -> None:
+    """Refuse a comparison whose JSON file could not be read again, before it is measured.
+
+    Args:
+        path: The file to be written.
+        policies: How many.
+        levels: How many.
+        attempts: Per policy and level.
+
+    Raises:
+        KinetixError: It would be too large.
+    """
+    size = policies * levels * (_LEVEL_BYTES + attempts * _EPISODE_BYTES)
+    largest = LIMITS["kept"].largest
+    if path.suffix.lower() == ".json" and size > largest:
+        raise KinetixError(
+            f"{path}: expected at most {largest // MIB} MiB, {plural(attempts, 'attempt')} of "
+            f"{plural(policies, 'policy', 'policies')} in {plural(levels, 'level')} would be some "
+            f"{size // MIB} MiB; ask for fewer, or for a .csv"
+        )
 
 
 def text_of(
@@ -25,7 +57,7 @@ def text_of(
         version: Of the program.
     """
     if suffix == ".json":
-        return json.dumps(as_document(contenders, hashes, version), indent=1) + "\n"
+        return json.dumps(as_document(contenders, hashes, version)) + "\n"
     if suffix == ".csv":
         return _csv(contenders, hashes)
     return _page(contenders, hashes, version)

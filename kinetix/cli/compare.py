@@ -58,7 +58,7 @@ class Compare:
 def run(command: Compare) -> int:
     """Measure everything, print and write it; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.comparison_files import SUFFIXES, text_of
+    from kinetix.agents.comparison_files import SUFFIXES, check_size, text_of
     from kinetix.agents.evaluate import Settings
     from kinetix.files.atomic import check_target, write_atomically
 
@@ -69,7 +69,6 @@ def run(command: Compare) -> int:
     if command.out is not None and command.out.suffix.lower() not in SUFFIXES:
         raise KinetixError(f"{command.out}: expected a name that ends in {', '.join(SUFFIXES)}")
     if command.out is not None:
-        made_folder(command.out.parent)
         check_target(command.out)
     found = levels_to_measure(command.levels)
     settings = Settings(
@@ -79,12 +78,14 @@ def run(command: Compare) -> int:
         deterministic=command.deterministic,
     )
     players = [player for name in command.agents for player in _players(name, command.checkpoints)]
+    if command.out is not None:
+        check_size(command.out, len(players), len(found), command.attempts)
     contenders = _measured(players, named(found), settings)
     # Written first: what reads the lines may close the pipe before the last of them.
     if command.out is not None:
         hashes = {level.name: level.sha256 for level in found}
         text = text_of(command.out.suffix.lower(), contenders, hashes, __version__)
-        write_atomically(command.out, text.encode())
+        write_atomically(made_folder(command.out.parent) / command.out.name, text.encode())
         print(command.out, file=sys.stderr)
     _print(contenders, found, as_json=command.json)
     failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)

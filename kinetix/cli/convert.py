@@ -56,8 +56,8 @@ def run(command: Convert) -> int:
             f"{command.target}: this is the file that is read, and what {target} cannot say would "
             "be lost; choose another name"
         )
-    made_folder(command.target.parent)
     text = dumps(loaded.level, format=target, source=loaded.source)
+    made_folder(command.target.parent)
     if write_with_backup(command.target, text.encode(), keep_all=True):
         print(
             f"{backup_of(command.target)}: what {command.target.name} held before",

@@ -142,7 +142,7 @@ def _split(command: Split) -> int:
             f"kinetix levelset build mine.json --levels {command.source}"
         )
     source = resolve_path(command.source)
-    made = split_set(load_set(source), split=command.split, seed=command.seed, folder=source.parent)
+    made = split_set(load_set(source), split=command.split, seed=command.seed)
     _save(made, source, inline=False)
     print(_summary(source, made))
     return 0

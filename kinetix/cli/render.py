@@ -108,7 +108,6 @@ def run(command: Render) -> int:
     check_attempt(command.attempt, _players(command))
     if kind == ".mp4":
         ffmpeg()  # fail before playing, not after
-    made_folder(command.out.parent)
     check_target(command.out)
     if kind == PAGE:
         _write_page(command)
@@ -117,6 +116,7 @@ def run(command: Render) -> int:
     showing = _showing(command, command.agent)
     moments = showing.moments
     _tell_what_is_outside(showing.level)
+    made_folder(command.out.parent)
     if kind in FILM_SUFFIXES:
         with replacing(command.out) as path:
             comment = "; ".join(f"{what}: {told}" for what, told in showing.facts)
@@ -278,6 +278,7 @@ def _write_page(command: Render) -> None:
     from kinetix.pages.page import page_of
 
     page = page_of([_film_of(command, player) for player in _players(command)])
+    made_folder(command.out.parent)
     with replacing(command.out) as path:
         path.write_text(page, encoding="utf-8")
 

@@ -16,6 +16,7 @@ from tyro.conf import Positional
 from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError, LevelError
+from kinetix.files.atomic import check_target
 from kinetix.level.codec import level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
@@ -129,7 +130,7 @@ def _tasks(
 
 
 def _check(each: SetLevel, *, write: bool) -> None:
-    """Refuse a level that is no task, or whose file cannot take a solution."""
+    """Refuse a level that is no task, or whose file cannot take a solution or be written."""
     for issue in validate(each.level):
         if issue.code in _NO_TASK:
             raise LevelError(f"{each.path or each.name}: {issue.path}: {issue.message}")
@@ -140,6 +141,8 @@ def _check(each: SetLevel, *, write: bool) -> None:
             f"{each.path}: a file of the format kinetix-env cannot hold a solution; "
             "turn it into a native level with `kinetix convert`"
         )
+    if write and each.path:
+        check_target(each.path)
 
 
 def _proven(level: Level) -> bool:

@@ -17,10 +17,9 @@ from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_json
-from kinetix.files.lock import locked_folder
 from kinetix.files.regular import read_bytes
 from kinetix.version import __version__
-from kinetix.wording import misfit
+from kinetix.wording import misfit, plural
 
 MANIFEST: Final = "dataset.json"
 SHARD_STEPS: Final = 262_144
@@ -102,18 +101,30 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
 
     Args:
         folder: The data set.
-        check: Compare each shard with its hash first.
+        check: Compare each shard with what the manifest says of it.
 
     Raises:
-        KinetixError: There is no data set, or a shard is missing or damaged; one sentence.
+        KinetixError: There is no data set, a shard is missing or damaged, or another than the
+            manifest says; one sentence.
     """
-    for shard in read_manifest(folder).shards:
+    for k, shard in enumerate(read_manifest(folder).shards):
         path = folder / shard.file
         if check and hashlib.sha256(read_bytes(path, "episodes")).hexdigest() != shard.sha256:
             raise KinetixError(
                 f"{path}: is not the file that {MANIFEST} names (SHA-256 differs); {_BRING_BACK}"
             )
-        yield from read_shard(path)
+        episodes = read_shard(path)
+        held = len(episodes), sum(episode.length for episode in episodes)
+        if check and held != (shard.episodes, shard.steps):
+            raise KinetixError(
+                f"{folder / MANIFEST}: $.shards[{k}]: expected {_counted(*held)} as in "
+                f"{shard.file}, got {_counted(shard.episodes, shard.steps)}; {_BRING_BACK}"
+            )
+        yield from episodes
+
+
+def _counted(episodes: int, steps: int) -> str:
+    return f"{plural(episodes, 'episode')} and {plural(steps, 'step')}"
 
 
 def win_origins(folder: Path) -> Iterator[Origin]:
@@ -253,7 +264,7 @@ def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
 @contextlib.contextmanager
 def _opened(folder: Path) -> Iterator[Manifest]:
     """Make the folder where there is none, and hold its lock."""
-    with begun_folder(folder), locked_folder(folder, "another recording"):
+    with begun_folder(folder, "another recording"):
         if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)
             return

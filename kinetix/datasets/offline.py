@@ -5,6 +5,7 @@ state. Its published shards are zarr archives; these are `.npz` files with the s
 layout has no field for, such as the physics, stands beside them in `ORIGINS`.
 """
 
+import contextlib
 import dataclasses
 import io
 import itertools
@@ -26,6 +27,7 @@ from kinetix.files.arrays import read_npz
 from kinetix.files.atomic import write_atomically
 from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_object
+from kinetix.files.regular import FileError
 from kinetix.level.codec import loads
 from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level
@@ -106,10 +108,11 @@ def write_offline(out: Path, episodes: Iterable[RecordedEpisode], *, size: str =
         size: Of all states: a name or four capacities.
 
     Raises:
-        KinetixError: The folder is not empty, or cannot be written.
+        KinetixError: The folder is not empty, another process writes to it, or it cannot be
+            written.
     """
     capacity = parse_capacity(size)
-    with begun_folder(out):
+    with begun_folder(out, "another export"):
         _refuse_filled(out)
         return _written(out, episodes, capacity)
 
@@ -143,9 +146,9 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
         if len(rows) == PER_SHARD:
             _write(out, shards, rows, origins)
             rows, shards = [], shards + 1
-    if rows or not shards:
+    if rows:
         _write(out, shards, rows, origins)
-        shards += bool(rows)
+        shards += 1
     return Written(trajectories=len(origins), shards=shards, left_out=tuple(left))
 
 
@@ -206,12 +209,12 @@ def _told(states: Any, name: str) -> Any:
 
 
 def is_offline(folder: Path) -> bool:
-    """Return whether a folder's first shard has the fields of kinetix-env's layout."""
-    shards = sorted(folder.glob("*.npz")) if os.path.isdir(folder) else []
-    if not shards:
-        return False
+    """Return whether a folder's first shard that can be read has kinetix-env's fields."""
     mark = f"{PREFIX}timestep"
-    return mark in read_npz(shards[0], "episodes", only=(mark,))
+    for path in sorted(folder.glob("*.npz")):
+        with contextlib.suppress(FileError):
+            return mark in read_npz(path, "episodes", only=(mark,))
+    return False
 
 
 def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
@@ -346,12 +349,10 @@ def _refuse_filled(out: Path) -> None:
 def _write(
     out: Path, number: int, rows: list[dict[str, np.ndarray]], origins: list[_Origin]
 ) -> None:
-    """Write the origins of all trajectories until now and then a shard, if it has any."""
+    """Write the origins of all trajectories until now and then a shard."""
     # Origins first: a shard without them is read as one of kinetix-env.
     told = {"trajectories": msgspec.to_builtins(origins)}
     write_atomically(out / ORIGINS, (json.dumps(told, indent=1) + "\n").encode())
-    if not rows:
-        return
     stacked = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     packed = io.BytesIO()
     np.savez_compressed(packed, **stacked)  # pyright: ignore[reportArgumentType]

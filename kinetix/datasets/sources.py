@@ -12,7 +12,7 @@ from kinetix.datasets.folder import MANIFEST, read_dataset, read_manifest, win_o
 from kinetix.datasets.offline import ORIGINS, is_offline, read_offline
 from kinetix.datasets.traces import episode_of_trace
 from kinetix.errors import KinetixError
-from kinetix.level.sets import SetLevel, gather_levels, read_levels
+from kinetix.level.sets import SetLevel, read_levels
 
 SUFFIX: Final = ".npz"
 """Of shards and of episodes that the editor saved."""
@@ -33,29 +33,44 @@ class FoundEpisode:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class _Others:
-    """Episodes that are not in a data set."""
+class _Places:
+    """Places of the episodes that a word means."""
 
+    datasets: list[Path]
+    """Folders of data sets."""
     exports: list[Path]
     """Folders of kinetix-env's layout."""
     traces: list[Path]
-    """Files that the editor saved."""
+    """Files that the editor saved, and archives of arrays that are none."""
     levels: list[SetLevel]
     """Levels, with a recorded solution or without."""
+    named: bool
+    """True if the word is the place itself: what is wrong with it is an error."""
     passed_over: tuple[str, ...] = ()
-    """A sentence per file that is called a level and is none."""
+    """A sentence per file below a folder that is called a level or a data set and is none."""
 
-    def episodes(self) -> Iterator[FoundEpisode]:
-        """Read them one by one."""
+    def outside(self) -> Iterator[FoundEpisode]:
+        """Read the episodes that are not in data sets one by one."""
         for folder in self.exports:
             for episode in read_offline(folder):
                 yield FoundEpisode(episode=episode, place="offline", name=str(folder))
-        for path in self.traces:
-            yield FoundEpisode(episode=episode_of_trace(path), place="trace", name=str(path))
+        for path, episode in self.saved():
+            if isinstance(episode, RecordedEpisode):
+                yield FoundEpisode(episode=episode, place="trace", name=str(path))
         for each in self.levels:
             episode = solution_episode(each.level)
             if episode is not None:
                 yield FoundEpisode(episode=episode, place="solution", name=each.name)
+
+    def saved(self) -> Iterator[tuple[Path, RecordedEpisode | KinetixError]]:
+        """Read the files that the editor saved, or say what is wrong with those below a folder."""
+        for path in self.traces:
+            try:
+                yield path, episode_of_trace(path)
+            except KinetixError as error:
+                if self.named:
+                    raise
+                yield path, error
 
 
 def episodes_of(source: str) -> Iterator[FoundEpisode]:
@@ -64,31 +79,28 @@ def episodes_of(source: str) -> Iterator[FoundEpisode]:
     Args:
         source: A data set, a folder of kinetix-env's layout, an episode that the editor saved
             (`.npz`) or a folder of all of these, or levels with a recorded solution: a file, a
-            name, a folder, a set.
+            name, a folder, a set. Below a folder, what `check_source` tells is passed over.
 
     Raises:
         KinetixError: The source is missing or damaged.
     """
-    folders = _datasets(source)
-    for folder in folders:
+    places = _places(source)
+    for folder in places.datasets:
         for episode in read_dataset(folder):
             yield FoundEpisode(episode=episode, place="dataset", name=str(folder))
-    yield from _others(source, folders).episodes()
+    yield from places.outside()
 
 
 def check_source(source: str) -> tuple[str, ...]:
     """Raise what `episodes_of` would, before anything is played; shards are not read.
 
     Returns:
-        A sentence per file that is called a level and is none: they are passed over.
+        A sentence per file below a folder that is called a level, an episode or a data set and is
+        none: they are passed over.
     """
-    folders = _datasets(source)
-    for folder in folders:
-        read_manifest(folder)
-    others = _others(source, folders)
-    for path in others.traces:
-        episode_of_trace(path)
-    return others.passed_over
+    places = _places(source)
+    saved = (each for _, each in places.saved())
+    return (*places.passed_over, *(str(each) for each in saved if isinstance(each, KinetixError)))
 
 
 def origins_of(source: str) -> Iterator[Origin]:
@@ -100,50 +112,62 @@ def origins_of(source: str) -> Iterator[Origin]:
     Raises:
         KinetixError: The source is missing or damaged.
     """
-    folders = _datasets(source)
-    for folder in folders:
+    places = _places(source)
+    for folder in places.datasets:
         yield from win_origins(folder)
-    for found in _others(source, folders).episodes():
+    for found in places.outside():
         if found.episode.outcome == "won":
             yield found.episode.origin
 
 
-def _datasets(source: str) -> list[Path]:
-    """The folders of data sets at and below a path; nothing is looked for below a data set."""
+def _places(source: str) -> _Places:
+    """Find the places of episodes at and below a path; below a data set there are no others."""
     refuse_empty(source, "episodes, levels or a data set")
     path = Path(source)
     if os.path.isfile(path / MANIFEST):
-        return [path]
-    return sorted(each.parent for each in path.rglob(MANIFEST)) if os.path.isdir(path) else []
-
-
-def _others(source: str, folders: list[Path]) -> _Others:
-    """Find the episodes that are not in a data set; folders are those of data sets."""
-    path = Path(source)
-    if path in folders:
-        return _Others(exports=[], traces=[], levels=[])
-    inside = sorted(path.rglob(f"*{SUFFIX}")) if os.path.isdir(path) else []
-    places = sorted({each.parent for each in inside}.difference(folders))
-    exports = [place for place in places if is_offline(place)]
+        read_manifest(path)
+        return _Places(datasets=[path], exports=[], traces=[], levels=[], named=True)
+    is_folder = os.path.isdir(path)
+    datasets, unlike = _datasets(path) if is_folder else ([], [])
+    saved = sorted(path.rglob("*")) if is_folder else [path]
+    saved = [each for each in saved if each.suffix.lower() == SUFFIX]
+    around = sorted({each.parent for each in saved}.difference(datasets)) if is_folder else []
+    exports = [folder for folder in around if is_offline(folder)]
     if path in exports:
-        return _Others(exports=[path], traces=[], levels=[])
-    saved = inside if os.path.isdir(path) else [path]
-    traces = [
-        each for each in saved if each.suffix == SUFFIX and each.parent not in (*folders, *exports)
-    ]
-    levels, passed_over = [], ()
-    if path.suffix != SUFFIX:
-        levels, passed_over = _levels(source, required=not (traces or folders or exports))
-    return _Others(exports=exports, traces=traces, levels=levels, passed_over=passed_over)
+        return _Places(datasets=[], exports=[path], traces=[], levels=[], named=True)
+    traces = [each for each in saved if each.parent not in (*datasets, *exports)]
+    levels, unreadable = [], []
+    if path.suffix.lower() != SUFFIX:
+        levels, unreadable = _levels(source, required=not (traces or datasets or exports))
+    return _Places(
+        datasets=datasets,
+        exports=exports,
+        traces=traces,
+        levels=levels,
+        named=not is_folder,
+        passed_over=(*unlike, *unreadable),
+    )
 
 
-def _levels(source: str, *, required: bool) -> tuple[list[SetLevel], tuple[str, ...]]:
+def _datasets(path: Path) -> tuple[list[Path], list[str]]:
+    """The data sets below a folder, and what is wrong with others."""
+    datasets, unlike = [], []
+    for file in sorted(path.rglob(MANIFEST)):
+        try:
+            read_manifest(file.parent)
+            datasets.append(file.parent)
+        except KinetixError as error:
+            unlike.append(str(error))
+    return datasets, unlike
+
+
+def _levels(source: str, *, required: bool) -> tuple[list[SetLevel], list[str]]:
     """Levels, and what is wrong with others; a folder of other episodes need not have any."""
-    if required:
-        return gather_levels([source]), ()
     try:
         levels, unreadable = read_levels([source])
     except KinetixError:
-        return [], ()
-    told = (str(error) for path, error in unreadable.items() if Path(path).name not in _NO_LEVELS)
-    return levels, tuple(told)
+        if required:
+            raise
+        return [], []
+    told = [str(error) for file, error in unreadable.items() if Path(file).name not in _NO_LEVELS]
+    return levels, told

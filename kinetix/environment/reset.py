@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 from jaxtyping import Array, Float
 
+from kinetix.bounds import LAST_SEED
 from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.checks import check_features, check_params, check_static_params
@@ -27,7 +28,7 @@ from kinetix.environment.params import physics_engine as physics_engine_of
 from kinetix.environment.rearrange import check_bindings, expand_state, permute_state
 from kinetix.environment.sharing import digest, shared, shared_partial
 from kinetix.environment.state import EnvState, stack_states, state_of
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.forks import refuse_forked_process
 from kinetix.level.codec import LoadedLevel, check_computable, load_document
 from kinetix.level.compile import compile_level
@@ -400,4 +401,8 @@ def _compiled(
 
 def _permuted(state: EnvState, path: str | Path) -> EnvState:
     number = permutation_of(path)
-    return state if number is None else permute_state(jax.random.key(number), state)
+    if number is None:
+        return state
+    if number > LAST_SEED:
+        raise LevelError(f"{path}: expected .permuteN with N from 0 to {LAST_SEED}")
+    return permute_state(jax.random.key(number), state)

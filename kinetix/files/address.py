@@ -3,6 +3,7 @@
 import http.client
 import os
 import re
+import time
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -15,6 +16,9 @@ from kinetix.files.regular import FileError
 SCHEMES: Final = ("https", "http")
 SECONDS: Final = 20.0
 """Longest silence of a server."""
+LONGEST_SECONDS: Final = 300.0
+"""Longest time that a file takes to come."""
+_PIECE: Final = 2**16
 _NOT_IN_NAMES: Final = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
 """Characters that some system allows in no file's name."""
 _KEPT: Final = "%/:@!$&'()*+,;=~?"
@@ -62,24 +66,36 @@ def fetch(address: str, kind: Kind) -> bytes:
         kind: Whose limit of size holds.
 
     Raises:
-        FileError: It is no such address, cannot be reached, or is too large; one sentence.
+        FileError: It is no such address, cannot be reached, is too large or too slow, or breaks
+            off; one sentence.
     """
     if not is_address(address):
         raise FileError(address, "expected an address that begins with https:// or http://")
-    largest = LIMITS[kind].largest
     opener = urllib.request.build_opener(_Redirects)
     try:
         with opener.open(_in_ascii(address), timeout=SECONDS) as answer:
-            data = answer.read(largest + 1)
+            return _content(answer, address, LIMITS[kind].largest)
     except urllib.error.HTTPError as error:
         error.close()
         raise FileError(address, f"the server says {error.code} {error.reason}") from None
     except (urllib.error.URLError, http.client.HTTPException, OSError, ValueError) as error:
         reason = getattr(error, "reason", None) or error
         raise FileError(address, f"cannot be reached: {reason}") from None
-    if len(data) > largest:
-        raise FileError(address, f"expected at most {largest // MIB} MiB")
-    return data
+
+
+def _content(answer: Any, address: str, largest: int) -> bytes:
+    """Read an answer piece by piece, as a server that never ends is not silent."""
+    until, promised = time.monotonic() + LONGEST_SECONDS, answer.length
+    data = bytearray()
+    while piece := answer.read1(_PIECE):
+        data += piece
+        if len(data) > largest:
+            raise FileError(address, f"expected at most {largest // MIB} MiB")
+        if time.monotonic() > until:
+            raise FileError(address, f"expected to come in {LONGEST_SECONDS:.0f} s, was too slow")
+    if promised and len(data) < promised:
+        raise FileError(address, f"broke off after {len(data)} of {promised} bytes; try again")
+    return bytes(data)
 
 
 def _in_ascii(address: str) -> str:

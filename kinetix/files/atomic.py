@@ -22,6 +22,8 @@ _MOST_LINKS: Final = 40
 """Links that lead to links: systems follow no more."""
 _STALE: Final = 3600.0
 """Age at which a temporary file counts as left behind by a run that was killed [s]."""
+_SWEPT: Final[set[Path]] = set()
+"""Folders that this process has looked through for such files: once, as they may be large."""
 
 
 def write_atomically(path: Path, data: bytes) -> None:
@@ -35,8 +37,8 @@ def write_atomically(path: Path, data: bytes) -> None:
         data: Its new content.
 
     Raises:
-        LevelError: The system refused, or the path is a device or a named pipe; the sentence has
-            the path and the reason.
+        LevelError: The system refused, the old file is read-only, or the path is a device or a
+            named pipe; the sentence has the path and the reason.
     """
     with replacing(path) as temporary:
         _write_new(temporary, data)
@@ -46,14 +48,18 @@ def check_target(path: Path) -> None:
     """Refuse what could not be written, before the work whose result it is.
 
     Args:
-        path: The file; its folder must exist.
+        path: The file; its folder may be made later.
 
     Raises:
         LevelError: See `write_atomically`.
     """
     with _naming(path):
+        there = next(place for place in path.absolute().parents if os.path.lexists(place))
+        if os.path.isfile(there):
+            raise OSError(0, f"expected a folder, got the file {there}")
         target, _ = _regular(path)
-        if not os.access(target.parent, os.W_OK):
+        folder = target.parent if os.path.exists(target.parent) else there
+        if not os.access(folder, os.W_OK):
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
 
 
@@ -74,10 +80,12 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
     with _naming(path):
         target, before = _regular(path)
         previous = data if before is None else target.read_bytes()
+        if previous != data and keep_all:
+            _make_room(path, previous)
     if previous != data:
-        if keep_all:
-            _make_room(backup_of(path), previous)
-        with replacing(backup_of(path), told=path) as temporary:
+        backup = backup_of(path)
+        told = f"{path}: cannot be saved: its backup {backup.name}"
+        with replacing(backup, told=told) as temporary:
             _write_new(temporary, previous)
     write_atomically(path, data)
     return previous != data
@@ -85,27 +93,32 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
 
 def backup_of(path: Path) -> Path:
     """Return the path of a file's backup; a name that would be too long is cut."""
+    return _beside(path, _BACKUP)
+
+
+def _beside(path: Path, ending: str) -> Path:
     kept = path.name
-    while len(os.fsencode(kept)) + len(_BACKUP) > _LONGEST_NAME:
+    while len(os.fsencode(kept)) + len(ending) > _LONGEST_NAME:
         kept = kept[:-1]
-    return path.with_name(f"{kept}{_BACKUP}")
+    return path.with_name(f"{kept}{ending}")
 
 
-def _make_room(backup: Path, data: bytes) -> None:
-    """Give an older backup the first free number, unless it holds the same."""
+def _make_room(path: Path, data: bytes) -> None:
+    """Give an older backup of a file the first free number, unless it holds the same."""
+    backup = backup_of(path)
     if not os.path.isfile(backup) or backup.read_bytes() == data:
         return
-    names = (backup.with_name(f"{backup.name}{number}") for number in itertools.count(2))
+    names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
     backup.rename(next(name for name in names if not os.path.lexists(name)))
 
 
 @contextlib.contextmanager
-def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
+def replacing(path: Path, *, told: str = "") -> Iterator[Path]:
     """Give a temporary file to write that takes the place of `path` when the block ends well.
 
     Args:
         path: The file; its folder must exist.
-        told: The file that a sentence about a failure names; by default `path`.
+        told: Begins the sentence about a failure; by default that `path` cannot be saved.
 
     Yields:
         Path of a file that does not exist yet, in the same folder. After an exception it is
@@ -114,7 +127,7 @@ def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
     Raises:
         LevelError: See `write_atomically`.
     """
-    with _naming(told or path):
+    with _naming(path, told):
         target, before = _regular(path)
         temporary = target.with_name(f"{_PREFIX}{secrets.token_hex(8)}{_ENDING}")
         try:
@@ -133,23 +146,26 @@ def replacing(path: Path, *, told: Path | None = None) -> Iterator[Path]:
     with contextlib.suppress(OSError):
         _sync_folder(target.parent)
     with contextlib.suppress(OSError):
-        _sweep(target.parent)
+        if target.parent not in _SWEPT:
+            _SWEPT.add(target.parent)
+            _sweep(target.parent)
 
 
 @contextlib.contextmanager
-def _naming(path: Path) -> Iterator[None]:
+def _naming(path: Path, told: str = "") -> Iterator[None]:
     """Turn what the system refuses into a sentence that names the file."""
     try:
         yield
     except OSError as error:
-        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
+        told = told or f"{path}: cannot be saved"
+        raise LevelError(f"{told}: {error.strerror or error}") from error
 
 
 def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
     """Return the file that links lead to and what is there now, or None.
 
     Raises:
-        OSError: It is something that must not be replaced, such as a device.
+        OSError: It is something that must not be replaced: read-only, or a device.
     """
     try:
         target = Path(os.path.realpath(path))
@@ -166,6 +182,8 @@ def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
     if not stat.S_ISREG(found.st_mode):
         kind = "a named pipe" if stat.S_ISFIFO(found.st_mode) else "a device or a socket"
         raise OSError(0, f"it is {kind}, not a file; choose another name")
+    if not os.access(target, os.W_OK):
+        raise OSError(0, "the file is read-only")
     return target, found
 
 

@@ -3,7 +3,6 @@
 import contextlib
 import dataclasses
 import os
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,7 +53,9 @@ def tidy_caches() -> None:
 
 
 def clear_cache(name: str) -> int:
-    """Delete a cache; programs that run now make anew what they need.
+    """Delete the content of a cache; programs that run now make anew what they need.
+
+    The folder itself stays, as JAX does not make it again.
 
     Args:
         name: Which.
@@ -63,7 +64,10 @@ def clear_cache(name: str) -> int:
         How much was deleted [bytes].
     """
     size = cache_bytes(name)
-    shutil.rmtree(cache_folder(name), ignore_errors=True)
+    for place, inner, names in os.walk(cache_folder(name), topdown=False):
+        for path in (Path(place) / one for one in names + inner):
+            with contextlib.suppress(OSError):
+                path.rmdir() if _is_folder(path) else path.unlink()
     return size - cache_bytes(name)
 
 
@@ -84,10 +88,14 @@ def bound(folder: Path, largest: int) -> None:
 
 def _contents(folder: Path) -> Iterator[tuple[float, int, Path]]:
     """Yield every file with when it was used [s] and its size [bytes]."""
-    for path in folder.rglob("*"):
-        try:
-            about = path.lstat()
-        except OSError:
-            continue  # another process was faster
-        if not os.path.isdir(path):
+    for place, _, names in os.walk(folder):
+        for path in (Path(place) / name for name in names):
+            try:
+                about = path.lstat()
+            except OSError:
+                continue  # another process was faster
             yield max(about.st_atime, about.st_mtime), about.st_size, path
+
+
+def _is_folder(path: Path) -> bool:
+    return os.path.isdir(path) and not os.path.islink(path)

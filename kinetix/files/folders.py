@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from kinetix.errors import KinetixError
+from kinetix.files.lock import locked_folder
 
 
 def made_folder(folder: Path) -> Path:
@@ -31,20 +32,22 @@ def made_folder(folder: Path) -> Path:
 
 
 @contextlib.contextmanager
-def begun_folder(folder: Path) -> Iterator[None]:
-    """Make a folder that the block writes to; remove it if it was new and is still empty.
+def begun_folder(folder: Path, owner: str) -> Iterator[None]:
+    """Make a folder and hold its lock; remove the folder if it was new and is still empty.
 
     Args:
         folder: The folder; one that is there stays.
+        owner: Who else may hold the lock, for the sentence: "another recording".
 
     Raises:
-        KinetixError: There is a file in its place, or it cannot be made.
+        KinetixError: There is a file in its place, it cannot be made, or somebody else holds it.
     """
     is_new = not os.path.isdir(folder)
     made_folder(folder)
-    try:
-        yield
-    finally:
-        if is_new:
-            with contextlib.suppress(OSError):  # it holds something
-                folder.rmdir()
+    with locked_folder(folder, owner):
+        try:
+            yield
+        finally:
+            if is_new:  # removed under the lock: nobody else has begun to write
+                with contextlib.suppress(OSError):  # it holds something
+                    folder.rmdir()

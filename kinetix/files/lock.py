@@ -27,12 +27,15 @@ def locked_folder(folder: Path, owner: str) -> Iterator[None]:
         owner: Who else may hold it, for the sentence: "another training".
 
     Raises:
-        FileError: Somebody else holds it.
+        FileError: Somebody else holds it, or has removed it.
     """
     if fcntl is None:
         yield
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError as error:
+        raise FileError(folder, f"cannot be locked: {error.strerror or error}") from None
     try:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -41,6 +44,15 @@ def locked_folder(folder: Path, owner: str) -> Iterator[None]:
                 raise FileError(
                     folder, f"{owner} writes here now; wait for it, or choose another folder"
                 ) from None
+        if not _is_at(folder, descriptor):
+            raise FileError(folder, f"{owner} has removed this folder just now; try again")
         yield
     finally:
         os.close(descriptor)
+
+
+def _is_at(folder: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.stat(folder), os.fstat(descriptor))
+    except OSError:
+        return False

@@ -13,6 +13,7 @@ import msgspec
 from kinetix.bundled import level_hint, named_levels, refuse_empty, without_permutation
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically
+from kinetix.files.limits import LIMITS, MIB
 from kinetix.level.canonical import (
     FORMAT,
     VERSION,
@@ -131,7 +132,9 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
         return LoadedLevel(level=level_from_tree(tree, file), format=FORMAT)
     if isinstance(tree, dict) and "format" not in tree and "env_state" in tree:
         source = document_from_tree(tree, text, file)
-        level, mends, lost = to_level(source, name=Path(file).stem[:120] or "level")
+        # A file's name may hold bytes that are no text, which a level's may not.
+        name = Path(file).stem.encode(errors="replace").decode()[:120] or "level"
+        level, mends, lost = to_level(source, name=name)
         return LoadedLevel(level=level, format="kinetix-env", mends=mends, lost=lost, source=source)
     faults = FaultCollector()
     if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
@@ -227,9 +230,22 @@ def dumps(
             it, its text comes out byte for byte, unused slots and all.
 
     Raises:
-        LevelError: The format of kinetix-env cannot hold the level, or JSON cannot (a number is not
-            finite, a text is no Unicode); whatever else is wrong with a level can be saved.
+        LevelError: The format of kinetix-env cannot hold the level, JSON cannot (a number is not
+            finite, a text is no Unicode), or the text is larger than a reader takes; whatever else
+            is wrong with a level can be saved.
     """
+    text = _text_of(level, format, source)
+    size, largest = len(text.encode()), LIMITS["level"].largest
+    if size > largest:
+        hint = "" if format == FORMAT else f", or write it as {FORMAT}"
+        raise LevelError(
+            f"level {level.name!r} cannot be written: expected at most {largest // MIB} MiB of "
+            f"{format}, got {size / MIB:.1f} MiB; give it fewer parts{hint}"
+        )
+    return text
+
+
+def _text_of(level: Level, format: LevelFormat, source: KinetixEnvDocument | None) -> str:
     tree = level_tree(level)
     for path in unsayable_paths(tree):
         raise LevelError(f"level {level.name!r} cannot be written: {path} is no JSON value")

@@ -15,7 +15,13 @@ from kinetix.agents.compare import (
     leaderboard,
     paired,
 )
-from kinetix.agents.comparison_files import signed, text_of
+from kinetix.agents.comparison_files import (
+    _EPISODE_BYTES,
+    _LEVEL_BYTES,
+    check_size,
+    signed,
+    text_of,
+)
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
 from kinetix.agents.stored_comparison import is_comparison, read_comparison
 from kinetix.cli import main
@@ -121,6 +127,18 @@ def test_a_stored_comparison_is_read_again(tmp_path):
     found = read_comparison(path)
     assert found.contenders == (A, B, C) and found.hashes == hashes
     assert text_of(".json", found.contenders, found.hashes, "1.0") == text
+
+
+def test_a_comparison_that_could_not_be_read_again_is_refused_before_it_is_measured(tmp_path):
+    """An episode takes no more than the check allows for it."""
+    outcome = EpisodeResult(outcome="timeout", total_reward=-0.12345678901234567, length=4096)
+    many = _contender("a", LevelResult.of("s/x" * 20, [outcome] * 10_000))
+    size = len(text_of(".json", [many], {}, "1.0"))
+    assert size < 10_000 * _EPISODE_BYTES + _LEVEL_BYTES
+    with pytest.raises(KinetixError, match=r"a\.json: expected at most 64 MiB, 2000000 attempts"):
+        check_size(tmp_path / "a.json", 1, 1, 2_000_000)
+    check_size(tmp_path / "a.csv", 1, 1, 2_000_000)
+    check_size(tmp_path / "a.json", 1, 1, 1_000_000)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of POSIX systems")

@@ -211,6 +211,21 @@ def test_a_set_is_split_where_it_lies(folder, monkeypatch, word):
     assert {each.split for each in load_set(folder / f"{word}.json").levels} == {"eval"}
 
 
+def test_a_split_leaves_paths_through_links_as_they_are(folder, tmp_path_factory):
+    (folder / "sets").mkdir()
+    (folder / "levels").mkdir()
+    for path in folder.glob("c*.json"):
+        path.rename(folder / "levels" / path.name)
+    made = folder / "sets" / "a.json"
+    assert main(["levelset", "build", str(made), "--levels", str(folder / "levels")]) == 0
+    paths = [entry.path for entry in load_set(made).manifest.levels]
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "levels"
+    (folder / "levels").rename(elsewhere)
+    (folder / "levels").symlink_to(elsewhere)
+    assert main(["levelset", "split", str(made), "--seed", "3"]) == 0
+    assert [entry.path for entry in load_set(made).manifest.levels] == paths
+
+
 def test_the_name_of_a_set_is_as_long_as_it_may_be(folder):
     out = folder / f"{'x' * 200}.json"
     assert main(["levelset", "build", str(out), "--levels", str(folder), "--inline"]) == 0

@@ -110,6 +110,12 @@ def test_what_a_picture_does_not_show_is_said(tmp_path, capsys):
     assert "1 of 2 shapes start outside the picture" in capsys.readouterr().err
 
 
+def test_a_mistyped_name_leaves_no_folder(tmp_path, capsys):
+    assert main(["render", "s/no_such_level", str(tmp_path / "new" / "x.png")]) == 1
+    assert "there is no such file" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("name", ["a.png", "a.gif", "a.html"])
 def test_what_cannot_be_written_is_said_before_anything_is_played(
     tmp_path, capsys, monkeypatch, name

@@ -1,5 +1,6 @@
 """`kinetix solve`: which levels are tried, what is recorded; the search stands in for itself."""
 
+import os
 import sys
 import types
 from pathlib import Path
@@ -222,3 +223,14 @@ def test_bundled_levels_are_not_written_to_by_name(search, tmp_path, monkeypatch
     monkeypatch.chdir(bundled.parent)
     assert main(["solve", "levels/s/tried.json", "--write"]) == 0
     assert load_level(path).solution == SOLUTION
+
+
+def test_a_read_only_file_is_not_searched_for_what_it_cannot_take(
+    search, folder, monkeypatch, capsys
+):
+    locked = folder / "10.json"
+    # Root may write everything, whatever the mode of a file says.
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK or Path(path) != locked)
+    assert main(["solve", str(folder), "--write"]) == 1
+    assert search.levels == [11, 12, 14]
+    assert f"left out: {locked}: cannot be saved: the file is read-only" in capsys.readouterr().err

@@ -130,6 +130,19 @@ def test_an_exchanged_shard_is_told(tmp_path: Path) -> None:
         read_shard(path)
 
 
+def test_a_manifest_that_counts_otherwise_than_its_shards_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The counts that are printed are those of the episodes."""
+    add_episodes(tmp_path, [episode()])
+    path = tmp_path / MANIFEST
+    path.write_text(path.read_text().replace('"episodes": 1', '"episodes": 999'))
+    assert main(["dataset", "verify", str(tmp_path), "--no-replay"]) == 1
+    told = capsys.readouterr().err
+    assert "dataset.json: $.shards[0]: expected 1 episode and 5 steps as in episodes-0000" in told
+    assert "got 999 episodes and 5 steps" in told
+
+
 @pytest.mark.parametrize("name", [n for n in SCHEMA if n not in ("schema", "action", "reward")])
 def test_damage_is_one_sentence(tmp_path: Path, name: str) -> None:
     """A shard whose arrays do not belong to each other is refused with its name."""

@@ -189,6 +189,21 @@ def test_what_ends_otherwise_at_the_size_of_an_export_is_left_out(
     told = write_offline(tmp_path / "out", [_solution()])
     assert told.trajectories == told.shards == 0
     assert "in states of this size, it ends with" in told.left_out[0]
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_exports_do_not_write_into_one_folder(
+    tmp_path: Path, states: dict[str, object]
+) -> None:
+    """The second one would write over the shards of the first."""
+    out = tmp_path / "out"
+
+    def asking_for_another() -> Iterator[RecordedEpisode]:
+        with pytest.raises(KinetixError, match="another export writes here now"):
+            write_offline(out, [_solution()])
+        yield _solution()
+
+    assert write_offline(out, asking_for_another()).trajectories == 1
 
 
 def test_an_interrupted_export_says_where_its_shards_are_from(
@@ -216,8 +231,20 @@ def test_a_folder_of_everything_is_gathered(
     write_offline(tmp_path / "out", [found])
     save_level(found.level, tmp_path / "a.json")
     (tmp_path / "notes.json").write_text("{}")
-    (sentence,) = check_source(str(tmp_path))
-    assert sentence.startswith(str(tmp_path / "notes.json"))
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "dataset.json").write_text('{"name": "of another program"}')
+    (tmp_path / "A.NPZ").write_bytes(b"no archive")
+    np.savez(tmp_path / "foreign.npz", x=np.zeros(3))
+    sentences = check_source(str(tmp_path))
+    assert [Path(one.split(":")[0]).relative_to(tmp_path).as_posix() for one in sentences] == [
+        "other/dataset.json",
+        "notes.json",
+        "A.NPZ",
+        "foreign.npz",
+    ]
+    for file in ("A.NPZ", "foreign.npz", "other"):  # what is named itself is refused
+        with pytest.raises(KinetixError, match=file):
+            check_source(str(tmp_path / file))
     monkeypatch.setattr("kinetix.datasets.sources.read_offline", lambda folder: iter([found]))
     places = [(one.place, one.name) for one in episodes_of(str(tmp_path))]
     assert places == [

@@ -12,6 +12,7 @@ from kinetix import (
     EnvParams,
     LogWrapper,
     StaticEnvParams,
+    load_from_json_file,
     make_kinetix_env,
     make_render_pixels,
     make_reset_fn_list_of_levels,
@@ -349,3 +350,9 @@ def test_levels_need_sizes():
         KinetixError, match=r"make_reset_fn_list_of_levels\(levels, static_env_params\)"
     ):
         make_reset_fn_list_of_levels(StaticEnvParams(), ["s/goalkeeper"])
+
+
+def test_a_permutation_beyond_the_seeds_is_refused():
+    for number in (2**32, 10**22):
+        with pytest.raises(KinetixError, match=r"expected \.permuteN with N from 0 to 4294967295"):
+            load_from_json_file(f"s/goalkeeper.permute{number}")

@@ -163,14 +163,57 @@ def test_what_killed_runs_left_goes_when_it_is_old(file):
     for left in (old, young):
         left.write_text("half a le")
     os.utime(old, (0, 0))
+    atomic._SWEPT.discard(file.parent)  # as in a process that has not written here yet
     save_level(NEW, file)
     assert not old.exists() and young.exists()
+
+
+def test_a_folder_is_looked_through_once(file, monkeypatch):
+    looked = []
+    monkeypatch.setattr(atomic, "_sweep", looked.append)
+    monkeypatch.setattr(atomic, "_SWEPT", set())
+    for _ in range(3):
+        save_level(NEW, file)
+    assert looked == [file.parent]
 
 
 def test_a_name_may_be_as_long_as_the_system_allows(tmp_path):
     path = tmp_path / f"{'n' * 250}.json"
     save_level(NEW, path)
     assert load_level(path) == NEW
+
+
+def test_backups_of_long_names_have_room_for_their_numbers(tmp_path):
+    path = tmp_path / f"{'n' * 247}.json"
+    for k in range(4):
+        atomic.write_with_backup(path, str(k).encode(), keep_all=True)
+    assert {file.read_bytes() for file in tmp_path.iterdir()} == {b"0", b"1", b"2", b"3"}
+
+
+def test_a_folder_where_the_backup_belongs_is_named(file):
+    atomic.backup_of(file).mkdir()
+    said = r"level\.json: cannot be saved: its backup level\.json\.bak: it is a folder"
+    with pytest.raises(LevelError, match=said):
+        atomic.write_with_backup(file, b"new")
+    assert load_level(file) == OLD
+
+
+def test_an_older_backup_that_cannot_be_moved_is_told(file, monkeypatch):
+    atomic.backup_of(file).write_bytes(b"older")
+    monkeypatch.setattr(Path, "rename", fail)
+    with pytest.raises(LevelError, match=r"level\.json: cannot be saved: No space left"):
+        atomic.write_with_backup(file, b"new", keep_all=True)
+    assert load_level(file) == OLD
+
+
+@pytest.mark.parametrize("write", [atomic.write_atomically, atomic.write_with_backup])
+def test_a_read_only_file_is_not_replaced(file, monkeypatch, write):
+    # Root may write everything, whatever the mode of a file says.
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK or Path(path) != file)
+    with pytest.raises(LevelError, match=r"level\.json: cannot be saved: the file is read-only"):
+        write(file, b"new")
+    assert load_level(file) == OLD
+    assert os.listdir(file.parent) == [file.name]
 
 
 def test_a_name_that_no_system_takes_is_told():
@@ -219,5 +262,12 @@ def test_where_a_programs_output_goes_is_no_file_to_replace(tmp_path, name):
 
 def test_what_could_not_be_written_is_known_before(tmp_path):
     atomic.check_target(tmp_path / "new.json")
+    atomic.check_target(tmp_path / "new" / "folders" / "new.json")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").touch()
+    with pytest.raises(
+        LevelError, match=r"cannot be saved: expected a folder, got the file .*/file$"
+    ):
+        atomic.check_target(tmp_path / "file" / "new.json")
     with pytest.raises(LevelError, match="it is a folder; choose another name"):
         atomic.check_target(tmp_path)

@@ -1,6 +1,7 @@
 """Caches on disk have bounds, and a command that clears them."""
 
 import os
+from pathlib import Path
 
 import pytest
 
@@ -35,3 +36,42 @@ def test_the_command_tells_and_clears(cache, capsys):
     assert main(["cache", "--clear"]) == 0
     assert [caches.cache_bytes(name) for name in caches.CACHES] == [0] * len(caches.CACHES)
     assert main(["cache"]) == 0
+
+
+def test_clearing_leaves_the_folder_to_programs_that_run(cache, tmp_path_factory):
+    folder = caches.cache_folder("jax")
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "jax"
+    folder.rename(elsewhere)
+    folder.symlink_to(elsewhere)
+    kept = elsewhere.parent / "kept"
+    kept.mkdir()
+    (kept / "mine").write_text("mine")
+    (elsewhere / "link").symlink_to(kept)
+    assert caches.clear_cache("jax") >= 4000
+    assert folder.is_symlink() and list(elsewhere.iterdir()) == []
+    assert (kept / "mine").exists()
+    caches.clear_cache("steps")
+    assert list(caches.cache_folder("steps").iterdir()) == []
+
+
+def test_what_could_not_be_deleted_is_said(cache, monkeypatch, capsys):
+    def refuse(*_, **__):
+        raise PermissionError
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    assert main(["cache", "--clear"]) == 1
+    assert "could not be deleted" in capsys.readouterr().err
+
+
+def test_folders_that_go_meanwhile_do_not_hurt(cache, monkeypatch):
+    folder = caches.cache_folder("gallery")
+    real = os.scandir
+
+    def slow(path):
+        if os.fspath(path) == os.fspath(folder / "below"):
+            raise FileNotFoundError
+        return real(path)
+
+    monkeypatch.setattr(os, "scandir", slow)
+    caches.tidy_caches()
+    assert caches.cache_bytes("gallery") == 0

@@ -1,7 +1,9 @@
 """Our format: canonical text, strict reading, hashes, names of files."""
 
+import dataclasses
 import json
 import math
+import os
 import subprocess
 import sys
 import time
@@ -202,6 +204,28 @@ def test_a_large_file_is_refused_unread(tmp_path):
         file.truncate(100 * 2**20)
     with pytest.raises(LevelError, match=f"at most {LIMITS['level'].largest >> 20} MiB"):
         load_level(path)
+
+
+def test_no_text_is_written_that_is_too_large_to_be_read(tmp_path, monkeypatch):
+    level = loads(EVERYTHING)
+    limit = dataclasses.replace(LIMITS["level"], largest=len(dumps(level).encode()))
+    monkeypatch.setitem(LIMITS, "level", limit)
+    path = tmp_path / "x.json"
+    save_level(level, path)
+    before = path.read_bytes()
+    with pytest.raises(LevelError, match=r"MiB of kinetix-env, got .*, or write it as kinetix-lev"):
+        save_level(level, path, format="kinetix-env")
+    with pytest.raises(LevelError, match=r"MiB of kinetix-level, got .*; give it fewer parts$"):
+        save_level(level.replace(description=f"{level.description}."), path)
+    assert path.read_bytes() == before
+
+
+def test_a_file_of_kinetix_env_may_have_a_name_that_is_no_text(tmp_path):
+    path = tmp_path / "x.json"
+    save_level(loads(EVERYTHING), path, format="kinetix-env")
+    odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.json"))
+    path.rename(odd)
+    assert load_level(odd).name == "caf?"
 
 
 def test_bytes_that_are_no_text_are_refused(tmp_path):

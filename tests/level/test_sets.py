@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from kinetix.level.sets import (
     split_set,
     training_part,
 )
+from kinetix.level.sets.gather import _told_apart
 from kinetix.level.sizes import SIZES
 
 FIXTURES = Path(__file__).parent / "fixtures"
@@ -123,6 +125,39 @@ def test_agents_runs_and_hidden_folders_among_levels_are_left_out(folder):
         gather_levels([folder / "agent"])
 
 
+def test_a_level_may_be_called_agent(folder):
+    (folder / "s" / "g0.json").rename(folder / "agent.json")
+    assert [each.name for each in gather_levels([folder])] == [
+        "agent",
+        "peer",
+        *(f"s/g{k}" for k in range(1, 6)),
+    ]
+
+
+def test_folders_behind_links_and_names_in_capitals_are_found_once(folder, tmp_path):
+    (folder / "s" / "g0.json").rename(folder / "s" / "G0.JSON")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    save_level(game(7), elsewhere / "g7.json")
+    for name, target in (("a", folder / "s"), ("round", folder), ("z", elsewhere)):
+        (folder / name).symlink_to(target)
+    (elsewhere / "back").symlink_to(folder)
+    assert [str(path.relative_to(folder)) for path in level_files(folder)] == [
+        "peer.json",
+        "s/G0.JSON",
+        *(f"s/g{k}.json" for k in range(1, 6)),
+        "z/g7.json",
+    ]
+
+
+def test_many_levels_of_one_name_are_told_apart_in_time_that_grows_with_them():
+    each = SetLevel(name="Untitled", level=Level(name="Untitled"))
+    start = time.monotonic()
+    names = [one.name for one in _told_apart([each] * 8000)]
+    assert time.monotonic() - start < 5.0
+    assert (names[1], names[-1]) == ("Untitled (2)", "Untitled (8000)")
+
+
 def test_levels_with_an_error_are_refused(folder):
     save_level(Level(name="empty"), folder / "bad.json")
     with pytest.raises(LevelError, match=r"bad\.json: \$: E101 No green"):
@@ -202,8 +237,8 @@ def test_the_split_depends_on_hashes_and_seed_alone():
         draw_split(hashes, share=1.5, seed=0)
 
 
-def test_a_set_can_be_split_anew(folder, made):
-    again = split_set(made, split=0.5, seed=9, folder=folder)
+def test_a_set_can_be_split_anew(made):
+    again = split_set(made, split=0.5, seed=9)
     assert again.manifest.seed == 9
     assert Counter(each.split for each in again.levels) == {"train": 4, "eval": 3}
     assert [e.sha256 for e in again.manifest.levels] == [e.sha256 for e in made.manifest.levels]

@@ -47,12 +47,21 @@ def build_set(
     """
     chosen = distinct(levels)
     _refuse_errors(chosen)
+    entries = tuple(
+        SetEntry(
+            path=None if each.path is None else path_in_set(each.path, folder),
+            sha256=each.sha256,
+            tags=each.tags,
+            weight=each.weight,
+        )
+        for each in chosen
+    )
     made = LoadedSet(
-        manifest=LevelSet(name=name, size=size, seed=seed, engine_version=__version__),
+        manifest=LevelSet(name=name, size=size, engine_version=__version__, levels=entries),
         levels=tuple(chosen),
     )
     _refuse_larger(made)
-    return _with_split(made, split, seed, folder)
+    return split_set(made, split=split, seed=seed)
 
 
 def _refuse_errors(levels: Sequence[SetLevel]) -> None:
@@ -82,28 +91,15 @@ def _refuse_larger(made: LoadedSet) -> None:
             raise LevelError(f"{each.path or each.name}: does not fit the size of the set")
 
 
-def split_set(loaded: LoadedSet, *, split: float, seed: int, folder: Path) -> LoadedSet:
-    """The same set with a split that is drawn anew.
+def split_set(loaded: LoadedSet, *, split: float, seed: int) -> LoadedSet:
+    """The same set with a split that is drawn anew; levels keep their paths as the set names them.
 
     Raises:
         LevelError: The share is not between 0 and 1.
     """
-    return _with_split(loaded, split, seed, folder)
-
-
-def _with_split(loaded: LoadedSet, split: float, seed: int, folder: Path) -> LoadedSet:
     chosen = draw_split([each.sha256 for each in loaded.levels], share=split, seed=seed)
     levels = tuple(dataclasses.replace(each, split=chosen[each.sha256]) for each in loaded.levels)
-    entries = tuple(
-        SetEntry(
-            path=None if each.path is None else path_in_set(each.path, folder),
-            sha256=each.sha256,
-            tags=each.tags,
-            weight=each.weight,
-            split=chosen[each.sha256],
-        )
-        for each in levels
-    )
+    entries = tuple(entry.replace(split=chosen[entry.sha256]) for entry in loaded.manifest.levels)
     manifest = loaded.manifest.replace(seed=seed, levels=entries)
     return dataclasses.replace(loaded, manifest=manifest, levels=levels)
 

@@ -1,18 +1,25 @@
 """The levels that somebody means: folders, files, names of bundled levels, level sets."""
 
+import collections
 import dataclasses
+import functools
 import itertools
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Final
 
 from kinetix.bundled import named_levels, refuse_empty
 from kinetix.errors import LevelError
+from kinetix.files.walk import walked
 from kinetix.level.codec import load_document, resolve_path
 from kinetix.level.faults import refuse_all
+from kinetix.level.json_text import parse_json, read_text
 from kinetix.level.sets.manifest import SetLevel
 from kinetix.level.sets.paths import plain_name
 from kinetix.level.sets.read import is_set_file, load_set
+
+_CARD: Final = "agent.json"
 
 
 def gather_levels(sources: Sequence[str | Path]) -> list[SetLevel]:
@@ -95,13 +102,23 @@ def json_files(folder: Path) -> list[Path]:
     Folders that are hidden, or hold an agent or a training run, are left out.
     """
     found: list[Path] = []
-    for place, inner, names in os.walk(folder):
+    for place, inner, names in walked([folder]):
         inner[:] = [name for name in inner if not name.startswith(".")]
-        if "agent.json" in names or ("config.toml" in names and "checkpoints" in inner):
+        is_run = "config.toml" in names and "checkpoints" in inner
+        if is_run or (_CARD in names and _is_card(place / _CARD)):
             inner.clear()
         else:
-            found += [Path(place) / name for name in names if name.endswith(".json")]
+            found += [place / name for name in names if name.lower().endswith(".json")]
     return sorted(found)
+
+
+def _is_card(path: Path) -> bool:
+    """Return whether a file describes an agent; a level may have its name."""
+    try:
+        tree = parse_json(read_text(path, "agent"), str(path))
+    except LevelError:
+        return False
+    return isinstance(tree, dict) and tree.get("format") == "kinetix-agent"
 
 
 def _from_file(path: Path, name: Path) -> SetLevel:
@@ -118,12 +135,13 @@ def _from_file(path: Path, name: Path) -> SetLevel:
 def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
     """Return the levels with names that differ: results are told by name."""
     given = {each.name for each in levels}
+    numbers = collections.defaultdict(functools.partial(itertools.count, 2))
     taken: set[str] = set()
     found: list[SetLevel] = []
     for each in levels:
-        numbered = (f"{each.name} ({number})" for number in itertools.count(2))
-        names = itertools.chain([each.name], (name for name in numbered if name not in given))
-        name = next(name for name in names if name not in taken)
+        name = each.name
+        while name in taken or (name in given and name != each.name):
+            name = f"{each.name} ({next(numbers[each.name])})"
         taken.add(name)
         found.append(each if name == each.name else dataclasses.replace(each, name=name))
     return found

@@ -1,5 +1,6 @@
 """Levels, episodes and comparisons from files and addresses."""
 
+import contextlib
 import functools
 import http.server
 import json
@@ -32,6 +33,18 @@ def web(tmp_path):
                 self.send_response(302)
                 self.send_header("Location", "file:///etc/passwd")
                 self.end_headers()
+            elif self.path == "/short.json":
+                self.send_response(200)
+                self.send_header("Content-Length", "100")
+                self.end_headers()
+                self.wfile.write(b"{}")
+            elif self.path == "/endless.json":
+                self.send_response(200)
+                self.end_headers()
+                with contextlib.suppress(OSError):
+                    while True:
+                        self.wfile.write(b" ")
+                        time.sleep(0.01)
             else:
                 super().do_GET()
 
@@ -41,6 +54,14 @@ def web(tmp_path):
     yield f"http://127.0.0.1:{server.server_port}"
     server.shutdown()
     server.server_close()
+
+
+def test_what_breaks_off_or_never_ends_is_refused(web, monkeypatch):
+    with pytest.raises(FileError, match="broke off after 2 of 100 bytes; try again"):
+        fetch(f"{web}/short.json", "level")
+    monkeypatch.setattr("kinetix.files.address.LONGEST_SECONDS", 0.1)
+    with pytest.raises(FileError, match="too slow"):
+        fetch(f"{web}/endless.json", "level")
 
 
 def _take(session):

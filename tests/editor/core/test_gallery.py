@@ -116,6 +116,17 @@ def test_what_the_library_passes_over_is_said(library, folder, monkeypatch):
     assert "first 2 files" in library.passed_over
 
 
+def test_folders_behind_links_and_names_in_capitals_are_shown(library, folder, tmp_path):
+    (folder / "rocket.json").rename(folder / "ROCKET.JSON")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    save_level(playable("Linked", 2.5), elsewhere / "linked.json")
+    (folder / "link").symlink_to(elsewhere)
+    (folder / "round").symlink_to(folder)
+    assert {"Rocket", "Linked"} <= set(look(library, folder))
+    assert len(library.cards) == 5
+
+
 def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkeypatch):
     look(library, folder)
     read = []
@@ -675,14 +686,14 @@ def test_an_export_that_fails_leaves_no_new_file(folder, tmp_path, monkeypatch):
 
     written = []
 
-    def full(path, data):
+    def full(path, data, **_):
         if len(written) == 1:
             raise LevelError(f"{path}: cannot be saved: No space left on device")
         written.append(path)
         path.write_bytes(data)
 
     monkeypatch.setattr(export, "write_with_backup", full)
-    save_level(playable("Other", 1.5), folder / "other.json")
+    save_level(playable("Other", 2.5), folder / "other.json")
     levels = dict.fromkeys((folder / "rocket.json", folder / "other.json"), 1.0)
     with pytest.raises(LevelError, match="No space"):
         export_set(levels, SetPlan(form="folder"), tmp_path / "out")

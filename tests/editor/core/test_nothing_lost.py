@@ -19,7 +19,7 @@ from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Worker
-from kinetix.errors import CommandError, KinetixError
+from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sets import load_set
@@ -109,17 +109,37 @@ def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # no
     assert [p.name for p in tmp_path.iterdir() if p.is_file()] == ["episode.npz"]
 
 
-@pytest.mark.parametrize("form", ["folder", "file"])
-def test_a_set_keeps_what_it_overwrites(path, tmp_path, form):
-    target = tmp_path / "set"
-    there = target / "mine.json" if form == "folder" else target
-    if form == "folder":
-        target.mkdir()
-    other = MOVE.apply(a_level())
-    save_level(other, there)
+def test_a_set_keeps_the_levels_that_its_copies_overwrite(path, tmp_path):
+    there = tmp_path / "set" / "mine.json"
+    there.parent.mkdir()
+    save_level(MOVE.apply(a_level()), there)
     old = there.read_bytes()
-    export_set({path: 1.0}, SetPlan(form=form), target)
-    assert there.with_name(f"{there.name}.bak").read_bytes() == old
+    export_set({path: 1.0}, SetPlan(form="folder"), there.parent)
+    first = there.read_bytes()
+    save_level(a_level().replace(max_timesteps=99), path)
+    export_set({path: 1.0}, SetPlan(form="folder"), there.parent)
+    assert there.with_name("mine.json.bak2").read_bytes() == old
+    assert there.with_name("mine.json.bak").read_bytes() == first
+
+
+@pytest.mark.parametrize("form", ["folder", "file"])
+def test_a_set_takes_the_place_of_sets_alone(path, tmp_path, form):
+    target = tmp_path / "set"
+    manifest = target / "set.json" if form == "folder" else target
+    manifest.parent.mkdir(exist_ok=True)
+    save_level(MOVE.apply(a_level()), manifest)
+    before, content = sorted(manifest.parent.iterdir()), manifest.read_bytes()
+    with pytest.raises(LevelError, match="a file that is no level set"):
+        export_set({path: 1.0}, SetPlan(form=form), target)
+    assert manifest.read_bytes() == content
+    assert sorted(manifest.parent.iterdir()) == before
+
+
+def test_copies_of_a_set_differ_in_more_than_case(path, tmp_path):
+    upper = tmp_path / "MINE.json"
+    save_level(a_level().replace(max_timesteps=99), upper)
+    made = export_set({path: 1.0, upper: 1.0}, SetPlan(form="folder"), tmp_path / "set")
+    assert [each.name for each in made.levels] == ["mine", "MINE_2"]
 
 
 def test_a_set_in_the_folder_of_its_levels_leaves_them_as_they_are(path):

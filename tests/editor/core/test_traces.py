@@ -67,6 +67,15 @@ def test_a_dropped_episode_is_a_replay_that_cannot_be_played_on(played, tmp_path
     assert session.editing
 
 
+def test_an_ending_in_capitals_is_the_same_ending(played, tmp_path):
+    path = tmp_path / "EPISODE.NPZ"
+    write_trace(played.playback.trace, played.playback.level, path)
+    assert [each for each in tmp_path.iterdir() if each.is_file()] == [path]
+    session = a_session()
+    actions.handle(session, DropEvent(path=str(path)))
+    assert session.mode is Mode.REPLAY
+
+
 def test_an_agents_thoughts_are_kept(played, tmp_path):
     path = tmp_path / "episode.npz"
     trace = played.playback.trace

@@ -1,0 +1,37 @@
+"""All folders at and below some, each once, those that links lead to included."""
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+
+def walked(folders: Sequence[Path]) -> Iterator[tuple[Path, list[str], list[str]]]:
+    """Yield folders as `os.walk` does; those behind links come last, so that none is met by one.
+
+    Args:
+        folders: Where to begin; what cannot be read is left out.
+
+    Yields:
+        A folder, the names of the folders in it, from which those to be left out may be taken, and
+        the names of its files.
+    """
+    waiting = list(folders)
+    seen: set[tuple[int, int]] = set()
+    for start in waiting:  # grows meanwhile
+        for place, inner, names in os.walk(start):
+            identity = _identity(place)
+            if identity is None or identity in seen:
+                inner.clear()
+                continue
+            seen.add(identity)
+            yield Path(place), inner, names
+            paths = (Path(place) / name for name in inner)
+            waiting += [path for path in paths if os.path.islink(path)]
+
+
+def _identity(folder: str) -> tuple[int, int] | None:
+    try:
+        about = os.stat(folder)
+    except OSError:  # it is gone by now
+        return None
+    return about.st_dev, about.st_ino
