@@ -123,6 +123,13 @@ def _number(value: object) -> float:
     return max(min(float(value), _FAR_OUT), -_FAR_OUT)
 
 
+def _frame(value: object) -> int:
+    """Return the number of a picture: there are more of them than pixels."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ValueError
+    return value
+
+
 def _text(value: object) -> str:
     if not isinstance(value, str) or len(value) > _LONGEST:
         raise ValueError
@@ -174,7 +181,7 @@ _READ: Final[dict[str, Callable[..., Message | None]]] = {
     "size": lambda width, height, density: Page(
         width=int(_number(width)), height=int(_number(height)), density=_number(density)
     ),
-    "drawn": lambda number: Drawn(number=int(_number(number))),
+    "drawn": lambda number: Drawn(number=_frame(number)),
 }
 
 

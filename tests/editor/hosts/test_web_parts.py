@@ -222,6 +222,10 @@ def test_input_is_read():
     assert text == events.TextEvent(text="é")
 
 
+def test_pictures_are_counted_beyond_the_largest_coordinate():
+    assert messages.read([["drawn", 10**6]]) == [messages.Drawn(number=10**6)]
+
+
 @pytest.mark.parametrize(
     "said",
     [
@@ -240,6 +244,8 @@ def test_input_is_read():
         [["text", 5]],
         [["text", "a" * 1_000_001]],
         [["size", True, 1, 1]],
+        [["drawn", -1]],
+        [["drawn", 1.5]],
     ],
 )
 def test_junk_is_refused_with_a_sentence(said):
