@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 _TOOLKIT: Final = ("pygame", "imgui_bundle")
 """Packages of the extra `editor`; training and evaluation do without."""
+_LARGEST: Final = 8192
+"""Largest width and height of the window [px]; the largest screens have 7680."""
+_DIGITS: Final = 9
+"""Most digits of a size."""
 _PARTING_SECONDS: Final = 0.3
 """Time that cancelled jobs get to leave when the app closes [s]."""
 
@@ -46,11 +50,11 @@ class Options:
     replay: Path | None = None
     """Feed the events of this file, then quit."""
     record: Path | None = None
-    """Write what is done in the window to this file, for `--replay` at the same size and scale."""
+    """Write what is done in the window to this file, for `--replay`; with the usual settings."""
     size: Annotated[str, tyro.conf.arg(metavar="WxH")] = "1440x900"
     """Size of the window."""
     scale: float | None = None
-    """Scale of the interface, 0.75 to 3; by default as the display says."""
+    """Scale of the interface, 0.75 to 3; by default as Preferences or the display say."""
     serve: bool = False
     """Show the app on a page in a browser instead of a window: no display is needed."""
     port: int | None = None
@@ -65,6 +69,8 @@ def _size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise KinetixError(f"--size {text}: expected WIDTHxHEIGHT, such as 1440x900")
+    if max(len(width), len(height)) > _DIGITS or max(int(width), int(height)) > _LARGEST:
+        raise KinetixError(f"--size {text}: expected at most {_LARGEST}x{_LARGEST}")
     return max(int(width), 320), max(int(height), 240)
 
 
@@ -121,15 +127,18 @@ def _run(options: Options) -> int:
         return 0
     scripted = options.replay is not None
     alone = scripted or (options.offscreen and not options.serve)
-    settings = Settings() if alone else Settings.load()
+    # The usual settings, which nobody changes: a replay has the same language, panels and keys.
+    usual = alone or options.record is not None
+    settings = Settings() if usual else Settings.load()
     session = Session(
         settings=settings,
-        keeper=SettingsKeeper(settings, stored=not alone),
+        keeper=SettingsKeeper(settings, stored=not usual),
         autosaves=Autosaves(stored=not alone),
         results=Results(stored=not alone),
         old_names=OldNames(stored=not alone),
     )
     host = _host(options, session)
+    host.ui.asked_scale = options.scale
     status = 0
     try:
         _show(options, session, host)
@@ -224,13 +233,15 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 def _open_files(options: Options, session: Session) -> None:
     from editor.actions import address, file, guide, recover
 
+    # A replay is asked nothing, and so whoever records one is not either.
+    asks = options.replay is None and options.record is None
     if not options.files:
-        if options.replay is None:
+        if asks:
             guide.offer(session)
         welcome = _welcome() if options.replay is None else None
         if welcome is not None:
             file.open_path(session, welcome)
-        if options.replay is None:
+        if asks:
             recover.offer(session)
         return
     mark = session.log.serial
@@ -240,7 +251,7 @@ def _open_files(options: Options, session: Session) -> None:
         for fault in others:
             sys.stderr.write(f"{fault}\n")
         raise KinetixError(last)
-    if options.replay is None:
+    if asks:
         recover.offer(session)
 
 
@@ -271,7 +282,7 @@ def main() -> int:
 
     Returns:
         0, or 1 when what was asked for cannot be done (the reason is on stderr); 130 after Ctrl+C,
-        143 after SIGTERM.
+        143 after SIGTERM. With --serve both are the ordinary end: 0.
     """
     if sys.argv[1:] == ["--version"]:
         sys.stdout.write(f"{__version__}\n")

@@ -1,5 +1,7 @@
 """Closing the app: nothing unsaved, and nothing that is being written, is lost without a word."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import Final
 
 from editor.actions import export
@@ -12,23 +14,33 @@ from kinetix.level.model import Level
 
 MOST_NAMES: Final = 12
 """So many are listed in a question."""
-_UNSAVED: Final = "Save before closing?"
-_UNDER_WAY: Final = "Wait for what is under way?"
-_NO_FILM: Final = "Close without the film?"
-_QUESTIONS: Final = {_UNSAVED, _UNDER_WAY, _NO_FILM}
 
 
 def quit_app(session: Session) -> None:
     """End the app, after asking once about everything that has unsaved changes."""
     session.driver.cancel()
+    if session.leaving in session.prompts:
+        return
+    with _leaving(session):
+        _settle(session)
+
+
+@contextlib.contextmanager
+def _leaving(session: Session) -> Iterator[None]:
+    """Mark the question that is asked inside, so that closing twice does not ask it twice."""
+    before = len(session.prompts)
+    yield
+    if len(session.prompts) > before:
+        session.leaving = session.prompts[-1]
+
+
+def _settle(session: Session) -> None:
+    """Ask about everything that has unsaved changes, then close the app."""
     changed = next((tab for tab in session.tabs if tab.moment and tab.moment.changed), None)
     if changed is not None:
         ask_moment(session, changed, lambda: quit_app(session))
         return
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
-    titles = {prompt.title for prompt in session.prompts if isinstance(prompt, Question)}
-    if titles & _QUESTIONS:
-        return
     if len(unsaved) < 2:
         if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
         return
@@ -44,7 +56,7 @@ def quit_app(session: Session) -> None:
     names = _listed([tab.document.title for tab in unsaved])
     session.ask(
         Question(
-            title=_UNSAVED,
+            title="Save before closing?",
             message=f"These have unsaved changes:\n{names}",
             choices=(
                 Choice(id="save", label="Save All"),
@@ -94,6 +106,11 @@ def _save_all(session: Session, remaining: list[Tab]) -> None:
 
 def _quit(session: Session) -> None:
     """Close the app; a film under way is ended, and what is not complete is asked about."""
+    with _leaving(session):
+        _finish(session)
+
+
+def _finish(session: Session) -> None:
     if session.recording is not None and session.recording.films():
         try:
             export.end_recording(session)
@@ -101,7 +118,7 @@ def _quit(session: Session) -> None:
             export.ask_to_drop(
                 session,
                 error,
-                title=_NO_FILM,
+                title="Close without the film?",
                 drop=Choice(id="quit", label="Close Without It"),
                 keep=Choice(id="cancel", label="Cancel"),
                 then=lambda: _quit(session),
@@ -121,7 +138,7 @@ def _quit(session: Session) -> None:
 
     session.ask(
         Question(
-            title=_UNDER_WAY,
+            title="Wait for what is under way?",
             message=f"These are not complete yet:\n{_listed(going_on)}",
             choices=(
                 Choice(id="wait", label="Wait, Then Close"),

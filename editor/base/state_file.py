@@ -41,8 +41,16 @@ def _object(path: Path) -> dict[str, Any]:
     return tree
 
 
-def write_state(path: Path, tree: Mapping[str, Any]) -> None:
+def write_state(
+    path: Path, tree: Mapping[str, Any], *, sound: bool = False, indent: int | None = 1
+) -> None:
     """Write a file whole, making its folder where there is none; a broken one stays as a backup.
+
+    Args:
+        path: The file.
+        tree: What it is to hold.
+        sound: True if the file has just been read and is not broken: it is not read again.
+        indent: See `json.dumps`; None is quickest for what nobody reads.
 
     Raises:
         LevelError: It cannot be written.
@@ -51,8 +59,8 @@ def write_state(path: Path, tree: Mapping[str, Any]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
-    data = json.dumps(tree, indent=1).encode()
-    if state_fault(path):
+    data = json.dumps(tree, indent=indent).encode()
+    if not sound and state_fault(path):
         write_with_backup(path, data, keep_all=True)
     else:
         write_atomically(path, data)

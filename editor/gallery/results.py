@@ -70,6 +70,8 @@ class Results:
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
         self._unwritten: dict[str, dict[Trial, Record]] = {}
         """Records that the file does not have yet; the next write adds them."""
+        self._seen: tuple[int, int, int] | None = None
+        """The file as it was read or written last."""
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
 
@@ -119,7 +121,9 @@ class Results:
         self._merge(records)
         self.revision += 1
         if self._stored:
-            write_state(self.path, _tree(self._read()))
+            sound = self._seen is not None and self._seen == _state_of(self.path)
+            write_state(self.path, _tree(self._read()), sound=sound, indent=None)
+            self._seen = _state_of(self.path)
         self._unwritten.clear()
 
     def _refresh(self) -> None:
@@ -129,7 +133,11 @@ class Results:
         """
         if not self._stored:
             return
+        state = _state_of(self.path)
+        if state is not None and state == self._seen:
+            return
         there = read_state(self.path)
+        self._seen = state if there else None
         if there or not os.path.lexists(self.path):
             self._levels = _parse(there)
             self._merge(self._unwritten)
@@ -146,6 +154,15 @@ class Results:
         if self._levels is None:
             self._levels = _parse(read_state(self.path))
         return self._levels
+
+
+def _state_of(path: Path) -> tuple[int, int, int] | None:
+    """Return what changes whenever a file does; None where it is absent."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_size, found.st_mtime_ns
 
 
 def _tree(levels: Mapping[str, dict[Trial, Record]]) -> dict[str, list[list[Any]]]:

@@ -92,7 +92,7 @@ class Host(abc.ABC):
         io.display_size = imgui.ImVec2(*map(max, self.size, LEAST_SIZE))
         io.delta_time = max(dt, 1e-5)
         if self.recorder is not None:
-            self.recorder.take(batch, dt)
+            self.recorder.take(batch, dt, (self.size, self.ui.scale))
         if batch:
             self.session.hands.touched = time.monotonic()
         self._feeder.feed(batch)

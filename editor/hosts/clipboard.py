@@ -20,10 +20,13 @@ class Clipboard:
 
     def get(self) -> str:
         """Return the content of the clipboard, or nothing."""
-        if not self._system or not pygame.scrap.contains(_TEXT):
+        if not self._system:
             return self._own
-        data = pygame.scrap.get(_TEXT)
-        return data.decode("utf-8", "replace").rstrip("\0") if data else self._own
+        data = pygame.scrap.get(_TEXT) if pygame.scrap.contains(_TEXT) else None
+        if data:
+            return data.decode("utf-8", "replace").rstrip("\0")
+        # Of other programs there are texts that do not arrive, such as very long ones.
+        return "" if pygame.scrap.lost() else self._own
 
     def set(self, text: str) -> None:
         """Put text on the clipboard."""

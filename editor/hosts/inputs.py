@@ -46,12 +46,12 @@ class InputFeeder:
         """
         io = imgui.get_io()
         self._waiting.extend(batch)
-        pressed = False
+        waits = False
         while self._waiting:
             event = self._waiting[0]
-            if pressed and isinstance(event, events.KeyEvent) and event.key in keys.MODIFIERS:
+            if waits and isinstance(event, events.KeyEvent) and event.key in keys.MODIFIERS:
                 return
-            pressed = pressed or _presses(event)
+            waits = waits or _presses(event)
             self._waiting.popleft()
             match event:
                 case events.PointerEvent():

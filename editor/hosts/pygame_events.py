@@ -4,6 +4,7 @@ imgui-bundle's own pygame adapter knows only the navigation keys and six letters
 key presses (no dead keys), counts wheel notches twice and fails on the mouse's back button.
 """
 
+import string
 from collections.abc import Callable
 from typing import Final
 
@@ -30,7 +31,7 @@ _PLACES: Final = {
     pygame.KSCAN_COMMA: ",",
     pygame.KSCAN_PERIOD: ".",
     pygame.KSCAN_SLASH: "/",
-} | {getattr(pygame, f"KSCAN_{digit}"): str(digit) for digit in range(10)}
+} | {getattr(pygame, f"KSCAN_{key}"): key.lower() for key in "0123456789" + string.ascii_uppercase}
 """Names of keys by their place, which is that of an American keyboard."""
 
 
@@ -46,7 +47,8 @@ def modifiers(mask: int) -> events.Modifiers:
 def _key(event: pygame.event.Event) -> events.InputEvent:
     name = pygame.key.name(event.key)
     if name not in IMGUI:
-        # What a layout has in place of brackets, such as ö and ü, does what they do.
+        # What a layout has in place of brackets, such as ö and ü, does what they do; so do the
+        # letters of layouts that have other letters than ours.
         name = _PLACES.get(getattr(event, "scancode", None), name)
     return events.KeyEvent(
         key=name,

@@ -3,10 +3,11 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from editor.base import events
 from editor.session import Session
+from editor.toolkit.keys import IMGUI, MODIFIERS
 from kinetix.errors import KinetixError
 
 _FRAME: Final = 1 / 60
@@ -22,6 +23,8 @@ _COSTS: Final = {
     "key": (0, 2),
 }
 """Of each line: frames that the replay takes before it happens, and frames in all."""
+Look: TypeAlias = tuple[tuple[int, int], float]
+"""Size of the window [px], and scale of the interface."""
 _VERBS: Final = {events.Pointer.PRESS: "down", events.Pointer.RELEASE: "up"}
 
 
@@ -44,6 +47,9 @@ class Recorder:
         self._last = self._rest = 0
         """Frame of the last event, and how many the script takes from it to the end of its line."""
         self._down: set[str] = set()
+        self._look: Look | None = None
+        """What the script says of the window so far."""
+        self._seen: Look = ((0, 0), 0.0)
         self._ended = False
         try:
             path.write_bytes(b"")
@@ -53,14 +59,16 @@ class Recorder:
             if tab.document.path is not None:
                 self._write({"do": "open", "file": str(tab.document.path)})
 
-    def take(self, batch: Sequence[events.InputEvent], seconds: float) -> None:
+    def take(self, batch: Sequence[events.InputEvent], seconds: float, look: Look) -> None:
         """Write what was done in one frame.
 
         Args:
             batch: What happened since the last frame.
             seconds: Time since the last frame [s].
+            look: The window while it happened.
         """
         self._time += seconds
+        self._seen = look
         moves = [event for event in batch if _moves(event)]
         for event in batch:
             # Of many moves in one frame only the last is ever seen.
@@ -87,14 +95,20 @@ class Recorder:
                     self._key(key, False)
 
     def _key(self, key: str, pressed: bool) -> None:
-        """A key that goes down or up; the system's repetitions are left out."""
-        if pressed == (key in self._down):
+        """A key that goes down or up; repetitions and keys without a name are left out."""
+        if pressed == (key in self._down) or (key not in IMGUI and key not in MODIFIERS):
             return
         (self._down.add if pressed else self._down.discard)(key)
         self._tell({"do": "key", "key": key, "pressed": pressed})
 
     def _tell(self, event: dict[str, Any]) -> None:
         """Write an event after the pause that was before it."""
+        if self._look != self._seen:
+            # A page says its size only after the start: the first event is soon enough.
+            self._look = self._seen
+            size, scale = self._look
+            self._write({"do": "window", "size": size, "scale": scale})
+            self._rest += 1
         lead, cost = _COSTS[event["do"]]
         now = round(self._time / _FRAME)
         # What is left of the last line, and what this one takes before it happens, pass by anyway.

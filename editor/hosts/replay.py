@@ -6,6 +6,7 @@ any machine.
 """
 
 import json
+import math
 import time
 from collections.abc import Callable, Collection
 from pathlib import Path
@@ -61,6 +62,7 @@ class Replayer:
         self._buttons: set[int] = set()
         self._film: Film | None = None
         self._verbs: dict[str, Callable[[Event], None]] = {
+            "window": self._window,
             "open": self._open,
             "save": self._save,
             "agent": self._agent,
@@ -145,6 +147,14 @@ class Replayer:
         ):
             worker.wait(0.5)
             worker.poll()
+
+    def _window(self, event: Event) -> None:
+        """Refuse to go on in another window than the one that was recorded."""
+        (width, height), scale = event["size"], float(event["scale"])
+        if (width, height) != self._host.size or not math.isclose(scale, self._host.ui.scale):
+            raise KinetixError(
+                f"recorded in another window: give --size {width}x{height} --scale {scale:g}"
+            )
 
     def _open(self, event: Event) -> None:
         mark = self._session.log.serial

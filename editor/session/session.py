@@ -127,6 +127,8 @@ class Session:
         """Set when the app may end."""
         self.closing: tuple[Level, ...] | None = None
         """The open levels when somebody chose to wait for files and then close, or None."""
+        self.leaving: Prompt | None = None
+        """The last question that closing the app asked."""
         self.noted_episode = -1
         """The last episode whose end was kept in the results."""
         self.noted_end: Snapshot | None = None

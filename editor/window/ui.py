@@ -62,6 +62,9 @@ class Ui:
         """Scale, size of the text and theme of the last frame."""
         self.host_scale = scale
         """Scale of the interface where the settings name none."""
+        self.asked_scale: float | None = None
+        """Scale that the command line names: it holds until the settings' is changed."""
+        self._stored_scale = session.settings.ui_scale
         self.workplace = Workplace(session, textures)
         self._keyboard = Keyboard()
         self._menu = MenuBar()
@@ -199,6 +202,8 @@ class Ui:
     def _rescale(self) -> None:
         settings = self.session.settings
         wanted, text = settings.ui_scale or self.host_scale, settings.text_scale
+        if self.asked_scale is not None and settings.ui_scale == self._stored_scale:
+            wanted = self.asked_scale
         look = (wanted, text, settings.theme)
         if look == self._look:
             return

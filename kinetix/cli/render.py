@@ -3,7 +3,7 @@
 import dataclasses
 import itertools
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -248,24 +248,32 @@ def _film_of(command: Render, agent: str) -> "Film":
     from kinetix.pages.film import Film
 
     showing = _showing(command, agent)
-    moments = list(showing.moments)
-    nothing = float("nan")
+    slots, nothing = showing.slots, float("nan")
+    poses: list[tuple[np.ndarray, np.ndarray]] = []
+    told: list[tuple[Any, float | None, float | None]] = []
+    outcome = ""
+    for moment in showing.moments:
+        # Of a state only the poses are kept: all of it is a hundred times as much.
+        physics = moment.state.physics
+        poses.append((np.asarray(physics.position)[slots], np.asarray(physics.rotation)[slots]))
+        told.append((moment.action or (0.0,) * 6, moment.value, moment.entropy))
+        outcome = moment.outcome
+    position, angle = zip(*poses, strict=True)
+    actions, value, entropy = zip(*told, strict=True)
 
-    def curve(values: list[float | None]) -> "np.ndarray":
+    def curve(values: Sequence[float | None]) -> "np.ndarray":
         return np.array([nothing if value is None else value for value in values])
 
     return Film(
         level=showing.level,
         title=showing.player,
-        seconds=np.arange(len(moments)) / showing.per_second,
-        position=np.stack([np.asarray(m.state.physics.position) for m in moments])[
-            :, showing.slots
-        ],
-        angle=np.stack([np.asarray(m.state.physics.rotation) for m in moments])[:, showing.slots],
-        actions=np.array([m.action or (0.0,) * 6 for m in moments]),
-        value=curve([m.value for m in moments]),
-        entropy=curve([m.entropy for m in moments]),
-        outcome=moments[-1].outcome,
+        seconds=np.arange(len(poses)) / showing.per_second,
+        position=np.stack(position),
+        angle=np.stack(angle),
+        actions=np.array(actions),
+        value=curve(value),
+        entropy=curve(entropy),
+        outcome=outcome,
         facts=showing.facts,
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from kinetix.level.controls import channels_in_use, names_driven_by
 from kinetix.level.geometry import arena_bodies
@@ -23,12 +23,13 @@ from kinetix.render.palette import KINETIX, ROLE_NAMES, Rgb
 MILLIMETRES: Final = 1000.0
 """Positions are whole millimetres in 16 bits: ±32 m."""
 TURN: Final = 65536 / (2 * np.pi)
-"""Angles are 1/65536 of a turn, wrapped."""
-MOST_BYTES: Final = 60_000
-"""Of one film before base64; more moments are thinned out, so that a page stays below 200 kB."""
+"""Angles are 1/65536 of a turn in 32 bits, not wrapped: fast wheels turn often between moments."""
+MOST_BYTES: Final = 600_000
+"""Of one film before base64, half of it for poses: beyond it moments are left out."""
 _ROW_BYTES: Final = 14
 """Of a moment without its poses: time, six controls, value, entropy."""
-_BODY_BYTES: Final = 6
+_POSE_BYTES: Final = 8
+"""Of the pose of one body."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -90,24 +91,54 @@ def scene_of(level: Level) -> dict[str, Any]:
 
 
 def packed(film: Film) -> dict[str, Any]:
-    """Return a film as JSON values, its arrays as base64 of small integers."""
-    count, bodies = film.angle.shape
-    stride = max(1, -(-count * (_ROW_BYTES + _BODY_BYTES * bodies) // MOST_BYTES))
-    rows = np.unique(np.append(np.arange(0, count, stride), count - 1))
-    poses = _last_known(np.concatenate([film.position, film.angle[..., None]], axis=-1))[rows]
-    poses[..., :2] = np.clip(poses[..., :2] * MILLIMETRES, -32767, 32767)
-    poses[..., 2] = poses[..., 2] * TURN % 65536
+    """Return a film as JSON values, its arrays as base64 of small integers.
+
+    Bodies that never move have one pose, the others one for each of the moments in `shown`; times,
+    controls and values are there for all of them.
+    """
+    count = len(film.seconds)
+    rows = _spread(count, MOST_BYTES // 2 // _ROW_BYTES)
+    poses = _whole(film)[rows]
+    moving = np.flatnonzero((poses != poses[:1]).any(axis=(0, 2)))
+    shown = _spread(len(rows), MOST_BYTES // 2 // (_POSE_BYTES * max(len(moving), 1)))
+    moved = poses[shown][:, moving]
     return {
         "title": film.title,
         "outcome": film.outcome,
-        "facts": list(film.facts),
+        "facts": [*film.facts, *_left_out(count, len(shown))],
         "count": len(rows),
         "seconds": _base64(np.rint(film.seconds[rows] * 1000), "<u4"),
-        "poses": _base64(np.rint(poses).astype(np.int64) & 0xFFFF, "<u2"),
+        "start": poses[0].tolist(),
+        "moving": moving.tolist(),
+        "shown": _base64(shown, "<u4"),
+        "places": _base64(moved[..., :2], "<i2"),
+        "angles": _base64(moved[..., 2], "<i4"),
         "actions": None if film.actions is None else _base64(_controls(film.actions[rows]), "<i1"),
         "value": _curve(film.value, rows),
         "entropy": _curve(film.entropy, rows),
     }
+
+
+def _spread(count: int, most: int) -> Int[np.ndarray, " r"]:
+    """Return about `most` of `count` rows, evenly spread, with the first and the last."""
+    stride = max(1, -(-count // max(most, 1)))
+    return np.unique(np.append(np.arange(0, count, stride), count - 1))
+
+
+def _left_out(count: int, shown: int) -> list[tuple[str, str]]:
+    """Return what to tell where a page lacks poses."""
+    if shown == count:
+        return []
+    return [("left out", f"{count - shown} of {count} moments; between others bodies move evenly")]
+
+
+def _whole(film: Film) -> Int[np.ndarray, "k b 3"]:
+    """Return the poses as whole millimetres and parts of a turn."""
+    poses = _last_known(np.concatenate([film.position, film.angle[..., None]], axis=-1))
+    poses = np.rint(np.nan_to_num(poses * [MILLIMETRES, MILLIMETRES, TURN]))
+    poses[..., :2] = np.clip(poses[..., :2], -32767, 32767)
+    poses[..., 2] = np.clip(poses[..., 2], -(2**31) + 1, 2**31 - 1)
+    return poses.astype(np.int64)
 
 
 def _last_known(poses: Float[np.ndarray, "k b 3"]) -> Float[np.ndarray, "k b 3"]:

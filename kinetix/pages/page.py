@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+from kinetix.level.codec import level_hash
 from kinetix.pages.film import Film, packed, scene_of
 
 MOST_FILMS: Final = 2
@@ -25,7 +26,7 @@ def page_of(films: Sequence[Film]) -> str:
     if not 1 <= len(films) <= MOST_FILMS:
         raise ValueError(f"films: expected 1 or {MOST_FILMS}, got {len(films)}")
     level = films[0].level
-    if any(film.level != level for film in films):
+    if len({level_hash(film.level) for film in films}) > 1:
         raise ValueError("films: expected episodes of the same level")
     content = {"scene": scene_of(level), "films": [packed(film) for film in films]}
     # Inside a script element nothing may look like its end.

@@ -15,52 +15,68 @@ function numbers(text, kind) {
 const films = stored.map((film) => ({
   ...film,
   seconds: Array.from(numbers(film.seconds, Uint32Array), (ms) => ms / 1000),
-  poses: numbers(film.poses, Uint16Array),
+  column: new Map(film.moving.map((body, k) => [body, k])),
+  shown: numbers(film.shown, Uint32Array),
+  places: numbers(film.places, Int16Array),
+  angles: numbers(film.angles, Int32Array),
   actions: numbers(film.actions, Int8Array),
   value: numbers(film.value, Int16Array),
   entropy: numbers(film.entropy, Int16Array),
 }));
+for (const film of films) film.times = Array.from(film.shown, (row) => film.seconds[row]);
 const end = Math.max(...films.map((film) => film.seconds[film.count - 1]));
 const state = { time: 0, playing: false, speed: 1, before: 0 };
 
 // ---- geometry -------------------------------------------------------------------------------
-// What is on show: the arena, or all that ever moves where that is elsewhere.
+// What is on show: the arena and all that starts outside it; without one, all that ever moves.
 function view() {
-  let low = [0, 0], high = [SIZE, SIZE];
-  if (!scene.arena.length) {
-    low = [Infinity, Infinity]; high = [-Infinity, -Infinity];
-    for (const film of films) for (let k = 0; k < film.poses.length; k += 3) {
-      for (const axis of [0, 1]) {
-        const at = signed(film.poses[k + axis]) / 1000;
-        low[axis] = Math.min(low[axis], at - 0.6);
-        high[axis] = Math.max(high[axis], at + 0.6);
-      }
+  const arena = scene.arena.length > 0;
+  const low = arena ? [0, 0] : [Infinity, Infinity], high = arena ? [SIZE, SIZE] : [-Infinity, -Infinity];
+  const show = (at, reach) => {
+    if (arena && at.every((x) => x + reach > 0 && x - reach < SIZE)) return;
+    for (const axis of [0, 1]) {
+      low[axis] = Math.min(low[axis], at[axis] - reach);
+      high[axis] = Math.max(high[axis], at[axis] + reach);
     }
+  };
+  for (const film of films) {
+    film.start.forEach(([x, y], k) => show([x / 1000, y / 1000], reachOf(scene.bodies[k])));
+    if (arena) continue;
+    for (let k = 0; k < film.places.length; k += 2)
+      show([film.places[k] / 1000, film.places[k + 1] / 1000],
+           reachOf(scene.bodies[film.moving[k / 2 % film.moving.length]]));
   }
   const side = Math.max(high[0] - low[0], high[1] - low[1], 0.5);
   return { low: [(low[0] + high[0] - side) / 2, (low[1] + high[1] - side) / 2], side };
 }
-const signed = (n) => (n > 32767 ? n - 65536 : n);
+const reachOf = (shape) => shape.radius ?? Math.max(...shape.corners.map((at) => Math.hypot(...at)));
 const window_ = view();
 
 // The moment at a time: two rows and how far it is from the first to the second.
-function moment(film, time) {
-  let low = 0, high = film.count - 1;
+function between(times, time) {
+  let low = 0, high = times.length - 1;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
-    if (film.seconds[middle] <= time) low = middle; else high = middle;
+    if (times[middle] <= time) low = middle; else high = middle;
   }
-  const span = film.seconds[high] - film.seconds[low];
-  const share = span > 0 ? Math.min(Math.max((time - film.seconds[low]) / span, 0), 1) : 0;
+  const span = times[high] - times[low];
+  const share = span > 0 ? Math.min(Math.max((time - times[low]) / span, 0), 1) : 0;
   return { low, high, share, row: share >= 0.999 ? high : low };
 }
+const moment = (film, time) => between(film.seconds, time);
 
+// The pose of a body; `at` is a moment of those that have poses.
 function pose(film, at, body) {
-  const width = 3 * scene.bodies.length;
-  const a = at.low * width + 3 * body, b = at.high * width + 3 * body, p = film.poses;
-  const mix = (k) => signed(p[a + k]) + (signed(p[b + k]) - signed(p[a + k])) * at.share;
-  const turn = signed((p[b + 2] - p[a + 2]) & 65535);
-  return [mix(0) / 1000, mix(1) / 1000, (p[a + 2] + turn * at.share) * 2 * Math.PI / 65536];
+  const column = film.column.get(body), width = film.moving.length;
+  const turns = (angle) => angle * 2 * Math.PI / 65536;
+  if (column === undefined) {
+    const [x, y, angle] = film.start[body];
+    return [x / 1000, y / 1000, turns(angle)];
+  }
+  const a = at.low * width + column, b = at.high * width + column;
+  const mix = (of, k, l) => of[k] + (of[l] - of[k]) * at.share;
+  const along = (axis) => mix(film.places, 2 * a + axis, 2 * b + axis) / 1000;
+  return [along(0), along(1), turns(mix(film.angles, a, b))];
 }
 
 function placed([x, y, angle], [px, py]) {
@@ -100,7 +116,8 @@ function draw(film) {
   g.lineWidth = 1.4 / scale * (window.devicePixelRatio || 1);
   g.lineJoin = "round";
   g.strokeStyle = "#000";
-  const at = moment(film, state.time), poses = scene.bodies.map((_, k) => pose(film, at, k));
+  const at = moment(film, state.time), kept = between(film.times, state.time);
+  const poses = scene.bodies.map((_, k) => pose(film, kept, k));
   scene.arena.forEach((shape) => outline(g, shape, shape.at));
   scene.thrusters.forEach((thruster) => flame(g, film, at, poses, thruster));
   for (const circles of [false, true]) {

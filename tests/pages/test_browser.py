@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from kinetix.level.model import Body, Circle, Level
+from kinetix.level.model import Arena, ArenaBody, Body, Circle, Level
 from kinetix.pages.film import Film
 from kinetix.pages.page import page_of
 from kinetix.render.palette import KINETIX, ROLE_NAMES
@@ -89,6 +89,28 @@ def test_the_spoke_of_a_circle_points_up_as_in_every_drawing(tmp_path):
     page = page_of([film])
     page = page.replace("</head>", f"<script>{note}</script></head>")
     assert re.search(r'data-to="([^"]+)"', dom_after(page, tmp_path))[1] == "2,3.5"
+
+
+def test_what_starts_outside_the_arena_is_on_show(tmp_path):
+    ghost = ArenaBody(collision="ghost")
+    level = Level(
+        name="x",
+        arena=Arena(left_wall=ghost, right_wall=ghost),
+        bodies=(Body(id=1, shape=Circle(radius=0.5), position=(9.0, 3.0)),),
+    )
+    position, angle = np.array([[[9.0, 3.0]]]), np.zeros((1, 1))
+    film = Film(level=level, title="x", seconds=np.zeros(1), position=position, angle=angle)
+    page = page_of([film])
+    note = (
+        "CanvasRenderingContext2D.prototype.setTransform = (...to) =>"
+        " to[3] < 0 && (document.body.dataset.transform = to)"
+    )
+    page = page.replace("</head>", f"<script>{note}</script></head>")
+    dom = dom_after(page, tmp_path)
+    scale, _, _, _, left, _ = map(float, re.search(r'data-transform="([^"]+)"', dom)[1].split(","))
+    dots = int(re.search(r'<canvas[^>]* width="(\d+)"', dom)[1])
+    assert -left / scale == pytest.approx(0.0, abs=1e-6)
+    assert dots / scale == pytest.approx(9.5)
 
 
 def test_it_draws_the_level(page, tmp_path):

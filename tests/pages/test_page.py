@@ -47,15 +47,21 @@ def numbers(text, kind):
     return np.frombuffer(base64.b64decode(text), kind)
 
 
+def poses_of(stored):
+    """Return positions [m] and angles [rad] of all bodies in the moments that have poses."""
+    shown, moving = numbers(stored["shown"], "<u4"), stored["moving"]
+    poses = np.repeat(np.array(stored["start"], float)[None], len(shown), axis=0)
+    poses[:, moving, :2] = numbers(stored["places"], "<i2").reshape(len(shown), -1, 2)
+    poses[:, moving, 2] = numbers(stored["angles"], "<i4").reshape(len(shown), -1)
+    return poses[..., :2] / 1000, poses[..., 2] * 2 * np.pi / 65536
+
+
 def test_what_was_played_is_on_the_page():
     film = a_film()
     stored = packed(film)
-    bodies = len(film.level.bodies)
-    poses = numbers(stored["poses"], "<u2").reshape(-1, bodies, 3)
-    np.testing.assert_allclose(poses[..., :2].astype("<i2") / 1000, film.position, atol=6e-4)
-    wrapped = poses[..., 2].astype(float) * 2 * np.pi / 65536
-    np.testing.assert_allclose(np.cos(wrapped), np.cos(film.angle), atol=2e-4)
-    np.testing.assert_allclose(np.sin(wrapped), np.sin(film.angle), atol=2e-4)
+    position, angle = poses_of(stored)
+    np.testing.assert_allclose(position, film.position, atol=6e-4)
+    np.testing.assert_allclose(angle, film.angle, atol=2e-4)
     np.testing.assert_allclose(numbers(stored["seconds"], "<u4") / 1000, film.seconds, atol=6e-4)
     np.testing.assert_allclose(numbers(stored["value"], "<i2") / 1000, film.value, atol=1e-3)
     assert stored["entropy"] is None
@@ -67,17 +73,43 @@ def test_what_broke_down_stays_where_it_was_last(recwarn):
     position, angle = film.position.copy(), film.angle.copy()
     position[6:, 0], angle[8:, 1] = np.nan, np.inf
     stored = packed(dataclasses.replace(film, position=position, angle=angle))
-    poses = numbers(stored["poses"], "<u2").reshape(10, -1, 3)
+    poses, _ = poses_of(stored)
     assert (poses[6:, 0] == poses[5, 0]).all() and (poses[8:, 1] == poses[7, 1]).all()
     assert (poses[6:, 2] != poses[5, 2]).any()
     assert not recwarn.list
 
 
-@pytest.mark.parametrize("count", [257, 5000])
-def test_two_players_fit_below_200_kilobytes(count):
+def test_what_never_moves_has_one_pose():
+    film = a_film(100)
+    position, angle = film.position.copy(), film.angle.copy()
+    position[:, 1:], angle[:, 1:] = position[0, 1:], angle[0, 1:]
+    stored = packed(dataclasses.replace(film, position=position, angle=angle))
+    assert stored["moving"] == [0]
+    np.testing.assert_allclose(poses_of(stored)[0], position, atol=6e-4)
+
+
+def test_of_many_moments_some_poses_are_left_out_and_no_controls(monkeypatch):
+    monkeypatch.setattr("kinetix.pages.film.MOST_BYTES", 20_000)
+    count = 601
+    bodies = len(a_film(2).level.bodies)
+    angle = np.arange(count)[:, None] * 0.5 + np.zeros(bodies)  # 30 rad/s
+    actions = np.zeros((count, 6))
+    actions[300:303, 4] = 1.0
+    film = a_film(count, angle=angle, actions=actions, seconds=np.arange(count) / 60)
+    stored = packed(film)
+    shown = numbers(stored["shown"], "<u4")
+    assert len(shown) < count == stored["count"]
+    assert numbers(stored["actions"], "<i1").reshape(-1, 6)[:, 4].sum() == 300
+    turned = np.diff(poses_of(stored)[1][:, 0]) / np.diff(film.seconds[shown])
+    np.testing.assert_allclose(turned, 30, rtol=1e-3)
+    assert dict(stored["facts"])["left out"].startswith(f"{count - len(shown)} of 601 moments")
+
+
+@pytest.mark.parametrize(("count", "most"), [(257, 200_000), (20_000, 2_000_000)])
+def test_two_players_fit_in_a_small_page(count, most):
     film = a_film(count, name="l/rover_ridge")
     page = page_of([film, film])
-    assert len(page.encode()) < 200_000
+    assert len(page.encode()) < most
     assert "http" not in page.replace("http-equiv", "")
     content = read(page)
     assert [stored["outcome"] for stored in content["films"]] == ["won", "won"]
@@ -104,9 +136,8 @@ def test_an_episode_of_the_editor_is_shown(tmp_path):
     write_trace(trace, a_level(), tmp_path / "episode.npz")
     (film,) = read(kinetix.show(tmp_path / "episode.npz").html)["films"]
     assert (film["title"], film["count"]) == ("Tester", len(trace.snapshots))
-    poses = numbers(film["poses"], "<u2").reshape(film["count"], -1, 3)
-    last = poses[-1, :, :2].astype("<i2") / 1000
-    np.testing.assert_allclose(last, trace.snapshots[-1].position, atol=6e-4)
+    position, _ = poses_of(film)
+    np.testing.assert_allclose(position[-1], trace.snapshots[-1].position, atol=6e-4)
     (tmp_path / "no.npz").write_bytes(b"nothing")
     for name in ("no.npz", "gone.npz"):
         with pytest.raises(KinetixError, match=name):
@@ -132,6 +163,14 @@ def test_what_cannot_be_shown_is_said():
         kinetix.show(7)
     with pytest.raises(KinetixError, match="same level"):
         kinetix.show(load_level("s/wheelie"), load_level("m/leapfrog"))
+
+
+def test_a_level_is_the_same_with_another_name_and_its_solution():
+    level = load_level("s/first_flight")
+    other = level.replace(name="Mine", tags=("tried",), solution=None)
+    assert level.solution is not None
+    films = read(kinetix.show(level, other).html)["films"]
+    assert len(films) == 2
 
 
 def test_a_level_is_shown_in_a_notebook(tmp_path):

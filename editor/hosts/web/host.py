@@ -181,6 +181,7 @@ class WebHost(OffscreenHost):
             if self._told_to_end:
                 # The ordinary end of a server. Copies of unsaved levels wait for the next start.
                 self.session.save_aside()
+                self.session.training.stop()
             self._outlet.tell("ended", True)
             self._outlet.finish()
 

@@ -8,10 +8,11 @@ from typing import Any, Final, TypeAlias
 from editor.base import events
 from editor.hosts.inputs import FAR
 from kinetix.errors import KinetixError
+from kinetix.files.limits import LIMITS
 
 _NOWHERE: Final = (0.0, 0.0)
-_LONGEST: Final = 1_000_000
-"""Most characters of a text."""
+LONGEST: Final = LIMITS["level"].largest
+"""Most characters of a text; the page knows the number too."""
 _FAR_OUT: Final = 1e5
 """Largest coordinate [px]."""
 _MOST_ZOOM: Final = 4.0
@@ -54,6 +55,11 @@ class FullScreen:
 
 
 Message: TypeAlias = events.InputEvent | Page | Drawn | Pasted | FullScreen
+
+_LEFT: Final = events.PointerEvent(kind=events.Pointer.MOVE, world=_NOWHERE, screen=FAR, button=0)
+"""The pointer is nowhere on the page."""
+GONE: Final[tuple[Message, ...]] = (_LEFT, events.FocusEvent(focused=False))
+"""The end of a page: nothing is held any more."""
 
 _NAMES: Final = {
     "ArrowLeft": "left",
@@ -123,8 +129,15 @@ def _number(value: object) -> float:
     return max(min(float(value), _FAR_OUT), -_FAR_OUT)
 
 
+def _frame(value: object) -> int:
+    """Return the number of a picture: there are more of them than pixels."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ValueError
+    return value
+
+
 def _text(value: object) -> str:
-    if not isinstance(value, str) or len(value) > _LONGEST:
+    if not isinstance(value, str) or len(value) > LONGEST:
         raise ValueError
     value.encode()  # half of a surrogate pair is no text
     return value
@@ -161,9 +174,7 @@ _READ: Final[dict[str, Callable[..., Message | None]]] = {
     "move": lambda x, y: _pointer(events.Pointer.MOVE, x, y, None),
     "down": lambda x, y, button: _pointer(events.Pointer.PRESS, x, y, button),
     "up": lambda x, y, button: _pointer(events.Pointer.RELEASE, x, y, button),
-    "leave": lambda: events.PointerEvent(
-        kind=events.Pointer.MOVE, world=_NOWHERE, screen=FAR, button=0
-    ),
+    "leave": lambda: _LEFT,
     "wheel": lambda dx, dy: events.WheelEvent(dx=_number(dx), dy=_number(dy)),
     "pinch": _pinch,
     "key": _key,
@@ -174,12 +185,12 @@ _READ: Final[dict[str, Callable[..., Message | None]]] = {
     "size": lambda width, height, density: Page(
         width=int(_number(width)), height=int(_number(height)), density=_number(density)
     ),
-    "drawn": lambda number: Drawn(number=int(_number(number))),
+    "drawn": lambda number: Drawn(number=_frame(number)),
 }
 
 
-def read(said: object) -> list[Message]:
-    """Return what the page said, as events.
+def read(said: object) -> tuple[list[Message], list[KinetixError]]:
+    """Return what the page said, as events, and what of it is refused.
 
     Args:
         said: A list of messages, each a list of its name and its values.
@@ -189,7 +200,16 @@ def read(said: object) -> list[Message]:
     """
     if not isinstance(said, list):
         raise KinetixError("input: expected a list of messages")
-    return [message for one in said if (message := _read_one(one)) is not None]
+    messages: list[Message] = []
+    faults: list[KinetixError] = []
+    for one in said:
+        try:
+            message = _read_one(one)
+        except KinetixError as fault:
+            faults.append(fault)
+        else:
+            messages += [message] if message is not None else []
+    return messages, faults
 
 
 def _read_one(said: Any) -> Message | None:

@@ -14,15 +14,17 @@ from pathlib import Path
 from typing import Any, Final
 from urllib.parse import parse_qs, urlsplit
 
-from editor.hosts.web.messages import Message, read
+from editor.hosts.web.messages import GONE, LONGEST, Message, read
 from editor.hosts.web.outlet import Outlet
 from kinetix.errors import KinetixError
 
 PORT: Final = 8570
 """The port that is tried first where none is asked for."""
 _PAGE: Final = Path(__file__).with_name("page.html")
-_LARGEST: Final = 4_000_000
-"""Most bytes of input in one request."""
+_LARGEST: Final = 4 * LONGEST
+"""Most bytes of input in one request: a text of any characters fits."""
+_DIGITS: Final = 10
+"""Most digits of the length of a request."""
 _SILENT_FOR: Final = 15_000
 """A page that does not answer the network for this time is gone [ms]."""
 TAKEN: Final = "Kinetix is open in another page: close that page, then try again here."
@@ -190,7 +192,7 @@ class _Handler(BaseHTTPRequestHandler):
         place, viewer = self._place()
         page = self.server.page_server
         length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > _LARGEST:
+        if not length.isdecimal() or len(length) > _DIGITS or int(length) > _LARGEST:
             self.close_connection = True
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "That is too much input at once.")
             return
@@ -201,16 +203,23 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.CONFLICT, TAKEN)
         else:
             try:
-                messages = read(json.loads(body))
+                messages, faults = read(json.loads(body))
             except (ValueError, RecursionError, KinetixError) as error:
                 self._refuse(HTTPStatus.BAD_REQUEST, str(error))
                 return
+            # One message that is refused does not take the others with it: keys would stay down.
             page.take(messages)
-            self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
+            if faults:
+                self._refuse(HTTPStatus.BAD_REQUEST, str(faults[0]))
+            else:
+                self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
 
     def _place(self) -> tuple[str | None, str]:
         """Return what is asked for below the secret, and the page's name; None: no right secret."""
-        parts = urlsplit(self.path)
+        try:
+            parts = urlsplit(self.path)
+        except ValueError:
+            return None, ""
         _, _, rest = parts.path.partition("/")
         secret, slash, place = rest.partition("/")
         right = hmac.compare_digest(secret.encode(), self.server.page_server.secret.encode())
@@ -246,6 +255,9 @@ class _Handler(BaseHTTPRequestHandler):
             level, option = socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT
             self.connection.setsockopt(level, option, _SILENT_FOR)
         connection = page.outlet.attach()
+        # The same page may be back before its last line's end was noticed: what was held there is
+        # let go of here.
+        page.take(list(GONE))
         try:
             self.send_response(HTTPStatus.OK)
             for name, value in (
@@ -264,4 +276,4 @@ class _Handler(BaseHTTPRequestHandler):
         finally:
             page.seat.leave(self.connection)
             if page.outlet.detach(connection):
-                page.take(read([["leave"], ["focus", False]]))
+                page.take(list(GONE))

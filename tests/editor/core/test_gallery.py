@@ -260,11 +260,24 @@ def test_two_windows_keep_the_results_of_each_other(tmp_path):
     assert Results(path).of("a")[walker].attempts == 40
 
 
+def test_the_file_of_results_is_read_once_unless_others_write_it(tmp_path, monkeypatch):
+    path = tmp_path / "results.json"
+    results = Results(path)
+    results.add_episode(HUMAN, "a" * 64, won=True)
+    with monkeypatch.context() as patch:
+        patch.setattr("editor.base.state_file.read_text", None)
+        results.add_episode(HUMAN, "a" * 64, won=True)
+    Results(path).add_episode(HUMAN, "a" * 64, won=False)
+    results.add_episode(HUMAN, "a" * 64, won=True)
+    (record,) = Results(path).of("a" * 64).values()
+    assert (record.attempts, record.solved) == (4, 3)
+
+
 def test_results_that_could_not_be_written_go_with_the_next(tmp_path, monkeypatch):
     path = tmp_path / "results.json"
     results = Results(path)
 
-    def full(*_):
+    def full(*_, **__):
         raise LevelError("No space left")
 
     with monkeypatch.context() as patched:

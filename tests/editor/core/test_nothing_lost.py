@@ -10,7 +10,7 @@ import pytest
 
 from editor import actions
 from editor.actions.tab_menu import open_tab_menu
-from editor.base.events import DropEvent
+from editor.base.events import DropEvent, QuitEvent
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
 from editor.documents.document import Document
@@ -92,6 +92,17 @@ def test_a_pasted_level_is_asked_about_before_it_is_gone(session, way):
     actions.run(session, way)
     assert session.prompts[-1].title == "Unsaved changes" and not session.quitting
     assert session.document.title == "From a friend"
+
+
+def test_closing_twice_asks_once(drawing):
+    drawing.execute(MOVE)
+    for _ in range(2):
+        actions.handle(drawing, QuitEvent())
+    (question,) = drawing.prompts
+    drawing.answer(question, "cancel")
+    actions.handle(drawing, QuitEvent())
+    drawing.answer(drawing.prompts[-1], "discard")
+    assert drawing.quitting
 
 
 def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # noqa: F811

@@ -8,6 +8,7 @@ import pytest
 
 import editor
 from editor.base.settings import Settings
+from editor.session import Session
 from editor.toolkit.appearance import COLOURS, DARK, LIGHT, THEMES
 from editor.window.panels.preferences import PAGES
 from tests.editor import days
@@ -49,6 +50,17 @@ def opened(make_gui):
     gui.key("ctrl+,")
     gui.frames(3)
     return gui
+
+
+def test_the_scale_of_the_command_line_holds_until_another_is_chosen(make_gui):
+    gui = make_gui(session=Session(settings=Settings(ui_scale=1.25)))
+    assert gui.host.ui.scale == 1.25
+    gui.host.ui.asked_scale = 1.5
+    gui.frames()
+    assert gui.host.ui.scale == 1.5
+    gui.session.settings.ui_scale = 2.0
+    gui.frames()
+    assert gui.host.ui.scale == 2.0
 
 
 def test_the_theme_changes_at_once_and_stays(make_gui):

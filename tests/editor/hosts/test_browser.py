@@ -262,3 +262,106 @@ def test_it_plays(page, level):
 def test_the_end_of_the_app_is_told(page):
     assert page.served.stop() == 0
     eventually(lambda: "has been closed" in page.notice)
+
+
+@contextlib.contextmanager
+def heard(page: Page):
+    """Collect what the page says to the app."""
+    page.run(
+        "window.log = []; window.plain ??= say; window.say = new Proxy(plain, {"
+        "  apply(f, self, message) { log.push(message); return f(...message); } })"
+    )
+    messages: list = []
+    yield messages
+    page.rest()
+    messages += page.run("return log.filter(message => message[0] !== 'drawn')")
+
+
+def act(page: Page, *events: tuple[str, dict], then: str = ""):
+    """Let events happen at once, however slow the machine is; returns what a script says then."""
+    return page.browser.execute_script(
+        "screen_.setPointerCapture = () => {};"
+        "for (const [kind, values] of arguments[0]) {"
+        "  if (kind.startsWith('key')) document.dispatchEvent(new KeyboardEvent(kind, values));"
+        "  else screen_.dispatchEvent(new PointerEvent(kind, "
+        "    { bubbles: true, isPrimary: true, pointerType: 'mouse', ...values }));"
+        "}" + then,
+        events,
+    )
+
+
+def test_a_refused_message_is_told_and_the_page_goes_on(page, level):
+    page.run("say('eval', 1)")
+    eventually(lambda: "not a known message" in page.notice)
+    page.run("document.getElementById('again').click()")
+    assert page.notice == ""
+    circle_at(page)
+    page.keys("s", ctrl=True)
+    eventually(lambda: bodies(level) == 1)
+    assert page.notice == ""
+
+
+def test_buttons_are_let_go_of_in_any_order(page):
+    at = {"clientX": 300, "clientY": 300}
+    with heard(page) as said:
+        act(
+            page,
+            ("pointerdown", {"button": 0, "buttons": 1, **at}),
+            ("pointermove", {"button": 2, "buttons": 3, **at}),
+            ("pointermove", {"button": 0, "buttons": 2, **at}),
+            ("pointermove", {"button": -1, "buttons": 2, **at}),
+            ("pointerup", {"button": 2, "buttons": 0, **at}),
+        )
+    expected = [["down", 0], ["down", 2], ["up", 0], ["move"], ["up", 2]]
+    assert [[each[0], *each[3:]] for each in said] == expected
+
+
+def test_two_fingers_zoom_and_press_nothing(page):
+    def finger(kind, number, x):
+        which = {"pointerId": number, "pointerType": "touch", "isPrimary": number == 1}
+        button = -1 if kind == "pointermove" else 0
+        return kind, {"clientX": x, "clientY": 300, "button": button, **which}
+
+    with heard(page) as said:
+        act(
+            page,
+            finger("pointerdown", 1, 200),
+            finger("pointerdown", 2, 300),
+            finger("pointermove", 2, 400),
+            finger("pointerup", 1, 200),
+            finger("pointerup", 2, 400),
+        )
+    assert [each[0] for each in said] == ["pinch"]
+    assert said[0][1] == pytest.approx(2.0)
+    with heard(page) as said:
+        act(page, finger("pointerdown", 1, 200), finger("pointerup", 1, 200))
+    assert [each[0] for each in said] == ["down", "up"]
+
+
+def test_a_key_is_released_under_the_name_that_it_was_pressed_under(page):
+    with heard(page) as said:
+        act(
+            page,
+            ("keydown", {"code": "KeyY", "key": "z"}),
+            ("keyup", {"code": "KeyY", "key": "»"}),
+        )
+    assert said == [["key", "KeyY", "z", True], ["key", "KeyY", "z", False]]
+
+
+@pytest.mark.parametrize("press", [{"key": "м"}, {"key": "V", "shiftKey": True}])
+def test_the_keys_that_paste_wait_for_the_clipboard(page, press):
+    down = ("keydown", {"code": "KeyV", "ctrlKey": True, **press})
+    assert act(page, down, then="return pasting !== null")
+
+
+def test_a_text_that_is_too_long_is_told_and_not_pasted(page):
+    with heard(page) as said:
+        act(
+            page,
+            ("keydown", {"code": "KeyV", "key": "v", "ctrlKey": True}),
+            then="const data = new DataTransfer();"
+            "data.setData('text/plain', 'a'.repeat(LONGEST + 1));"
+            "document.dispatchEvent(new ClipboardEvent('paste', {clipboardData: data}))",
+        )
+        assert "too long" in page.notice
+    assert said == []

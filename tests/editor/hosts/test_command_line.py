@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from editor.__main__ import Options, _check
+from editor.__main__ import Options, _check, _size
 from kinetix.errors import KinetixError
 from kinetix.failures import TERMINATED
 from tests.editor.hosts.processes import end, start
@@ -27,6 +27,12 @@ def test_a_scale_that_nothing_can_be_read_at_is_refused(scale):
 @pytest.mark.parametrize("scale", [None, 0.75, 1.0, 3.0])
 def test_the_scales_that_the_help_names_are_taken(scale):
     _check(Options(scale=scale))
+
+
+@pytest.mark.parametrize("size", ["100000x100000", "800x8193", f"{'9' * 5000}x600"])
+def test_a_size_that_no_window_has_is_refused(size):
+    with pytest.raises(KinetixError, match=r"^--size .*: expected at most 8192x8192$"):
+        _size(size)
 
 
 @pytest.mark.parametrize(

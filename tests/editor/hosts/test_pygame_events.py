@@ -16,9 +16,13 @@ from editor.base.events import (
     TextEvent,
     WheelEvent,
 )
+from editor.documents.commands.bodies import AddBody
 from editor.hosts.inputs import FAR, InputFeeder
 from editor.hosts.pygame_events import translate
+from editor.session import Session
 from editor.toolkit.keys import IMGUI, label
+from kinetix.level.model import Body, Circle, Level
+from tests.editor.gui.conftest import Gui
 
 
 @pytest.fixture(autouse=True)
@@ -28,6 +32,13 @@ def key_names(monkeypatch):
     pygame.display.init()
     yield
     pygame.display.quit()
+
+
+@pytest.fixture
+def gui():
+    gui = Gui(Session(level=Level(name="Empty")))
+    yield gui
+    gui.host.close()
 
 
 def event(kind: int, **values: object) -> pygame.event.Event:
@@ -61,6 +72,8 @@ def test_keys_carry_their_names(code, name):
         ("ß", pygame.KSCAN_MINUS, "-"),
         ("&", pygame.KSCAN_1, "1"),
         ("z", pygame.KSCAN_Y, "z"),
+        ("м", pygame.KSCAN_V, "v"),
+        ("ζ", pygame.KSCAN_Z, "z"),
     ],
 )
 def test_what_other_layouts_have_counts_by_its_place(letter, place, name):
@@ -89,6 +102,19 @@ def test_buttons_reach_imgui_and_wheel_twins_do_not(code, expected):
     imgui.end_frame()
     imgui.destroy_context(context)
     assert down == ([] if expected is None else [expected])
+
+
+def test_a_slow_frame_keeps_each_key_with_the_modifiers_that_it_was_pressed_with(gui):
+    """Ctrl+Z, then Ctrl+Y and the release of Z and Ctrl in one frame."""
+    session = gui.session
+    session.execute(AddBody(body=Body(id=1, shape=Circle(radius=0.2), position=(2.0, 2.0))))
+    gui.hold("left ctrl")
+    gui.hold("z")
+    gui.frames(2)
+    assert not session.document.level.bodies
+    strokes = (("y", True), ("z", False), ("left ctrl", False), ("y", False))
+    gui.host.frames(3, *(KeyEvent(key=key, pressed=down) for key, down in strokes))
+    assert len(session.document.level.bodies) == 1
 
 
 def test_the_rest():

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from editor.base.events import TextEvent
+from editor.base.events import KeyEvent, TextEvent
 from editor.base.settings import Settings
 from editor.hosts.recorder import Recorder
 from editor.hosts.replay import Replayer
@@ -12,6 +12,8 @@ from editor.session import Session
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator
 from tests.editor.gui.conftest import day, make_gui  # noqa: F401 - fixtures
+
+LOOK = ((1280, 800), 1.0)
 
 
 def a_session():
@@ -49,10 +51,28 @@ def test_a_recording_of_manual_use_gives_the_same_document(make_gui, tmp_path): 
 def test_half_of_a_surrogate_pair_is_left_out(tmp_path):
     script = tmp_path / "events.jsonl"
     recorder = Recorder(a_session(), script)
-    recorder.take([TextEvent(text="\ud83d")], 1 / 60)
-    recorder.take([TextEvent(text="a\ud83db")], 1 / 60)
+    recorder.take([TextEvent(text="\ud83d")], 1 / 60, LOOK)
+    recorder.take([TextEvent(text="a\ud83db")], 1 / 60, LOOK)
     told = [json.loads(line) for line in script.read_text().splitlines()]
     assert [each["text"] for each in told if each["do"] == "text"] == ["ab"]
+
+
+def test_only_keys_that_a_replay_knows_are_recorded(tmp_path):
+    script = tmp_path / "events.jsonl"
+    recorder = Recorder(a_session(), script)
+    names = ("<", "alt gr", "", "audio mute", "left shift", "a")
+    recorder.take([KeyEvent(key=name, pressed=True) for name in names], 1 / 60, LOOK)
+    told = [json.loads(line) for line in script.read_text().splitlines()]
+    assert [each["key"] for each in told if each["do"] == "key"] == ["left shift", "a"]
+
+
+def test_a_replay_in_another_window_is_refused(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    recorder = Recorder(a_session(), script)
+    recorder.take([KeyEvent(key="a", pressed=True)], 1 / 60, ((900, 700), 1.5))
+    gui = make_gui(session=a_session())
+    with pytest.raises(KinetixError, match=r":1: .* give --size 900x700 --scale 1\.5$"):
+        Replayer(gui.host, script).run()
 
 
 def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa: F811
@@ -67,9 +87,10 @@ def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa:
     told = [json.loads(line) for line in script.read_text().splitlines()]
     assert told[0]["do"] == "open"
     assert told[0]["file"].endswith("goalkeeper.json")
-    assert told[1] == {"do": "wait", "frames": 30}
-    assert told[2] == {"do": "move", "at": [500, 400]}
-    assert told[3:] == [
+    assert told[1] == {"do": "window", "size": list(gui.host.size), "scale": gui.host.ui.scale}
+    assert told[2] == {"do": "wait", "frames": 29}
+    assert told[3] == {"do": "move", "at": [500, 400]}
+    assert told[4:] == [
         {"do": "key", "key": "a", "pressed": True},
         {"do": "key", "key": "a", "pressed": False},
     ]
@@ -84,5 +105,5 @@ def test_a_script_that_cannot_be_written_is_refused_and_ends_no_app(tmp_path):
     script.unlink()
     script.mkdir()
     for _ in range(2):
-        recorder.take([TextEvent(text="a")], 0.1)
+        recorder.take([TextEvent(text="a")], 0.1, LOOK)
     assert ["the recording ends" in toast.text for toast in session.toasts] == [True]

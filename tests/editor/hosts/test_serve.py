@@ -147,13 +147,21 @@ def test_junk_is_refused_and_the_app_goes_on(served, body):
 
 
 def test_raw_junk_does_not_end_it(served):
-    for data in (b"\0" * 100, b"GET\r\n\r\n", b"POST " + served.path.encode() + b"input\r\n\r\n"):
+    post = b"POST " + served.path.encode() + b"input"
+    digits = post + b" HTTP/1.1\r\nContent-Length: " + b"9" * 5000 + b"\r\n\r\n"
+    address = b"GET http://[ HTTP/1.1\r\nConnection: close\r\n\r\n"
+    for data in (b"\0" * 100, b"GET\r\n\r\n", post + b"\r\n\r\n", digits, address):
+        answer = b""
         with socket.create_connection((served.host, served.port), timeout=10) as raw:
             raw.sendall(data)
             raw.shutdown(socket.SHUT_WR)
-            while raw.recv(4096):
-                pass
+            while part := raw.recv(4096):
+                answer += part
+        if b"HTTP/1.1" in data:
+            assert answer.startswith(b"HTTP/1.1 4")
     assert served.request("GET", served.path)[0] == 200
+    served.stop()
+    assert "Traceback" not in served.app.stderr.read()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -202,6 +210,29 @@ def test_it_ends_when_it_is_told_to_while_exceptions_are_dropped(home):
         command, env=home, capture_output=True, text=True, timeout=120, check=False
     )
     assert ended.returncode == 0, ended.stderr
+
+
+_TOLD_WHILE_TRAINING = """
+import signal, sys
+from editor.__main__ import main
+from editor.agents.local_training import LocalTraining
+from editor.hosts.web.host import WebHost
+
+stop = LocalTraining.stop
+LocalTraining.stop = lambda training: (print("training stopped"), stop(training))
+WebHost._follow = lambda host: signal.raise_signal(signal.SIGTERM)
+sys.argv = ["kinetix-editor", "--serve", "--port", "0"]
+sys.exit(main())
+"""
+
+
+def test_a_training_is_stopped_where_it_is_told_to_end(home):
+    command = [sys.executable, "-c", _TOLD_WHILE_TRAINING]
+    ended = subprocess.run(
+        command, env=home, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "training stopped" in ended.stdout
 
 
 def test_a_port_that_is_taken_is_one_sentence(home, served):

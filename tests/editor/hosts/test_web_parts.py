@@ -1,9 +1,11 @@
 """Messages to a page and from it, without a page."""
 
+import http.client
 import io
 import json
 import struct
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from editor.base import events
 from editor.hosts.web import messages
 from editor.hosts.web.outlet import Outlet
 from editor.hosts.web.regions import changes, encoded
+from editor.hosts.web.server import PageServer
 from kinetix.errors import KinetixError
 
 
@@ -181,6 +184,24 @@ def test_the_second_page_ends_the_first_ones_stream(outlet):
     second.draw()
 
 
+def test_a_page_that_comes_back_before_it_was_missed_holds_nothing(outlet):
+    taken: list = []
+    server = PageServer(outlet, taken.extend, port=0)
+    server.start()
+    path = f"/{server.secret}/stream?viewer=one"
+    lines = [http.client.HTTPConnection("127.0.0.1", server.port, timeout=30) for _ in range(2)]
+    try:
+        for line in lines:
+            line.request("GET", path)
+            assert line.getresponse().status == 200
+            assert tuple(taken) == messages.GONE
+            taken.clear()
+    finally:
+        for line in lines:
+            line.close()
+        server.stop()
+
+
 @pytest.mark.parametrize(
     ("code", "key", "name"),
     [
@@ -215,18 +236,22 @@ def test_all_named_keys_are_known_to_the_app():
 
 def test_input_is_read():
     said = [["move", 3, 4.5], ["down", 3, 4, 2], ["key", "KeyS", "s", True], ["text", "é"]]
-    move, down, key, text = messages.read(said)
+    (move, down, key, text), faults = messages.read(said)
+    assert not faults
     assert move.kind is events.Pointer.MOVE and move.screen == (3.0, 4.5)
     assert down.kind is events.Pointer.PRESS and down.button == events.RIGHT
     assert key == events.KeyEvent(key="s", pressed=True)
     assert text == events.TextEvent(text="é")
 
 
+def test_pictures_are_counted_beyond_the_largest_coordinate():
+    (drawn,), _ = messages.read([["drawn", 10**6]])
+    assert drawn == messages.Drawn(number=10**6)
+
+
 @pytest.mark.parametrize(
     "said",
     [
-        None,
-        {"move": 1},
         [1],
         [[]],
         [["move", 1]],
@@ -238,13 +263,28 @@ def test_input_is_read():
         [[["move"], 1, 2]],
         [["key", "KeyA", "a", "yes"]],
         [["text", 5]],
-        [["text", "a" * 1_000_001]],
+        [["text", "a" * (messages.LONGEST + 1)]],
         [["size", True, 1, 1]],
+        [["drawn", -1]],
+        [["drawn", 1.5]],
     ],
 )
-def test_junk_is_refused_with_a_sentence(said):
-    with pytest.raises(KinetixError, match="input: "):
+def test_junk_is_refused_with_a_sentence_and_the_rest_is_taken(said):
+    release = ["key", "KeyV", "v", False]
+    taken, faults = messages.read([*said, release])
+    assert taken == [events.KeyEvent(key="v", pressed=False)]
+    assert [str(fault)[:7] for fault in faults] == ["input: "]
+
+
+@pytest.mark.parametrize("said", [None, {"move": 1}, 5])
+def test_what_is_no_list_of_messages_is_refused(said):
+    with pytest.raises(KinetixError, match="input: expected a list"):
         messages.read(said)
+
+
+def test_the_page_knows_how_long_a_text_may_be():
+    page = Path(messages.__file__).with_name("page.html").read_text(encoding="utf-8")
+    assert f"LONGEST = {messages.LONGEST};" in page
 
 
 def test_encoded_parts_are_cut_where_asked():
