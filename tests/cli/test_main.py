@@ -207,7 +207,8 @@ def test_a_device_that_is_not_here_gets_one_sentence(tmp_path):
     line = "kinetix play s/first_flight --agent noop"
     done = _shell(line, JAX_PLATFORMS="cuda", XDG_STATE_HOME=str(tmp_path))
     assert done.returncode == 1
-    assert done.stderr.startswith(b"kinetix: JAX_PLATFORMS=cuda: JAX does not run on that here")
+    told = done.stderr.splitlines()[-1]  # after what a slow machine says while it works
+    assert told.startswith(b"kinetix: JAX_PLATFORMS=cuda: JAX does not run on that here")
     assert not list(tmp_path.rglob("crashes"))
 
 
