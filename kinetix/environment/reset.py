@@ -38,6 +38,7 @@ from kinetix.level.model import Level
 from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import on_device
+from kinetix.renamed import also_named
 
 if TYPE_CHECKING:
     from kinetix.environment.generators.locomotion import LocomotionParams
@@ -83,6 +84,7 @@ def _one_of(levels: EnvState, edges: Float[np.ndarray, " n"]) -> _OneOf:
     return shared(_OneOf(levels=levels, edges=edges), digest((levels, edges)))
 
 
+@also_named(filename="path")
 def load_from_json_file(
     path: str | Path | Level,
     *,

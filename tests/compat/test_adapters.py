@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinetix import EnvParams, load_from_json_file, make_kinetix_env, static_env_params_from_size
+from kinetix.environment.params import physics_engine
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.errors import CheckpointError, KinetixError
@@ -170,6 +171,28 @@ def test_new_values_of_a_state_take_the_types_of_the_old(state):
 def test_a_change_that_does_not_fit_a_state_is_told(state, change, told):
     with pytest.raises(KinetixError, match=told):
         state.replace(**change(state))
+
+
+def test_parameters_go_by_the_names_of_kinetix_env(state, static):
+    from kinetix.render.renderer_pixels import make_render_pixels, make_render_pixels_rl
+
+    from kinetix import permute_state, sample_kinetix_level
+
+    load_from_json_file(filename=LEVEL)
+    for make in (make_render_pixels, make_render_pixels_rl):
+        make(env_params=EnvParams(), static_params=static)
+    permuted = permute_state(rng=KEY, env_state=state, static_env_params=static)
+    same = permute_state(key=KEY, state=state)
+    jax.tree.map(np.testing.assert_array_equal, permuted, same)
+    draw = jax.eval_shape(
+        lambda key: sample_kinetix_level(
+            rng=key, engine=physics_engine(static), env_params=None, static_env_params=static
+        ),
+        KEY,
+    )
+    assert jax.tree.map(jnp.shape, draw) == jax.tree.map(jnp.shape, state)
+    with pytest.raises(TypeError, match="permute_state: rng and key are the same"):
+        permute_state(rng=KEY, key=KEY, state=state)
 
 
 def test_levels_of_all_sizes_are_stacked(tmp_path):

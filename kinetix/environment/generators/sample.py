@@ -57,6 +57,7 @@ from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
+from kinetix.renamed import also_named
 
 SMALL_BODIES = 7
 """Capacities with at most this many bodies, the arena included, are drawn without proposals."""
@@ -322,6 +323,7 @@ def level_sampler(
     return sampler_of(batched)
 
 
+@also_named(rng="key", engine="physics_engine")
 def sample_kinetix_level(
     key: Key[Array, ""],
     physics_engine: PhysicsEngine,
