@@ -18,7 +18,7 @@ from kinetix.environment.reset import (
     load_from_json_file,
     make_reset_fn_list_of_levels,
 )
-from kinetix.environment.spaces import Discrete, MultiDiscrete
+from kinetix.environment.spaces import Binary, Box, Discrete, MultiDiscrete, Space
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import LogWrapper
 from kinetix.errors import KinetixError
@@ -366,3 +366,20 @@ def test_classes_are_whole_numbers() -> None:
     one, several = Discrete(n=3), MultiDiscrete(number_of_dims_per_distribution=(3, 2))
     assert one.contains(2) and not one.contains(1.5)
     assert several.contains([2, 1.0]) and not several.contains([0.5, 1])
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        Discrete(n=3),
+        MultiDiscrete(number_of_dims_per_distribution=(3, 2)),
+        Box(low=-1.0, high=1.0, shape=(2,)),
+        Binary(shape=(2,)),
+    ],
+    ids=lambda space: type(space).__name__,
+)
+def test_values_of_another_shape_lie_in_no_space(space: Space) -> None:
+    inside = jnp.zeros(space.shape, space.dtype)
+    assert space.contains(inside)
+    others = [jnp.zeros(shape, space.dtype) for shape in ((), (2,), (3,), (2, 2))]
+    assert not any(space.contains(x) for x in others if x.shape != space.shape)
