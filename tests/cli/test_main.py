@@ -329,7 +329,20 @@ def test_a_recorded_solution_is_played(capsys, tmp_path):
     bare = tmp_path / "bare.json"
     save_level(load_level("s/first_flight").replace(solution=None), bare)
     assert cli.main(["play", str(bare), "--agent", "solution"]) == 1
-    assert "has no recorded solution" in capsys.readouterr().err
+    assert "bare.json: this level records no solution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["play"], ["render", "--steps", "2"]], ids=lambda words: words[0]
+)
+def test_a_solution_of_unknown_physics_is_told_with_its_place(capsys, tmp_path, words):
+    level, file = load_level("s/first_flight"), tmp_path / "odd.json"
+    assert level.solution is not None
+    save_level(level.replace(solution=level.solution.replace(physics="foo")), file)
+    out = [str(tmp_path / "out.png")] if words[0] == "render" else []
+    assert cli.main([words[0], str(file), *out, *words[1:], "--agent", "solution"]) == 1
+    said = "odd.json: $.solution.physics: unknown physics 'foo': expected one of"
+    assert said in capsys.readouterr().err
 
 
 def test_a_flag_that_no_algorithm_has_points_to_the_flags_of_this_one(capsys):
