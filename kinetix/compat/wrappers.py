@@ -28,7 +28,7 @@ class GymnaxWrapper:
 
     def __getattr__(self, name: str) -> Any:
         """Everything else is the environment's own."""
-        if name == "_env":
+        if name.startswith("__") or name == "_env":
             raise AttributeError(name)
         return getattr(self._env, name)
 

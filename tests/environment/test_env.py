@@ -1,5 +1,6 @@
 """The step as a whole: timing, resets, batching, faults. Size s, so that little is compiled."""
 
+import copy
 import dataclasses
 import functools
 from collections.abc import Callable
@@ -10,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.compat.wrappers import GymnaxWrapper
 from kinetix.environment.env import DummyEnv, KinetixEnv, make_kinetix_env
 from kinetix.environment.named import make_named_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
@@ -383,3 +385,10 @@ def test_values_of_another_shape_lie_in_no_space(space: Space) -> None:
     assert space.contains(inside)
     others = [jnp.zeros(shape, space.dtype) for shape in ((), (2,), (3,), (2, 2))]
     assert not any(space.contains(x) for x in others if x.shape != space.shape)
+
+
+def test_a_copy_of_a_wrapper_is_a_wrapper(small_env: KinetixEnv) -> None:
+    for kind in (LogWrapper, GymnaxWrapper):
+        copied = copy.deepcopy(kind(small_env))
+        assert isinstance(copied, kind)
+        assert copied.num_actions == small_env.num_actions
