@@ -1,3 +1,5 @@
+import dataclasses
+import importlib
 import json
 import os
 import resource
@@ -6,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -348,3 +351,15 @@ def test_a_solution_of_unknown_physics_is_told_with_its_place(capsys, tmp_path, 
 def test_a_flag_that_no_algorithm_has_points_to_the_flags_of_this_one(capsys):
     assert cli.main(["train", "ppo", "--checkpoint-frequency", "4", "--out", "r0"]) == 2
     assert "kinetix train ppo --help" in capsys.readouterr().err
+
+
+def test_every_command_takes_a_number_of_cores(capsys):
+    for name in set(cli.COMMANDS) - {"bench"}:
+        module = importlib.import_module(f"kinetix.cli.{name}")
+        form = getattr(module, name.capitalize())
+        for each in get_args(form) or (form,):
+            kind = get_args(each)[0] if get_args(each) else each
+            assert "cores" in {field.name for field in dataclasses.fields(kind)}, kind
+    assert cli.main(["cache", "--cores", "1"]) == 0
+    assert cli.main(["cache", "--cores", "0"]) == 1
+    assert "cores = 0: expected a number of cores, at least 1" in capsys.readouterr().err
