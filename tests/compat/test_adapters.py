@@ -90,6 +90,18 @@ def test_unknown_words_of_a_configuration_are_named():
         normalise_config({"action_type": "both"}, "test")
 
 
+def test_levels_are_grouped_as_evaluations_group_them():
+    from kinetix.util.config import get_eval_level_groups
+
+    levels = ["s/h0_weak_thrust", "l/mjc_walker", "s/h1_thrust_over_ball"]
+    assert get_eval_level_groups(levels) == [
+        ("s_all", [levels[0], levels[2]]),
+        ("s_handmade", [levels[0], levels[2]]),
+        ("l_all", [levels[1]]),
+        ("l_mjc", [levels[1]]),
+    ]
+
+
 def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
     stacked = jax.tree.map(lambda x: jnp.stack([x, x]), state)
     assert state.polygon.position.shape == (5, 2)
