@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from kinetix import EnvParams, load_from_json_file, make_kinetix_env, static_env_params_from_size
-from kinetix.environment.params import physics_engine
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.errors import CheckpointError, KinetixError
@@ -198,7 +197,7 @@ def test_parameters_go_by_the_names_of_kinetix_env(state, static):
     jax.tree.map(np.testing.assert_array_equal, permuted, same)
     draw = jax.eval_shape(
         lambda key: sample_kinetix_level(
-            rng=key, engine=physics_engine(static), env_params=None, static_env_params=static
+            rng=key, engine=None, env_params=EnvParams(), static_env_params=static
         ),
         KEY,
     )
