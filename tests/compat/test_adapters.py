@@ -101,6 +101,30 @@ def test_levels_are_grouped_as_evaluations_group_them():
     ]
 
 
+def test_mutations_make_what_they_are_forced_to():
+    from kinetix.environment.ued.mutators import mutate_add_connected_shape, mutate_add_shape
+
+    from kinetix.environment import UEDParams, create_empty_env
+
+    static = static_env_params_from_size("m")
+    ued = UEDParams(fixate_chance_min=1.0, min_rjoints_bias=0)
+    rest = (EnvParams(), static, ued)
+
+    def grown(key, forced):
+        state = mutate_add_shape(key, create_empty_env(static), *rest, forced)
+        return state, mutate_add_connected_shape(key, state, *rest, forced)
+
+    for forced in (False, True):
+        keys = jax.random.split(KEY, 8)
+        one, two = jax.jit(jax.vmap(grown, in_axes=(0, None)), static_argnums=1)(keys, forced)
+        fixed = np.asarray(one.world.bodies.active & (one.world.bodies.inverse_mass == 0))
+        assert ((fixed.sum(axis=1) == 4) == forced).all()
+        assert two.world.joints.active.any()
+        assert two.world.joints.fixed.any() != forced
+    with pytest.raises(TypeError, match="force_no_fix"):
+        mutate_add_shape(KEY, one, force_no_fix=False)
+
+
 def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
     stacked = jax.tree.map(lambda x: jnp.stack([x, x]), state)
     assert state.polygon.position.shape == (5, 2)
