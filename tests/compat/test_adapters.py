@@ -444,6 +444,36 @@ def test_an_environment_tells_its_kinds_with_what_they_can_do(static, state):
     assert same == env
 
 
+def test_kinds_are_made_and_used_as_in_kinetix_env(static, state):
+    from kinetix.environment.utils import convert_multi_discrete_actions
+
+    from kinetix.environment.spaces import (
+        ContinuousActions,
+        EntityObservations,
+        KinetixObservation,
+        MultiDiscreteActions,
+        SymbolicObservations,
+    )
+
+    params = EnvParams()
+    env = make_kinetix_env("multi_discrete", "symbolic_flat", None, params, static)
+    assert isinstance(env.action_type, MultiDiscreteActions)
+    assert not isinstance(env.action_type, ContinuousActions)
+    assert isinstance(env.observation_type, SymbolicObservations)
+    assert not isinstance(env.observation_type, EntityObservations)
+    assert not isinstance(env.action_type, type("Own", (MultiDiscreteActions,), {}))
+    action = jnp.array([1, 2, 0, 0, 1, 0])
+    np.testing.assert_array_equal(
+        MultiDiscreteActions(params, static).process_action(action, state, static),
+        convert_multi_discrete_actions(action, state, static, params),
+    )
+    for kind in (env.observation_type, EntityObservations(params, static)):
+        assert isinstance(kind, KinetixObservation)
+        assert kind.observation_space(params) == kind.space
+        assert kind.observation_space().contains(kind.get_obs(state))
+        assert kind.hash_key() == hash(kind)
+
+
 def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
     from kinetix.environment import LogWrapper
 
