@@ -293,7 +293,12 @@ def test_dummy_environment_stands_still(small_static: StaticEnvParams) -> None:
     after = env.step(jax.random.key(0), state, env.action_space().sample(jax.random.key(1)))
     assert_trees_close(after[:2], (obs, state), tolerance=0.0)
     assert not after[3]
+    assert "terminal_observation" not in after[4]
     assert bool(env.observation_space().contains(obs))
+    kept = DummyEnv(env=dataclasses.replace(env.env, keep_terminal_observation=True))
+    action = env.actions.noop_action()
+    info = jax.eval_shape(kept.step, jax.random.key(0), state, action)[4]
+    assert info["terminal_observation"].shape == obs.shape
 
 
 def test_log_wrapper_counts_episodes(small_env: KinetixEnv, small_state: EnvState) -> None:
