@@ -53,7 +53,7 @@ class Build(OneCore):
     seed: int = 0
     """Seed of the split."""
     inline: bool = False
-    """Put the levels themselves into the file."""
+    """Put the levels themselves into the file; those outside its folder are put there anyway."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
