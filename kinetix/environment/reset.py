@@ -1,6 +1,7 @@
 """Starts of episodes: levels from files, lists of levels, random levels, the empty level."""
 
 import dataclasses
+import operator
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -199,8 +200,9 @@ def make_reset_fn_list_of_levels(
     """A reset function that picks one of some levels.
 
     Args:
-        levels: Files, bundled names, documents or states, one of those, or a level set (its file
-            or the loaded one, whose weights are the probabilities), or levels of one.
+        levels: Files, bundled names, documents or states (also a batch of them), one of those, or a
+            level set (its file or the loaded one, whose weights are the probabilities), or levels
+            of one.
         static_env_params: The common sizes; every level is expanded to them.
 
     Returns:
@@ -348,10 +350,22 @@ def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
     if not isinstance(levels, Iterable):
         kind = type(levels).__name__
         raise KinetixError(f"levels: expected levels, their files or a level set, got {kind}")
-    entries = list(levels)
+    entries = [one for entry in levels for one in _each_level(entry)]
     if entries and all(isinstance(one, SetLevel) for one in entries):
         return entries, np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
+
+
+def _each_level(entry: Any) -> Iterable[Any]:
+    """Return the levels of a batch of states; anything else as the only one."""
+    if not isinstance(entry, EnvState) or not np.ndim(entry.timestep):
+        return [entry]
+    states = jax.tree.map(np.asarray, entry)
+    return (
+        one
+        for index in range(len(states.timestep))
+        for one in _each_level(jax.tree.map(operator.itemgetter(index), states))
+    )
 
 
 def _entry_state(entry: LevelLike | SetLevel, static_env_params: StaticEnvParams) -> EnvState:

@@ -483,3 +483,12 @@ def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
     np.testing.assert_array_equal(again.env_state.bodies.position, state.bodies.position)
     stepped = jax.eval_shape(env.step, KEY, logged, jnp.zeros((), int), EnvParams(), logged)
     assert jax.tree.structure(stepped[1]) == jax.tree.structure(logged)
+
+
+def test_a_batch_of_levels_is_as_good_as_a_list_of_them(static, state):
+    from kinetix.environment import make_reset_fn_list_of_levels
+
+    stacked = jax.tree.map(lambda x: jnp.stack([x, x, x]), state)
+    many = make_reset_fn_list_of_levels([state, stacked], static)
+    assert repr(many) == "<reset function: one of 4 levels>"
+    assert many == make_reset_fn_list_of_levels([state] * 4, static)
