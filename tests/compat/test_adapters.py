@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinetix import EnvParams, load_from_json_file, make_kinetix_env, static_env_params_from_size
+from kinetix.environment.generators.locomotion import LocomotionParams
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.errors import CheckpointError, KinetixError
@@ -99,6 +100,28 @@ def test_levels_are_grouped_as_evaluations_group_them():
         ("l_all", [levels[1]]),
         ("l_mjc", [levels[1]]),
     ]
+
+
+def test_options_of_walkers_go_by_the_names_of_kinetix_env():
+    from kinetix.compat.ued import _locomotion
+
+    assert _locomotion(
+        {
+            "body_dimension_default": [0.5, 0.3],
+            "leg_dimension_sampling_range_ratio": 0.2,
+            "ankle_dimension_sampling_range_ratio_exclude": 0.1,
+            "density_absolute_range": 0.4,
+            "friction_absolute_range_exclude": 0.3,
+            "add_ankles": False,
+        }
+    ) == LocomotionParams(
+        body_dim_default=(0.5, 0.3),
+        leg_dim_sampling_ratio=0.2,
+        ankle_dim_exclude=0.1,
+        density_range=0.4,
+        friction_exclude=0.3,
+        add_ankles=False,
+    )
 
 
 def test_mutations_make_what_they_are_forced_to():
