@@ -68,6 +68,18 @@ def _renewed(done: Array, new: Any, old: Any) -> Any:
 class AutoReplayWrapper(UnderspecifiedEnvWrapper):
     """Starts the same level again where an episode has ended."""
 
+    def reset(
+        self, rng: Array, params: Any = None, level: EnvState | None = None
+    ) -> tuple[Any, AutoReplayState]:
+        """Start an episode, in a level or in one of the environment's, and remember its start."""
+        override = () if level is None else (level,)
+        obs, env_state = self._env.reset(rng, params, *override)
+        return obs, AutoReplayState(env_state=env_state, level=env_state)
+
+    def get_obs(self, state: AutoReplayState) -> Any:
+        """Return the observation of a state."""
+        return self._env.get_obs(state.env_state)
+
     def step_env(self, rng: Array, state: AutoReplayState, action: Any, params: Any = None) -> Any:
         """Play one action; where done, observation and state are those of the level's start."""
         reset_key, step_key = jax.random.split(rng)

@@ -508,6 +508,31 @@ def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
     assert jax.tree.structure(stepped[1]) == jax.tree.structure(logged)
 
 
+def test_observations_and_steps_take_the_states_of_the_log(static, state):
+    from kinetix.environment import LogWrapper
+
+    env = LogWrapper(make_kinetix_env("discrete", "symbolic_flat", None, EnvParams(), static))
+    obs, logged = jax.eval_shape(env.reset, KEY, EnvParams(), state)
+    assert jax.eval_shape(env.get_obs, logged).shape == obs.shape
+    assert jax.eval_shape(env.get_obs, state).shape == obs.shape
+    _, after, _, _, info = jax.eval_shape(env.step_env, KEY, logged, jnp.zeros((), int))
+    assert jax.tree.structure(after) == jax.tree.structure(logged)
+    assert "returned_episode" in info
+
+
+@pytest.mark.filterwarnings("ignore:.*before 2.0:FutureWarning")
+@pytest.mark.parametrize("logged", [False, True], ids=["alone", "around a log"])
+def test_a_level_is_played_again_after_a_reset_to_it(static, state, logged):
+    from kinetix.environment.wrappers import AutoReplayWrapper, LogWrapper
+
+    env = make_kinetix_env("discrete", "symbolic_flat", None, EnvParams(), static)
+    env = AutoReplayWrapper(LogWrapper(env) if logged else env)
+    obs, first = jax.eval_shape(env.reset, KEY, EnvParams(), state)
+    assert jax.eval_shape(env.get_obs, first).shape == obs.shape
+    _, after, *_ = jax.eval_shape(env.step, KEY, first, jnp.zeros((), int), EnvParams())
+    assert jax.tree.map(jnp.shape, after) == jax.tree.map(jnp.shape, first)
+
+
 def test_a_batch_of_levels_is_as_good_as_a_list_of_them(static, state):
     from kinetix.environment import make_reset_fn_list_of_levels
 
