@@ -353,6 +353,12 @@ def test_a_flag_that_no_algorithm_has_points_to_the_flags_of_this_one(capsys):
     assert "kinetix train ppo --help" in capsys.readouterr().err
 
 
+def test_of_an_unknown_observation_all_are_listed(capsys):
+    assert cli.main(["bench", "speed", "--observation", "nope"]) == 1
+    said = "observation 'nope': expected one of none, pixels, symbolic_flat,"
+    assert said in capsys.readouterr().err
+
+
 def test_every_command_takes_a_number_of_cores(capsys):
     for name in set(cli.COMMANDS) - {"bench"}:
         module = importlib.import_module(f"kinetix.cli.{name}")
