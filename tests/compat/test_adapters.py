@@ -540,3 +540,11 @@ def test_a_batch_of_levels_is_as_good_as_a_list_of_them(static, state):
     many = make_reset_fn_list_of_levels([state, stacked], static)
     assert repr(many) == "<reset function: one of 4 levels>"
     assert many == make_reset_fn_list_of_levels([state] * 4, static)
+
+
+def test_masses_follow_by_either_rule(static, state):
+    from kinetix.util.saving import check_if_mass_and_inertia_are_correct
+
+    assert check_if_mass_and_inertia_are_correct(state, EnvParams(), static)
+    heavy = state.replace(circle=state.circle.replace(inverse_mass=state.circle.inverse_mass * 0.5))
+    assert not check_if_mass_and_inertia_are_correct(heavy, EnvParams(), static)
