@@ -93,6 +93,16 @@ def narrow_cores(fits: Callable[[int], bool]) -> None:
             jax.config.update("jax_num_cpu_devices", count)
 
 
+def check_cores(cores: int | None) -> None:
+    """Make sure that a number of cores is one; None stands for all of them.
+
+    Raises:
+        KinetixError: It is less than one.
+    """
+    if cores is not None:
+        _checked(str(cores), "cores")
+
+
 def _set_by_user(devices: int) -> bool:
     return devices != _UNSET or _FLAG in os.environ.get("XLA_FLAGS", "")
 

@@ -44,6 +44,13 @@ def pytree(cls: type[T]) -> type[T]:
     return made
 
 
+def hashable(values: Any) -> Any:
+    """Return a tuple in place of a list or an array; anything else as it is."""
+    if isinstance(values, list | np.ndarray | jax.Array):
+        return tuple(np.asarray(values).tolist())
+    return values
+
+
 def on_device(tree: Any) -> Any:
     """Return a tree whose arrays are JAX's, without compiling anything.
 

@@ -1,9 +1,9 @@
 """Choice of the physics: the preset of the next episode, and another one beside it."""
 
-from editor.base.physics import PHYSICS
 from editor.base.prompts import Choice, MenuQuestion
 from editor.play.mode import Mode
 from editor.session import Session
+from kinetix.engine.names import PHYSICS
 
 NONE = "none"
 

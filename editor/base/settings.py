@@ -10,8 +10,8 @@ from typing import Annotated, Any, Final, Literal, Self, get_type_hints
 import msgspec
 from msgspec import Meta
 
-from editor.base.physics import PHYSICS
 from editor.base.state_file import read_state, state_fault, write_state
+from kinetix.engine.names import PHYSICS
 from kinetix.files.names import is_text
 from kinetix.paths import config_dir
 from kinetix.render.palette import PALETTES

@@ -92,8 +92,13 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
     actions, frame_skip 1, jitted scans, the median of at least five runs after a warm-up.
 
     Raises:
-        KinetixError: There is no level of a size.
+        KinetixError: There is no level of a size, or no such observation.
     """
+    kinds = ("none", *(kind.value for kind in ObservationType))
+    if settings.observation not in kinds:
+        raise KinetixError(
+            f"observation {settings.observation!r}: expected one of {', '.join(kinds)}"
+        )
     folder = settings.levels or levels_dir()
     for size in settings.sizes:
         files = level_files(folder, parse_capacity(size))

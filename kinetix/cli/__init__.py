@@ -15,7 +15,8 @@ from types import ModuleType
 from typing import Any, Final
 
 from kinetix.bounds import LAST_SEED
-from kinetix.cores import use_all_cores
+from kinetix.cli.one_core import OneCore
+from kinetix.cores import check_cores, use_all_cores
 from kinetix.errors import KinetixError
 from kinetix.failures import guarded, interrupts_later, plain_streams
 from kinetix.files.caches import tidy_caches
@@ -90,7 +91,9 @@ def _run(name: str, words: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else 2
     _check_seed(name, command)
     with plain_streams():
-        if hasattr(command, "cores"):
+        if isinstance(command, OneCore):
+            check_cores(command.cores)
+        elif hasattr(command, "cores"):
             with interrupts_later():  # JAX is imported here
                 use_all_cores(command.cores, unless_started=command.cores is None)
         status = module.run(command)

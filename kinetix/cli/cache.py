@@ -3,12 +3,13 @@
 import dataclasses
 import sys
 
+from kinetix.cli.one_core import OneCore
 from kinetix.files.caches import CACHES, cache_bytes, cache_folder, clear_cache
 from kinetix.files.limits import MIB
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Cache:
+class Cache(OneCore):
     """Compiled programs and thumbnails on disk."""
 
     clear: bool = False

@@ -9,6 +9,7 @@ from typing import Annotated, Final
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.one_core import OneCore
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import backup_of, write_with_backup
 from kinetix.files.folders import made_folder
@@ -21,7 +22,7 @@ _NO_LEVELS: Final = frozenset({".png", ".gif", ".mp4", ".html", ".jpg", ".jpeg",
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Convert:
+class Convert(OneCore):
     """Turn a level file from one format into the other."""
 
     source: Annotated[Positional[str], tyro.conf.arg(name="in", metavar="IN")]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import tyro
 from tyro.conf import Positional
 
+from kinetix.cli.one_core import OneCore
 from kinetix.cli.terminal import Terminal, counted
 from kinetix.command_line.paths import NamedPath
 from kinetix.environment.outcome import Outcome
@@ -48,7 +49,7 @@ class RecordEpisodes:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class GatherEpisodes:
+class GatherEpisodes(OneCore):
     """Add episodes that the editor saved, and the recorded solutions of levels."""
 
     out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
@@ -58,7 +59,7 @@ class GatherEpisodes:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class VerifyDataset:
+class VerifyDataset(OneCore):
     """Check hashes and levels, play every episode again, and say what the data set holds."""
 
     folder: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
@@ -70,7 +71,7 @@ class VerifyDataset:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class ExportDataset:
+class ExportDataset(OneCore):
     """Write states and actions in kinetix-env's layout, trajectories of 256 steps."""
 
     folder: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]

@@ -14,6 +14,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
+from kinetix.cli.one_core import OneCore
 from kinetix.cli.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
@@ -40,7 +41,7 @@ _UNSOLVED = "unsolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Build:
+class Build(OneCore):
     """Write a level set; equal levels go in once, levels with an error are refused."""
 
     out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="OUT.json")]
@@ -52,7 +53,7 @@ class Build:
     seed: int = 0
     """Seed of the split."""
     inline: bool = False
-    """Put the levels themselves into the file."""
+    """Put the levels themselves into the file; those outside its folder are put there anyway."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -68,7 +69,7 @@ class Verify:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Split:
+class Split(OneCore):
     """Draw the split of a set anew."""
 
     source: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="SET")]

@@ -74,10 +74,11 @@ def run(command: Play) -> int:
 def _played(command: Play, document: "LoadedLevel") -> "Episode":
     """Play the recorded solution, an attempt of an evaluation, or an episode of its own."""
     from kinetix.agents.named import SOLUTION, load_player
-    from kinetix.environment.replay import play_solution
+    from kinetix.environment.replay import play_solution, solution_physics
 
     if command.agent == SOLUTION:
-        return play_solution(document.level, command.physics)
+        physics = command.physics or solution_physics(document.level, command.level)
+        return play_solution(document.level, physics)
     player = load_player(command.agent)
     if command.attempt is not None:
         return _attempt(command, player, command.attempt)

@@ -161,7 +161,7 @@ def _showing(command: Render, agent: str) -> Showing:
     from kinetix.agents.films import steps_per_second
     from kinetix.agents.identity import digest_of
     from kinetix.agents.named import SOLUTION, load_player
-    from kinetix.environment.replay import recorded_rows
+    from kinetix.environment.replay import recorded_rows, solution_physics
     from kinetix.environment.reset import level_state
     from kinetix.environment.state import document_slots
     from kinetix.level.codec import load_document
@@ -173,15 +173,15 @@ def _showing(command: Render, agent: str) -> Showing:
     recorded: dict[str, Any] | None = None
     player: Player
     if agent == SOLUTION:
-        if solution is None:
-            raise KinetixError(f"{command.level}: this level records no solution")
+        own = solution_physics(document.level, command.level)
+        assert solution is not None
         recorded = recorded_rows(list(solution.unrolled()))
         player = load_player("noop")
     else:
         player = load_player(agent)
+        own = player.card.environment.physics
     capacity = capacity_of(document.level) if source is None else source.capacity
     capacity = capacity_for(player.card, capacity, level=document.level.name)
-    own = solution.physics if recorded and solution else player.card.environment.physics
     physics = command.physics or own
     env = environment_for(player, capacity, physics=physics)
     environment = player.card.environment

@@ -12,6 +12,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels, refuse_empty
+from kinetix.cli.one_core import OneCore
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
@@ -20,7 +21,7 @@ from kinetix.level.validate import Issue, has_errors, validate
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Validate:
+class Validate(OneCore):
     """List the problems of levels and level sets."""
 
     files: Annotated[Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE …")]

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from kinetix.agents.results import groups_of
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import (
     EnvParams,
@@ -103,12 +104,13 @@ def get_eval_level_groups(eval_levels: Sequence[str]) -> list[tuple[str, Any]]:
     """Return the groups of some levels, as (name of the group, names of its levels).
 
     Args:
-        eval_levels: Names such as `s/first_flight`; the groups are the folders.
+        eval_levels: Names such as `s/first_flight`; the groups are those of an evaluation.
     """
-    folders: dict[str, list[str]] = {}
-    for level in eval_levels:
-        folders.setdefault(str(level).split("/")[0], []).append(str(level))
-    return list(folders.items())
+    groups: dict[str, list[str]] = {}
+    for level in map(str, eval_levels):
+        for group in groups_of(level):
+            groups.setdefault(group, []).append(level)
+    return list(groups.items())
 
 
 def get_video_frequency(config: Mapping[str, Any], update_step: int) -> int:

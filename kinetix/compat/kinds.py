@@ -2,16 +2,18 @@
 
 from typing import Any
 
+import jax.numpy as jnp
+
 from kinetix.environment import actions, observations
 from kinetix.environment.actions import AbstractAction
 from kinetix.environment.observations import AbstractObservation, Layout
 from kinetix.environment.params import EnvParams, StaticEnvParams
-from kinetix.environment.spaces import Space
 from kinetix.environment.state import EnvState
+from kinetix.level.compile import Labels
 
 
 class _ObservationForm:
-    """kinetix-env's way to make and to call an observation."""
+    """kinetix-env's way to make an observation."""
 
     def __init__(
         self, env_params: EnvParams, static_env_params: StaticEnvParams, **options: Any
@@ -19,17 +21,9 @@ class _ObservationForm:
         make: Any = super().__init__
         make(layout=Layout.of(env_params, static_env_params), **options)
 
-    def get_obs(self, state: EnvState) -> Any:
-        """Return the observation of a state."""
-        return self(state)  # pyright: ignore[reportCallIssue]
-
-    def observation_space(self, env_params: EnvParams | None = None) -> Space:
-        """Return what `get_obs` returns."""
-        return self.space  # pyright: ignore[reportAttributeAccessIssue]
-
 
 class _ActionForm:
-    """kinetix-env's way to make a kind of action."""
+    """kinetix-env's way to make and to use a kind of action."""
 
     def __init__(self, env_params: EnvParams, static_env_params: StaticEnvParams) -> None:
         del env_params
@@ -39,9 +33,30 @@ class _ActionForm:
             thruster_bindings=static_env_params.num_thruster_bindings,
         )
 
+    def process_action(
+        self,
+        action: Any,
+        state: EnvState | Labels,
+        static_env_params: StaticEnvParams | None = None,
+    ) -> Any:
+        """Return one number per joint, then one per thruster; of labels alone, the control."""
+        process: Any = super().process_action  # pyright: ignore[reportAttributeAccessIssue]
+        if not isinstance(state, EnvState):
+            return process(action, state)
+        del static_env_params
+        control = process(action, state.labels)
+        return jnp.concatenate([control.motor, control.thruster])
+
 
 def _formed(form: type, kind: type, name: str) -> Any:
-    return type(name, (form, kind), {"__doc__": kind.__doc__, "__module__": __name__})
+    """Return a class with another form; an environment's own kind counts as an instance of it."""
+
+    def is_kind(cls: type, other: type) -> Any:
+        return (cls is formed and kind in other.__mro__) or NotImplemented
+
+    members = {"__doc__": kind.__doc__, "__module__": __name__}
+    formed = type(kind)(name, (form, kind), members | {"__subclasshook__": classmethod(is_kind)})
+    return formed
 
 
 PixelObservations = _formed(_ObservationForm, observations.PixelObservations, "PixelObservations")

@@ -107,7 +107,23 @@ def MultiDiscreteActionDistribution(
 
 
 class GeneralActorCriticRNN:
-    """The memory of all networks."""
+    """The memory of all networks.
+
+    Here it is no network by itself.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        """Say what makes a network.
+
+        Raises:
+            KinetixError: Always.
+        """
+        del arguments, options
+        raise KinetixError(
+            "GeneralActorCriticRNN is a part of whole networks here: make one with "
+            "kinetix.models.make_network_from_config, or kinetix.models.actor_critic"
+            ".ActorCriticSymbolicRNN"
+        )
 
     @staticmethod
     def initialize_carry(batch_size: int, hidden_size: int = 256) -> Carry:

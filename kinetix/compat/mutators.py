@@ -1,7 +1,6 @@
 """kinetix-env's mutations of levels, by our names for them."""
 
 from collections.abc import Callable
-from typing import Any
 
 from jaxtyping import Array
 
@@ -9,7 +8,6 @@ from kinetix.environment.generators.edits import mutate_state
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.environment.state import EnvState
-from kinetix.errors import KinetixError
 
 MutateState = Callable[..., EnvState]
 """From key, state, the two records of parameters and `UEDParams` to a level."""
@@ -22,20 +20,40 @@ def _mutation(name: str) -> MutateState:
         env_params: EnvParams | None = None,
         static_env_params: StaticEnvParams | None = None,
         ued_params: UEDParams | None = None,
-        **forced: Any,
     ) -> EnvState:
         del env_params, static_env_params
-        wanted = [option for option, value in forced.items() if value is not False]
-        if wanted:
-            raise KinetixError(f"{wanted[0]}: expected False; mutations here force nothing")
         return mutate_state(rng, state, name, ued_params)
 
     mutate.__doc__ = f"Return the level with the mutation `{name}`; see `mutate_state`."
     return mutate
 
 
-mutate_add_shape = _mutation("add_shape")
-mutate_add_connected_shape = _mutation("add_connected_shape")
+def mutate_add_shape(
+    rng: Array,
+    state: EnvState,
+    env_params: EnvParams | None = None,
+    static_env_params: StaticEnvParams | None = None,
+    ued_params: UEDParams | None = None,
+    force_no_fixate: bool = False,
+) -> EnvState:
+    """Return the level with a body more; where `force_no_fixate`, one that can move."""
+    del env_params, static_env_params
+    return mutate_state(rng, state, "add_shape", ued_params, force_no_fixate=force_no_fixate)
+
+
+def mutate_add_connected_shape(
+    rng: Array,
+    state: EnvState,
+    env_params: EnvParams | None = None,
+    static_env_params: StaticEnvParams | None = None,
+    ued_params: UEDParams | None = None,
+    force_rjoint: bool = False,
+) -> EnvState:
+    """Return the level with a jointed body more; where `force_rjoint`, the joint is a hinge."""
+    del env_params, static_env_params
+    return mutate_state(rng, state, "add_connected_shape", ued_params, force_rjoint=force_rjoint)
+
+
 mutate_add_connected_shape_proper = mutate_add_connected_shape
 mutate_remove_shape = _mutation("remove_shape")
 mutate_remove_joint = _mutation("remove_joint")

@@ -331,8 +331,7 @@ MODULES: Final[Mapping[str, Names]] = {
     | _at("kinetix.agents.networks.distributions", TemperatureCategorical="Categorical"),
     "kinetix.models.actor_critic": _HEADS
     | _at("kinetix.agents.networks.mlp", "MultiHeadDense")
-    | _at("kinetix.agents.networks.heads", "DenseAndActivation")
-    | _at("kinetix.agents.networks.pixels", "ResNetBasicBlock")
+    | _none(_NETWORKS, "DenseAndActivation", "ResNetBasicBlock")
     | _at(
         f"{_COMPAT}.networks",
         "ActorCriticPixelsRNN",

@@ -4,7 +4,7 @@ import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import jax
 import jax.numpy as jnp
@@ -32,7 +32,7 @@ from kinetix.level.codec import loads_document, resolve_path, save_level
 from kinetix.level.compile import Scene
 from kinetix.level.decompile import level_from_scene
 from kinetix.level.kinetix_env_compile import compile_kinetix_env
-from kinetix.level.model import Level
+from kinetix.level.model import InertiaModel, Level
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 from kinetix.pytree import on_device
@@ -163,10 +163,17 @@ def expand_env_states(env_state: EnvState, dst_static: StaticEnvParams) -> EnvSt
 def check_if_mass_and_inertia_are_correct(
     state: EnvState, env_params: EnvParams, static_params: StaticEnvParams
 ) -> bool:
-    """Return whether the masses and inertias of moving bodies follow from shape and density."""
+    """Return whether the masses and inertias of moving bodies follow from shape and density.
+
+    They may do so by kinetix-env's rule for inertias or by ours.
+    """
     del env_params, static_params
+    return any(_follow(state, model) for model in get_args(InertiaModel))
+
+
+def _follow(state: EnvState, inertia_model: InertiaModel) -> bool:
     scene = Scene(world=state.world, state=state.physics, labels=state.labels)
-    level: Level = level_from_scene(scene, name="level", inertia_model=UEDParams().inertia_model)
+    level: Level = level_from_scene(scene, name="level", inertia_model=inertia_model)
     return all(body.mass_properties is None for body in level.bodies) and not any(
         issue.severity == "error" for issue in validate(level)
     )

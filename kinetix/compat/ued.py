@@ -1,7 +1,7 @@
 """kinetix-env's functions of level distributions, over our reset functions and samplers."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Final
 
 from jaxtyping import Array
 
@@ -31,6 +31,14 @@ from kinetix.errors import KinetixError
 
 LevelSampler = Callable[[Array, int], Any]
 """Draws a number of levels."""
+_LOCOMOTION: Final = {
+    "dimension_sampling_range_ratio_exclude": "dim_exclude",
+    "dimension_sampling_range_ratio": "dim_sampling_ratio",
+    "dimension_default": "dim_default",
+    "absolute_range_exclude": "exclude",
+    "absolute_range": "range",
+}
+"""Parts of kinetix-env's names of the options of walkers, and ours."""
 
 
 def make_reset_fn_from_config(
@@ -205,7 +213,8 @@ def sample_locomotion_level(
         env_params: Taken for kinetix-env's sake.
         static_env_params: Sizes and physics.
         ued_params: For the floor's role.
-        **options: Fields of `LocomotionParams`.
+        **options: Fields of `LocomotionParams`, also by kinetix-env's names, such as
+            `body_dimension_default`.
     """
     del env_params
     locomotion = _locomotion(options)
@@ -246,6 +255,8 @@ def make_env(
 
 
 def _locomotion(options: Mapping[str, Any]) -> LocomotionParams:
+    for theirs, ours in _LOCOMOTION.items():
+        options = {name.replace(theirs, ours): value for name, value in options.items()}
     known = LocomotionParams.__dataclass_fields__  # pyright: ignore[reportAttributeAccessIssue]
     unknown = sorted(set(options) - set(known))
     if unknown:

@@ -28,7 +28,7 @@ class GymnaxWrapper:
 
     def __getattr__(self, name: str) -> Any:
         """Everything else is the environment's own."""
-        if name == "_env":
+        if name.startswith("__") or name == "_env":
             raise AttributeError(name)
         return getattr(self._env, name)
 
@@ -67,6 +67,18 @@ def _renewed(done: Array, new: Any, old: Any) -> Any:
 
 class AutoReplayWrapper(UnderspecifiedEnvWrapper):
     """Starts the same level again where an episode has ended."""
+
+    def reset(
+        self, rng: Array, params: Any = None, level: EnvState | None = None
+    ) -> tuple[Any, AutoReplayState]:
+        """Start an episode, in a level or in one of the environment's, and remember its start."""
+        override = () if level is None else (level,)
+        obs, env_state = self._env.reset(rng, params, *override)
+        return obs, AutoReplayState(env_state=env_state, level=env_state)
+
+    def get_obs(self, state: AutoReplayState) -> Any:
+        """Return the observation of a state."""
+        return self._env.get_obs(state.env_state)
 
     def step_env(self, rng: Array, state: AutoReplayState, action: Any, params: Any = None) -> Any:
         """Play one action; where done, observation and state are those of the level's start."""

@@ -70,4 +70,8 @@ class DummyEnv:
         """The same state again."""
         no = jnp.zeros((), bool)
         info = dict.fromkeys(("GoalR", "terminated", "truncated", "nan", "overflow"), no)
-        return self.env.get_obs(state), state, jnp.zeros(()), no, info | {"distance": jnp.zeros(())}
+        info |= {"distance": jnp.zeros(())}
+        observation = self.env.get_obs(state)
+        if self.env.keep_terminal_observation:
+            info["terminal_observation"] = observation
+        return observation, state, jnp.zeros(()), no, info

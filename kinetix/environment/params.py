@@ -12,7 +12,7 @@ from kinetix.engine.types import Parameters
 from kinetix.environment.bounds import as_number, check_sizes
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import describe_capacity, parse_capacity
-from kinetix.pytree import pytree, short_repr, static
+from kinetix.pytree import hashable, pytree, short_repr, static
 
 LEVEL_FRAME_SKIP: Final = 2
 """Physics steps per environment step in every named size and in native levels."""
@@ -140,6 +140,10 @@ class StaticEnvParams:
     """Features that the levels use; fewer than all specialise the compiled step."""
 
     __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        """Keep a list or an array of sides as a tuple, which can be hashed."""
+        object.__setattr__(self, "screen_dim", hashable(self.screen_dim))
 
     @property
     def capacity(self) -> Capacity:

@@ -18,6 +18,7 @@ from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
 from kinetix.errors import KinetixError
 from kinetix.level.features import capacity_of_world
+from kinetix.renamed import also_named
 
 
 def expand_state(
@@ -87,6 +88,7 @@ def check_bindings(state: EnvState, static_env_params: StaticEnvParams, *, name:
             )
 
 
+@also_named(rng="key", env_state="state")
 def permute_state(
     key: Array, state: EnvState, static_env_params: StaticEnvParams | None = None
 ) -> EnvState:

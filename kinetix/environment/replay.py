@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from kinetix.engine.presets import solver_named
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.episode import Episode, play_episode, play_until
 from kinetix.environment.outcome import Outcome
@@ -44,10 +45,11 @@ def play_solution(level: Level, physics: str | None = None) -> Episode:
     solution = level.solution
     if solution is None:
         raise KinetixError(f"level {level.name!r} has no recorded solution")
+    physics = physics or solution_physics(level, f"level {level.name!r}")
     return play_actions(
         level,
         list(solution.unrolled()),
-        physics=physics or solution.physics,
+        physics=physics,
         frame_skip=solution.frame_skip,
     )
 
@@ -62,6 +64,25 @@ def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:
     steps = max(level.max_timesteps, 1)
     # Without a row of its own for each step it plays in the program that short solutions have.
     return play_episode(env, start, next_row, limit=steps, **recorded_rows(())).outcome
+
+
+def solution_physics(level: Level, name: str) -> str:
+    """Return the physics that a level's recorded solution names.
+
+    Args:
+        level: A level with a solution.
+        name: Its file, for the message.
+
+    Raises:
+        KinetixError: The level has no solution, or its physics do not exist.
+    """
+    if level.solution is None:
+        raise KinetixError(f"{name}: this level records no solution")
+    try:
+        solver_named(level.solution.physics)
+    except KinetixError as error:
+        raise KinetixError(f"{name}: $.solution.physics: {error}") from None
+    return level.solution.physics
 
 
 def play_actions(

@@ -1,6 +1,7 @@
 """Starts of episodes: levels from files, lists of levels, random levels, the empty level."""
 
 import dataclasses
+import operator
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -39,6 +40,7 @@ from kinetix.level.model import Level
 from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import on_device
+from kinetix.renamed import also_named
 
 if TYPE_CHECKING:
     from kinetix.environment.generators.locomotion import LocomotionParams
@@ -84,6 +86,7 @@ def _one_of(levels: EnvState, edges: Float[np.ndarray, " n"]) -> _OneOf:
     return shared(_OneOf(levels=levels, edges=edges), digest((levels, edges)))
 
 
+@also_named(filename="path")
 def load_from_json_file(
     path: str | Path | Level,
     *,
@@ -198,8 +201,9 @@ def make_reset_fn_list_of_levels(
     """A reset function that picks one of some levels.
 
     Args:
-        levels: Files, bundled names, documents or states, one of those, or a level set (its file
-            or the loaded one, whose weights are the probabilities), or levels of one.
+        levels: Files, bundled names, documents or states (also a batch of them), one of those, or a
+            level set (its file or the loaded one, whose weights are the probabilities), or levels
+            of one.
         static_env_params: The common sizes; every level is expanded to them.
 
     Returns:
@@ -347,10 +351,22 @@ def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
     if not isinstance(levels, Iterable):
         kind = type(levels).__name__
         raise KinetixError(f"levels: expected levels, their files or a level set, got {kind}")
-    entries = list(levels)
+    entries = [one for entry in levels for one in _each_level(entry)]
     if entries and all(isinstance(one, SetLevel) for one in entries):
         return entries, np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
+
+
+def _each_level(entry: Any) -> Iterable[Any]:
+    """Return the levels of a batch of states; anything else as the only one."""
+    if not isinstance(entry, EnvState) or not np.ndim(entry.timestep):
+        return [entry]
+    states = jax.tree.map(np.asarray, entry)
+    return (
+        one
+        for index in range(len(states.timestep))
+        for one in _each_level(jax.tree.map(operator.itemgetter(index), states))
+    )
 
 
 def _entry_state(entry: LevelLike | SetLevel, static_env_params: StaticEnvParams) -> EnvState:

@@ -10,7 +10,7 @@ import dataclasses
 import enum
 import functools
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Final, Self
 
 import jax
@@ -113,7 +113,7 @@ class Discrete(Space):
 
     def contains(self, x: Any) -> Bool[Array, ""]:
         """Return whether every entry is a whole number 0 … n − 1."""
-        return jnp.all(_is_class(jnp.asarray(x), self.n))
+        return _contained(x, self.shape, lambda x: _is_class(x, self.n))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -154,7 +154,13 @@ class MultiDiscrete(Space):
     def contains(self, x: Any) -> Bool[Array, ""]:
         """Return whether every entry is one of its classes."""
         classes = np.asarray(self.number_of_dims_per_distribution)
-        return jnp.all(_is_class(jnp.asarray(x), classes))
+        return _contained(x, self.shape, lambda x: _is_class(x, classes))
+
+
+def _contained(x: Any, shape: tuple[int, ...], good: Callable[[Array], Array]) -> Bool[Array, ""]:
+    """Return whether an array has a shape, and every entry of it is good."""
+    x = jnp.asarray(x)
+    return jnp.all(good(x)) if x.shape == shape else jnp.zeros((), bool)
 
 
 def _is_class(x: Array, classes: int | np.ndarray) -> Array:
@@ -203,8 +209,8 @@ class Box(Space):
 
     def contains(self, x: Any) -> Bool[Array, ""]:
         """Return whether every entry lies between the bounds, both included."""
-        x = jnp.asarray(x)
-        return jnp.all((x >= jnp.asarray(self.low)) & (x <= jnp.asarray(self.high)))
+        low, high = jnp.asarray(self.low), jnp.asarray(self.high)
+        return _contained(x, self.shape, lambda x: (x >= low) & (x <= high))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -224,7 +230,7 @@ class Binary(Space):
 
     def contains(self, x: Any) -> Bool[Array, ""]:
         """Return whether the array is boolean."""
-        return jnp.asarray(jnp.asarray(x).dtype == jnp.bool_)
+        return _contained(x, self.shape, lambda x: jnp.asarray(x.dtype == jnp.bool_))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ class LogWrapper:
 
     def __getattr__(self, name: str) -> Any:
         """Everything else is the environment's own."""
-        if name == "_env":
+        if name.startswith("__") or name == "_env":
             raise AttributeError(name)
         return getattr(self._env, name)
 
@@ -65,10 +65,14 @@ class LogWrapper:
         return self._counting(*self._env.reset(key, env_params, *override))
 
     def reset_to_level(
-        self, key: Array, level: EnvState, env_params: EnvParams | None = None
+        self, key: Array, level: EnvState | LogState, env_params: EnvParams | None = None
     ) -> tuple[Any, LogState]:
-        """Start an episode in a level, and counting."""
-        return self._counting(*self._env.reset_to_level(key, level, env_params))
+        """Start an episode in a level or a state of this wrapper, and counting."""
+        return self._counting(*self._env.reset_to_level(key, _given(level)[0], env_params))
+
+    def get_obs(self, state: EnvState | LogState) -> Any:
+        """Return the observation of a state, of this wrapper or of the environment."""
+        return self._env.get_obs(*_given(state))
 
     def _counting(self, observation: Any, env_state: Any) -> tuple[Any, LogState]:
         count = jnp.zeros((), jnp.int32)
@@ -98,9 +102,20 @@ class LogWrapper:
             `returned_episode` (whether an episode ended in this step).
         """
         override = _given(override_reset_state)
-        observation, env_state, reward, done, info = self._env.step(
-            key, state.env_state, action, env_params, *override
+        return self._logged(
+            state, self._env.step(key, state.env_state, action, env_params, *override)
         )
+
+    def step_env(
+        self, key: Array, state: LogState, action: Any, env_params: EnvParams | None = None
+    ) -> tuple[Any, LogState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        """Step, and report; where the episode ends it stays ended."""
+        return self._logged(state, self._env.step_env(key, state.env_state, action, env_params))
+
+    def _logged(
+        self, state: LogState, stepped: tuple[Any, ...]
+    ) -> tuple[Any, LogState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        observation, env_state, reward, done, info = stepped
         returns, lengths = state.episode_returns + reward, state.episode_lengths + 1
         logged = LogState(
             env_state=env_state,

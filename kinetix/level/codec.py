@@ -266,8 +266,8 @@ def _unchanged(level: Level, source: KinetixEnvDocument) -> bool:
 def save_level(
     level: Level,
     path: str | Path,
-    *,
     format: LevelFormat = FORMAT,
+    *,
     source: KinetixEnvDocument | None = None,
 ) -> tuple[str, ...]:
     """Write a level file atomically: afterwards it holds the old or the new content, never a mix.

@@ -19,6 +19,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine.types import State, World
 from kinetix.errors import KinetixError
 from kinetix.pytree import pytree, static
+from kinetix.renamed import also_named
 from kinetix.render import columns, poses
 from kinetix.render.palette import KINETIX
 from kinetix.render.style import FIRST_POLYGON, FLOOR, THRUSTER_FLAME, THRUSTER_NOZZLE
@@ -306,6 +307,7 @@ def _check_state(env_state: Any) -> None:
         )
 
 
+@also_named(static_params="static_env_params")
 def make_render_pixels(
     env_params: "EnvParams", static_env_params: "StaticEnvParams"
 ) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
@@ -325,6 +327,7 @@ def make_render_pixels(
     return _make_renderer(pixel_grid(env_params, static_env_params), 1.0)
 
 
+@also_named(static_params="static_env_params")
 def make_render_pixels_rl(
     env_params: "EnvParams", static_env_params: "StaticEnvParams"
 ) -> Callable[["EnvState"], Float[Array, "x y 3"]]:

@@ -1,3 +1,5 @@
+import dataclasses
+import importlib
 import json
 import os
 import resource
@@ -6,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -330,9 +333,40 @@ def test_a_recorded_solution_is_played(capsys, tmp_path):
     bare = tmp_path / "bare.json"
     save_level(load_level("s/first_flight").replace(solution=None), bare)
     assert cli.main(["play", str(bare), "--agent", "solution"]) == 1
-    assert "has no recorded solution" in capsys.readouterr().err
+    assert "bare.json: this level records no solution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["play"], ["render", "--steps", "2"]], ids=lambda words: words[0]
+)
+def test_a_solution_of_unknown_physics_is_told_with_its_place(capsys, tmp_path, words):
+    level, file = load_level("s/first_flight"), tmp_path / "odd.json"
+    assert level.solution is not None
+    save_level(level.replace(solution=level.solution.replace(physics="foo")), file)
+    out = [str(tmp_path / "out.png")] if words[0] == "render" else []
+    assert cli.main([words[0], str(file), *out, *words[1:], "--agent", "solution"]) == 1
+    said = "odd.json: $.solution.physics: unknown physics 'foo': expected one of"
+    assert said in capsys.readouterr().err
 
 
 def test_a_flag_that_no_algorithm_has_points_to_the_flags_of_this_one(capsys):
     assert cli.main(["train", "ppo", "--checkpoint-frequency", "4", "--out", "r0"]) == 2
     assert "kinetix train ppo --help" in capsys.readouterr().err
+
+
+def test_of_an_unknown_observation_all_are_listed(capsys):
+    assert cli.main(["bench", "speed", "--observation", "nope"]) == 1
+    said = "observation 'nope': expected one of none, pixels, symbolic_flat,"
+    assert said in capsys.readouterr().err
+
+
+def test_every_command_takes_a_number_of_cores(capsys):
+    for name in set(cli.COMMANDS) - {"bench"}:
+        module = importlib.import_module(f"kinetix.cli.{name}")
+        form = getattr(module, name.capitalize())
+        for each in get_args(form) or (form,):
+            kind = get_args(each)[0] if get_args(each) else each
+            assert "cores" in {field.name for field in dataclasses.fields(kind)}, kind
+    assert cli.main(["cache", "--cores", "1"]) == 0
+    assert cli.main(["cache", "--cores", "0"]) == 1
+    assert "cores = 0: expected a number of cores, at least 1" in capsys.readouterr().err

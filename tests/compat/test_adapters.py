@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinetix import EnvParams, load_from_json_file, make_kinetix_env, static_env_params_from_size
+from kinetix.environment.generators.locomotion import LocomotionParams
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.errors import CheckpointError, KinetixError
@@ -87,6 +88,64 @@ def test_unknown_words_of_a_configuration_are_named():
         )
     with pytest.raises(KinetixError, match="'both': expected one of discrete"):
         normalise_config({"action_type": "both"}, "test")
+
+
+def test_levels_are_grouped_as_evaluations_group_them():
+    from kinetix.util.config import get_eval_level_groups
+
+    levels = ["s/h0_weak_thrust", "l/mjc_walker", "s/h1_thrust_over_ball"]
+    assert get_eval_level_groups(levels) == [
+        ("s_all", [levels[0], levels[2]]),
+        ("s_handmade", [levels[0], levels[2]]),
+        ("l_all", [levels[1]]),
+        ("l_mjc", [levels[1]]),
+    ]
+
+
+def test_options_of_walkers_go_by_the_names_of_kinetix_env():
+    from kinetix.compat.ued import _locomotion
+
+    assert _locomotion(
+        {
+            "body_dimension_default": [0.5, 0.3],
+            "leg_dimension_sampling_range_ratio": 0.2,
+            "ankle_dimension_sampling_range_ratio_exclude": 0.1,
+            "density_absolute_range": 0.4,
+            "friction_absolute_range_exclude": 0.3,
+            "add_ankles": False,
+        }
+    ) == LocomotionParams(
+        body_dim_default=(0.5, 0.3),
+        leg_dim_sampling_ratio=0.2,
+        ankle_dim_exclude=0.1,
+        density_range=0.4,
+        friction_exclude=0.3,
+        add_ankles=False,
+    )
+
+
+def test_mutations_make_what_they_are_forced_to():
+    from kinetix.environment.ued.mutators import mutate_add_connected_shape, mutate_add_shape
+
+    from kinetix.environment import UEDParams, create_empty_env
+
+    static = static_env_params_from_size("m")
+    ued = UEDParams(fixate_chance_min=1.0, min_rjoints_bias=0)
+    rest = (EnvParams(), static, ued)
+
+    def grown(key, forced):
+        state = mutate_add_shape(key, create_empty_env(static), *rest, forced)
+        return state, mutate_add_connected_shape(key, state, *rest, forced)
+
+    for forced in (False, True):
+        keys = jax.random.split(KEY, 8)
+        one, two = jax.jit(jax.vmap(grown, in_axes=(0, None)), static_argnums=1)(keys, forced)
+        fixed = np.asarray(one.world.bodies.active & (one.world.bodies.inverse_mass == 0))
+        assert ((fixed.sum(axis=1) == 4) == forced).all()
+        assert two.world.joints.active.any()
+        assert two.world.joints.fixed.any() != forced
+    with pytest.raises(TypeError, match="force_no_fix"):
+        mutate_add_shape(KEY, one, force_no_fix=False)
 
 
 def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
@@ -170,6 +229,28 @@ def test_new_values_of_a_state_take_the_types_of_the_old(state):
 def test_a_change_that_does_not_fit_a_state_is_told(state, change, told):
     with pytest.raises(KinetixError, match=told):
         state.replace(**change(state))
+
+
+def test_parameters_go_by_the_names_of_kinetix_env(state, static):
+    from kinetix.render.renderer_pixels import make_render_pixels, make_render_pixels_rl
+
+    from kinetix import permute_state, sample_kinetix_level
+
+    load_from_json_file(filename=LEVEL)
+    for make in (make_render_pixels, make_render_pixels_rl):
+        make(env_params=EnvParams(), static_params=static)
+    permuted = permute_state(rng=KEY, env_state=state, static_env_params=static)
+    same = permute_state(key=KEY, state=state)
+    jax.tree.map(np.testing.assert_array_equal, permuted, same)
+    draw = jax.eval_shape(
+        lambda key: sample_kinetix_level(
+            rng=key, engine=None, env_params=EnvParams(), static_env_params=static
+        ),
+        KEY,
+    )
+    assert jax.tree.map(jnp.shape, draw) == jax.tree.map(jnp.shape, state)
+    with pytest.raises(TypeError, match="permute_state: rng and key are the same"):
+        permute_state(rng=KEY, key=KEY, state=state)
 
 
 def test_levels_of_all_sizes_are_stacked(tmp_path):
@@ -386,6 +467,36 @@ def test_an_environment_tells_its_kinds_with_what_they_can_do(static, state):
     assert same == env
 
 
+def test_kinds_are_made_and_used_as_in_kinetix_env(static, state):
+    from kinetix.environment.utils import convert_multi_discrete_actions
+
+    from kinetix.environment.spaces import (
+        ContinuousActions,
+        EntityObservations,
+        KinetixObservation,
+        MultiDiscreteActions,
+        SymbolicObservations,
+    )
+
+    params = EnvParams()
+    env = make_kinetix_env("multi_discrete", "symbolic_flat", None, params, static)
+    assert isinstance(env.action_type, MultiDiscreteActions)
+    assert not isinstance(env.action_type, ContinuousActions)
+    assert isinstance(env.observation_type, SymbolicObservations)
+    assert not isinstance(env.observation_type, EntityObservations)
+    assert not isinstance(env.action_type, type("Own", (MultiDiscreteActions,), {}))
+    action = jnp.array([1, 2, 0, 0, 1, 0])
+    np.testing.assert_array_equal(
+        MultiDiscreteActions(params, static).process_action(action, state, static),
+        convert_multi_discrete_actions(action, state, static, params),
+    )
+    for kind in (env.observation_type, EntityObservations(params, static)):
+        assert isinstance(kind, KinetixObservation)
+        assert kind.observation_space(params) == kind.space
+        assert kind.observation_space().contains(kind.get_obs(state))
+        assert kind.hash_key() == hash(kind)
+
+
 def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
     from kinetix.environment import LogWrapper
 
@@ -395,3 +506,45 @@ def test_an_episode_starts_again_in_a_state_of_the_log(static, state):
     np.testing.assert_array_equal(again.env_state.bodies.position, state.bodies.position)
     stepped = jax.eval_shape(env.step, KEY, logged, jnp.zeros((), int), EnvParams(), logged)
     assert jax.tree.structure(stepped[1]) == jax.tree.structure(logged)
+
+
+def test_observations_and_steps_take_the_states_of_the_log(static, state):
+    from kinetix.environment import LogWrapper
+
+    env = LogWrapper(make_kinetix_env("discrete", "symbolic_flat", None, EnvParams(), static))
+    obs, logged = jax.eval_shape(env.reset, KEY, EnvParams(), state)
+    assert jax.eval_shape(env.get_obs, logged).shape == obs.shape
+    assert jax.eval_shape(env.get_obs, state).shape == obs.shape
+    _, after, _, _, info = jax.eval_shape(env.step_env, KEY, logged, jnp.zeros((), int))
+    assert jax.tree.structure(after) == jax.tree.structure(logged)
+    assert "returned_episode" in info
+
+
+@pytest.mark.filterwarnings("ignore:.*before 2.0:FutureWarning")
+@pytest.mark.parametrize("logged", [False, True], ids=["alone", "around a log"])
+def test_a_level_is_played_again_after_a_reset_to_it(static, state, logged):
+    from kinetix.environment.wrappers import AutoReplayWrapper, LogWrapper
+
+    env = make_kinetix_env("discrete", "symbolic_flat", None, EnvParams(), static)
+    env = AutoReplayWrapper(LogWrapper(env) if logged else env)
+    obs, first = jax.eval_shape(env.reset, KEY, EnvParams(), state)
+    assert jax.eval_shape(env.get_obs, first).shape == obs.shape
+    _, after, *_ = jax.eval_shape(env.step, KEY, first, jnp.zeros((), int), EnvParams())
+    assert jax.tree.map(jnp.shape, after) == jax.tree.map(jnp.shape, first)
+
+
+def test_a_batch_of_levels_is_as_good_as_a_list_of_them(static, state):
+    from kinetix.environment import make_reset_fn_list_of_levels
+
+    stacked = jax.tree.map(lambda x: jnp.stack([x, x, x]), state)
+    many = make_reset_fn_list_of_levels([state, stacked], static)
+    assert repr(many) == "<reset function: one of 4 levels>"
+    assert many == make_reset_fn_list_of_levels([state] * 4, static)
+
+
+def test_masses_follow_by_either_rule(static, state):
+    from kinetix.util.saving import check_if_mass_and_inertia_are_correct
+
+    assert check_if_mass_and_inertia_are_correct(state, EnvParams(), static)
+    heavy = state.replace(circle=state.circle.replace(inverse_mass=state.circle.inverse_mass * 0.5))
+    assert not check_if_mass_and_inertia_are_correct(heavy, EnvParams(), static)

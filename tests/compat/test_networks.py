@@ -116,6 +116,14 @@ def test_draws_keep_to_their_bounds_and_use_all_of_them():
     )
 
 
+def test_a_part_of_networks_says_what_makes_a_whole_one():
+    from kinetix.models import GeneralActorCriticRNN
+
+    assert len(GeneralActorCriticRNN.initialize_carry(2)) == 2
+    with pytest.raises(KinetixError, match=r"make one with kinetix\.models\.make_network_from"):
+        GeneralActorCriticRNN(6, recurrent=True)
+
+
 def test_places_are_spread_evenly_over_shapes():
     from kinetix.environment.ued import util
 

@@ -218,6 +218,13 @@ def test_sizes_that_cannot_be(field, bad):
         make_kinetix_env("discrete", "blind", None, EnvParams(), static)
 
 
+@pytest.mark.parametrize("sides", [[400, 300], np.array([400, 300])], ids=["list", "array"])
+def test_sides_of_the_screen_may_be_any_sequence(sides):
+    static = static_env_params_from_size("s").replace(screen_dim=sides)
+    assert static.screen_dim == (400, 300)
+    hash(static)
+
+
 def test_choices_that_do_not_exist(small_env, small_state, small_static):
     assert sentence(small_env, KEY, small_state, ACTION.at[0].set(3)) == (
         "action [3, 0, 0, 0, 0, 0]: expected whole numbers from 0 and below 3, 3, 3, 3, 2, 2 "

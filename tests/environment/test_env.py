@@ -1,5 +1,6 @@
 """The step as a whole: timing, resets, batching, faults. Size s, so that little is compiled."""
 
+import copy
 import dataclasses
 import functools
 from collections.abc import Callable
@@ -10,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.compat.wrappers import GymnaxWrapper
 from kinetix.environment.env import DummyEnv, KinetixEnv, make_kinetix_env
 from kinetix.environment.named import make_named_env
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
@@ -18,7 +20,7 @@ from kinetix.environment.reset import (
     load_from_json_file,
     make_reset_fn_list_of_levels,
 )
-from kinetix.environment.spaces import Discrete, MultiDiscrete
+from kinetix.environment.spaces import Binary, Box, Discrete, MultiDiscrete, Space
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import LogWrapper
 from kinetix.errors import KinetixError
@@ -291,7 +293,12 @@ def test_dummy_environment_stands_still(small_static: StaticEnvParams) -> None:
     after = env.step(jax.random.key(0), state, env.action_space().sample(jax.random.key(1)))
     assert_trees_close(after[:2], (obs, state), tolerance=0.0)
     assert not after[3]
+    assert "terminal_observation" not in after[4]
     assert bool(env.observation_space().contains(obs))
+    kept = DummyEnv(env=dataclasses.replace(env.env, keep_terminal_observation=True))
+    action = env.actions.noop_action()
+    info = jax.eval_shape(kept.step, jax.random.key(0), state, action)[4]
+    assert info["terminal_observation"].shape == obs.shape
 
 
 def test_log_wrapper_counts_episodes(small_env: KinetixEnv, small_state: EnvState) -> None:
@@ -366,3 +373,27 @@ def test_classes_are_whole_numbers() -> None:
     one, several = Discrete(n=3), MultiDiscrete(number_of_dims_per_distribution=(3, 2))
     assert one.contains(2) and not one.contains(1.5)
     assert several.contains([2, 1.0]) and not several.contains([0.5, 1])
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        Discrete(n=3),
+        MultiDiscrete(number_of_dims_per_distribution=(3, 2)),
+        Box(low=-1.0, high=1.0, shape=(2,)),
+        Binary(shape=(2,)),
+    ],
+    ids=lambda space: type(space).__name__,
+)
+def test_values_of_another_shape_lie_in_no_space(space: Space) -> None:
+    inside = jnp.zeros(space.shape, space.dtype)
+    assert space.contains(inside)
+    others = [jnp.zeros(shape, space.dtype) for shape in ((), (2,), (3,), (2, 2))]
+    assert not any(space.contains(x) for x in others if x.shape != space.shape)
+
+
+def test_a_copy_of_a_wrapper_is_a_wrapper(small_env: KinetixEnv) -> None:
+    for kind in (LogWrapper, GymnaxWrapper):
+        copied = copy.deepcopy(kind(small_env))
+        assert isinstance(copied, kind)
+        assert copied.num_actions == small_env.num_actions

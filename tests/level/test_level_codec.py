@@ -381,7 +381,7 @@ def test_saving_and_loading_both_formats(tmp_path):
     assert save_level(level, tmp_path / "a.json") == ()
     assert load_document(tmp_path / "a.json").format == "kinetix-level"
     assert load_level(tmp_path / "a.json") == level
-    lost = save_level(level, tmp_path / "b.json", format="kinetix-env")
+    lost = save_level(level, tmp_path / "b.json", "kinetix-env")
     rule = "how masses follow from shapes (they stay as numbers)"
     assert lost == ("name", "description", "tags", "solution", rule)
     loaded = load_document(tmp_path / "b.json")

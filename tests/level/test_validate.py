@@ -18,6 +18,7 @@ from kinetix.level.model import (
     Motor,
     Polygon,
     SizeHint,
+    Solution,
     Thruster,
 )
 from kinetix.level.validate import MOST_OVERLAPS, validate
@@ -70,6 +71,18 @@ CASES = {
         with_body(shape=Circle(radius=0.2)).replace(size="s"),
         "Uses 3 of 2 circles: does not fit size s.",
     ),
+    "W214": (
+        GOOD.replace(
+            solution=Solution(physics="foo", frame_skip=2, actions=((1, (0, 0, 0, 0, 1, 1)),))
+        ),
+        "The recorded solution is of unknown physics 'foo'; expected one of jax2d, fast,",
+    ),
+    "W214 thruster": (
+        GOOD.replace(
+            solution=Solution(physics="fast", frame_skip=2, actions=((1, (0, 0, 0, 0, 1, 2)),))
+        ),
+        "Thruster 1 of the recorded solution: expected 0 or 1, got 2, which counts as 0.",
+    ),
     "E110": (
         GOOD.replace(thrusters=(PUSH.replace(binding=2),)),
         "Binding 2 of thruster 3 is out of range 0–1.",
@@ -107,6 +120,7 @@ def codes(level):
 def test_each_code_is_found_alone(code):
     level, sentence = CASES[code]
     issues = validate(level)
+    code = code.split()[0]
     assert [issue.code for issue in issues] == [code]
     assert sentence in issues[0].message
     assert issues[0].severity == {"E": "error", "W": "warning"}[code[0]]
@@ -144,8 +158,10 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    errors, warnings = range(101, 111), [*range(201, 210), 212, 213]
-    assert set(CASES) == {f"E{k}" for k in errors} | {f"W{k}" for k in warnings}
+    errors, warnings = range(101, 111), [*range(201, 210), 212, 213, 214]
+    assert {case.split()[0] for case in CASES} == {f"E{k}" for k in errors} | {
+        f"W{k}" for k in warnings
+    }
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
 from editor.agents.evaluation import bare_summary
 from editor.base.language import tr
-from editor.base.physics import PHYSICS
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
@@ -21,6 +20,7 @@ from editor.window.panels.base import Panel
 from editor.window.panels.results_table import MOST_WIDE, ResultsTable
 from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.results import EpisodeResult
+from kinetix.engine.names import PHYSICS
 from kinetix.paths import levels_dir
 from kinetix.wording import plural
 

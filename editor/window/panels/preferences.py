@@ -9,11 +9,11 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import physics
 from editor.base.language import languages
-from editor.base.physics import PHYSICS
 from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings, settings_path
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.widgets import px
+from kinetix.engine.names import PHYSICS
 from kinetix.paths import user_levels_dir
 from kinetix.render.palette import PALETTES
 

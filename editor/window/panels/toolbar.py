@@ -8,12 +8,12 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import physics
 from editor.base.language import tr
-from editor.base.physics import PHYSICS
 from editor.play.mode import Mode
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.toolkit.widgets import px
 from editor.window.hints import key_of
+from kinetix.engine.names import PHYSICS
 
 if TYPE_CHECKING:
     from editor.session import Session

@@ -43,7 +43,11 @@ ACCEL_WEIGHTS: Final[dict[str, float]] = {
 
 
 def mutate_state(
-    key: Key[Array, ""], state: EnvState, name: str, ued_params: UEDParams | None = None
+    key: Key[Array, ""],
+    state: EnvState,
+    name: str,
+    ued_params: UEDParams | None = None,
+    **forced: bool,
 ) -> EnvState:
     """A level with one mutation; the same level where the mutation finds nothing to act on.
 
@@ -52,6 +56,8 @@ def mutate_state(
         state: The level, at the start of an episode; `vmap` for many.
         name: One of `MUTATORS`.
         ued_params: The options; None for the defaults.
+        **forced: `force_no_fixate` of `add_shape`: the body can move; `force_rjoint` of
+            `add_connected_shape`: the joint is a hinge.
 
     Raises:
         KinetixError: There is no such mutation.
@@ -59,7 +65,8 @@ def mutate_state(
     if name not in MUTATORS:
         raise KinetixError(f"unknown mutation {name!r}: expected one of {', '.join(MUTATORS)}")
     ued = ued_params or UEDParams()
-    return _mutation(name, ued, capacity_of_world(state.world))(raw_keys(key), state)
+    only = tuple(option for option, value in forced.items() if value)
+    return _mutation(name, ued, capacity_of_world(state.world), only)(raw_keys(key), state)
 
 
 def accel_edit(
@@ -82,13 +89,15 @@ def accel_edit(
 
 @functools.cache
 def _mutation(
-    name: str, ued: UEDParams, capacity: Capacity
+    name: str, ued: UEDParams, capacity: Capacity, forced: tuple[str, ...]
 ) -> Callable[[Array, EnvState], EnvState]:
     def batched(keys: Array, state: EnvState) -> EnvState:
         numbers = Tape(keys, NUMBERS).take(NUMBERS)
         everywhere = jnp.ones((keys.shape[0],), bool)
         before = draft_of(state)
-        draft = MUTATORS[name](before, numbers, everywhere, ued, capacity)
+        change: Callable[..., Draft] = MUTATORS[name]
+        options = dict.fromkeys(forced, True)
+        draft = change(before, numbers, everywhere, ued, capacity, **options)
         if name in SETTLED:
             draft = settled(draft, everywhere, capacity, ued)
         return _rebuilt(state, before, draft, capacity, ued)

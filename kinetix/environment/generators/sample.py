@@ -55,8 +55,10 @@ from kinetix.environment.generators.draws import (
 from kinetix.environment.generators.figures import pick
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
+from kinetix.environment.params import physics_engine as engine_of
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
+from kinetix.renamed import also_named
 
 SMALL_BODIES = 7
 """Capacities with at most this many bodies, the arena included, are drawn without proposals."""
@@ -322,9 +324,10 @@ def level_sampler(
     return sampler_of(batched)
 
 
+@also_named(rng="key", engine="physics_engine")
 def sample_kinetix_level(
     key: Key[Array, ""],
-    physics_engine: PhysicsEngine,
+    physics_engine: PhysicsEngine | None,
     env_params: EnvParams,
     static_env_params: StaticEnvParams,
     ued_params: UEDParams | None = None,
@@ -333,10 +336,11 @@ def sample_kinetix_level(
 
     Args:
         key: Random key; the same key gives the same level.
-        physics_engine: `env.physics_engine`: sizes and solver.
+        physics_engine: `env.physics_engine`: sizes and solver; None: that of `static_env_params`.
         env_params: Taken for kinetix-env's sake; random levels leave the time limit to it.
         static_env_params: Taken for kinetix-env's sake; its sizes are those of the engine.
         ued_params: The options; None for the defaults.
     """
-    del env_params, static_env_params
-    return level_sampler(physics_engine, ued_params or UEDParams())(key)
+    del env_params
+    engine = physics_engine or engine_of(static_env_params)
+    return level_sampler(engine, ued_params or UEDParams())(key)

@@ -5,6 +5,7 @@ import dataclasses
 from typing import Any, ClassVar
 
 from kinetix.environment.observations.features import Feature, Layout
+from kinetix.environment.params import EnvParams
 from kinetix.environment.spaces import Space
 from kinetix.environment.state import EnvState
 
@@ -29,6 +30,19 @@ class AbstractObservation(abc.ABC):
     def value(self) -> str:
         """Its name, as that of the equal `ObservationType`."""
         return self.name
+
+    def get_obs(self, state: EnvState) -> Any:
+        """Return the observation of one state: what calling returns, by kinetix-env's name."""
+        return self(state)
+
+    def observation_space(self, env_params: EnvParams | None = None) -> Space:
+        """Return `space`, by kinetix-env's name."""
+        del env_params
+        return self.space
+
+    def hash_key(self) -> int:
+        """Return a number that equal observations share."""
+        return hash(self)
 
     @property
     @abc.abstractmethod

@@ -16,6 +16,7 @@ from kinetix.level.validate.parts import (
     size_issues,
 )
 from kinetix.level.validate.placed import MAX_SHAPE_SIZE, place_issues, placed_bodies
+from kinetix.level.validate.solution import solution_issues
 from kinetix.level.validate.values import value_issues
 
 __all__ = [
@@ -35,7 +36,14 @@ def validate(level: Level) -> tuple[Issue, ...]:
     issues = list(value_issues(level))
     # Geometry of numbers that are not finite, or of missing corners, means nothing.
     broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}
-    for check in (role_issues, reference_issues, size_issues, control_issues, angle_issues):
+    for check in (
+        role_issues,
+        reference_issues,
+        size_issues,
+        control_issues,
+        angle_issues,
+        solution_issues,
+    ):
         issues += check(level)
     placed = placed_bodies(level, broken)
     issues += joint_issues(level, placed, broken)

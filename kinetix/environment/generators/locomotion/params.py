@@ -4,7 +4,7 @@ Q11 and Q12 are quirks of `LocomotionParams.kinetix_quirks`.
 """
 
 from kinetix.level.model import InertiaModel
-from kinetix.pytree import pytree, static
+from kinetix.pytree import hashable, pytree, static
 
 Exclude = tuple[float, float]
 
@@ -51,3 +51,8 @@ class LocomotionParams:
     kinetix_quirks: bool = static(default=True)
     inertia_model: InertiaModel = static(default="kinetix")
     legacy_ceiling: bool = static(default=False)
+
+    def __post_init__(self) -> None:
+        """Keep lists and arrays of dimensions as tuples, which can be hashed."""
+        for name in ("body_dim_default", "leg_dim_default", "ankle_dim_default"):
+            object.__setattr__(self, name, hashable(getattr(self, name)))

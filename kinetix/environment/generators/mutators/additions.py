@@ -86,12 +86,13 @@ def add_shape(
     ued: UEDParams,
     capacity: Capacity,
     *,
+    force_no_fixate: bool = False,
     size: SizeLimit | None = None,
 ) -> Draft:
     """Add a free body; `size` overrides the limits of the options."""
     draws = shape_draws(numbers[:PER_SHAPE, None])
     around = _around(draft, capacity)
-    proposals = free_shape(draws, around, False, ued, size or size_limit(ued))
+    proposals = free_shape(draws, around, force_no_fixate, ued, size or size_limit(ued))
     return _insert(draft, proposals, marked, ued, capacity)[0]
 
 

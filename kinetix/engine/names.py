@@ -2,9 +2,9 @@
 
 from typing import Final
 
-PRESETS: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
+PRESET_NAMES: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
 """Presets of the engine, in the order of growing accuracy."""
-SOLVERS: Final = (
+SOLVER_NAMES: Final = (
     "pgs_baumgarte",
     "pgs_soft",
     "soft_step",
@@ -14,4 +14,4 @@ SOLVERS: Final = (
     "direct+admm",
 )
 """Solvers that can be chosen at their default settings."""
-PHYSICS: Final = PRESETS + SOLVERS
+PHYSICS: Final = PRESET_NAMES + SOLVER_NAMES
