@@ -16,9 +16,9 @@ def test_equal_sources_have_equal_digits(tmp_path) -> None:
     assert digest() == digest()
 
 
-def test_sources_that_were_changed_meanwhile_are_nobody_elses(tmp_path) -> None:
+def test_sources_that_were_changed_meanwhile_have_no_digits(tmp_path) -> None:
     """A developer edits a file while the app runs: the next start must not find what it kept."""
     (tmp_path / "a.py").write_text("x = 1\n")
     os.utime(tmp_path / "a.py", (100.0, 100.0))
-    assert digest_of(tmp_path, 200.0) == digest_of(tmp_path, 200.0)
-    assert digest_of(tmp_path, 50.0) != digest_of(tmp_path, 50.0)
+    assert digest_of(tmp_path, 200.0)
+    assert digest_of(tmp_path, 50.0) is None

@@ -1,4 +1,4 @@
-"""What a step computes for many worlds at once, made once for all environments that share it.
+"""Kernels of a step for many worlds at once, each made once for all environments that share it.
 
 Environments that differ only in how episodes start play and observe alike: training and evaluation,
 say. The kernels that do so are cached by value, so that each is traced once in a process.

@@ -1,7 +1,9 @@
 """Kernels on disk: what comes from there is the same, and whatever is wrong there is made anew."""
 
+import contextlib
 import dataclasses
 import enum
+import math
 
 import jax
 import jax.numpy as jnp
@@ -41,18 +43,19 @@ def check(result) -> None:
 
 
 def test_the_next_process_neither_traces_nor_lowers(folder, monkeypatch) -> None:
-    check(many()(VALUES))
-    assert len(list(folder.iterdir())) == 1
+    made, export = [], lowered.export.export
 
-    def refuse(*_, **__):
-        raise AssertionError("lowered a second time")
+    def counted(run, **options):
+        made.append(run)
+        return export(run, **options)
 
-    monkeypatch.setattr(lowered.export, "export", refuse)
+    monkeypatch.setattr(lowered.export, "export", counted)
     check(many()(VALUES))
-    with pytest.raises(AssertionError, match="second time"):
-        many()(VALUES[:2])  # other shapes are another program
-    with pytest.raises(AssertionError, match="second time"):
-        many(3.0)(VALUES)
+    check(many()(VALUES))
+    assert len(made) == len(list(folder.iterdir())) == 1
+    many()(VALUES[:2])  # other shapes are another program
+    many(3.0)(VALUES)
+    assert len(made) == len(list(folder.iterdir())) == 3
 
 
 @pytest.mark.parametrize("damage", [b"", b"\x78\x01damaged", None])
@@ -79,6 +82,45 @@ def test_who_declines_jaxs_cache_declines_this_one(folder) -> None:
         check(many()(VALUES))
     finally:
         jax.config.update("jax_enable_compilation_cache", before)
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("first_in_a_mesh", [True, False])
+def test_a_mesh_of_the_caller_is_not_kept(folder, first_in_a_mesh) -> None:
+    devices = np.array(jax.devices()[:1])
+    mesh = jax.sharding.Mesh(devices, ("d",), axis_types=(jax.sharding.AxisType.Auto,))
+    for in_a_mesh in (first_in_a_mesh, not first_in_a_mesh):
+        with jax.set_mesh(mesh) if in_a_mesh else contextlib.nullcontext():
+            check(many()(VALUES))
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_what_no_file_can_hold_is_lowered_as_ever(folder, monkeypatch) -> None:
+    def refuse(*_, **__):
+        raise NotImplementedError("serialization of host_callbacks")
+
+    monkeypatch.setattr(lowered.export, "export", refuse)
+    check(many()(VALUES))
+    assert not folder.exists()
+
+
+def test_without_a_way_to_write_it_it_is_used_in_this_process(folder, monkeypatch) -> None:
+    def refuse(*_, **__):
+        raise ImportError("Please install 'flatbuffers'")
+
+    monkeypatch.setattr(lowered.export.Exported, "serialize", refuse)
+    check(many()(VALUES))
+    assert not list(folder.iterdir())
+
+
+def test_who_keeps_nothing_keeps_no_kernels(folder) -> None:
+    name = "jax_persistent_cache_min_compile_time_secs"
+    before = jax.config.values[name]
+    jax.config.update(name, math.inf)
+    try:
+        check(many()(VALUES))
+    finally:
+        jax.config.update(name, before)
     assert not folder.exists()
 
 

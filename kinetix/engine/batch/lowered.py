@@ -9,6 +9,7 @@ not whole is thrown away.
 import contextlib
 import functools
 import hashlib
+import math
 import os
 import zlib
 from collections.abc import Callable, Sequence
@@ -21,13 +22,14 @@ import jaxlib.version
 from jax import export
 from jaxtyping import Array
 
-from kinetix.errors import LevelError
+from kinetix.engine.batch.program import shaped
 from kinetix.files.atomic import write_atomically
-from kinetix.files.caches import cache_folder
+from kinetix.files.caches import CACHES, bound, cache_folder
 from kinetix.sources import digest
 
 _PLATFORM: Final = "cpu"
-_SETTINGS: Final = ("jax_enable_x64", "jax_default_matmul_precision")
+_CACHE: Final = "lowered"
+_SETTINGS: Final = ("jax_enable_x64", "jax_default_matmul_precision", "jax_use_shardy_partitioner")
 """JAX's options that change what is lowered; promotion is always the usual one."""
 _INSIDE: Final = ContextVar("inside", default=False)
 """True while a kernel is lowered for the disk: kernels within it are part of it."""
@@ -44,43 +46,59 @@ def from_disk(
         leaves: Its arguments, while a program for a processor is lowered.
 
     Returns:
-        The results; None inside of another kernel that is lowered for the disk.
+        The results; None where it is to be lowered as ever.
     """
-    if _INSIDE.get():
+    if _INSIDE.get() or _declined():
         return None
-    shapes = tuple((x.shape, x.dtype, bool(getattr(x, "weak_type", False))) for x in leaves)
-    settings = tuple(getattr(jax.config, name) for name in _SETTINGS)
-    return _lowered(f"{words} {settings}", run, shapes).call(*leaves)
+    settings = tuple(jax.config.values[name] for name in _SETTINGS)
+    kept = _lowered(f"{words} {settings}", run, tuple(shaped(x.shape, x) for x in leaves))
+    return None if kept is None else list(kept.call(*leaves))
+
+
+def _declined() -> bool:
+    """Return whether JAX keeps nothing on disk, or what runs is not what lies there."""
+    settings = jax.config.values
+    return (
+        not settings["jax_enable_compilation_cache"]
+        or settings["jax_persistent_cache_min_compile_time_secs"] == math.inf
+        or digest() is None
+    )
 
 
 @functools.lru_cache(maxsize=64)
-def _lowered(words: str, run: Callable[..., list[Array]], shapes: tuple[Any, ...]) -> Any:
-    path = _file(f"{words} {shapes}")
+def _lowered(
+    words: str, run: Callable[..., list[Array]], leaves: tuple[jax.ShapeDtypeStruct, ...]
+) -> export.Exported | None:
+    path = _file(f"{words} {[(x.shape, str(x.dtype), x.weak_type) for x in leaves]}")
     kept = _load(path)
-    if kept is not None:
-        return kept
+    if kept is None:
+        kept = _exported(run, leaves)
+        if kept is not None:
+            _save(path, kept)
+    return kept
+
+
+def _exported(
+    run: Callable[..., list[Array]], leaves: Sequence[jax.ShapeDtypeStruct]
+) -> export.Exported | None:
     token = _INSIDE.set(True)
     try:
-        arguments = [jax.ShapeDtypeStruct(s, d, weak_type=weak) for s, d, weak in shapes]
-        made = export.export(run, platforms=(_PLATFORM,))(*arguments)  # pyright: ignore[reportArgumentType]
+        # Of no mesh that the caller has set: the next process may have another, or none.
+        with jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), ())):
+            made = export.export(run, platforms=(_PLATFORM,))(*leaves)  # pyright: ignore[reportArgumentType]
+    except Exception:  # it has something that no file can hold; whatever is wrong is told without
+        return None
     finally:
         _INSIDE.reset(token)
-    _save(path, made)
-    return made
+    return made if made.nr_devices == 1 else None
 
 
 def _file(words: str) -> Path:
     key = f"{words} {jax.__version__} {jaxlib.version.__version__} {digest()}"
-    return cache_folder("lowered") / f"{hashlib.sha256(key.encode()).hexdigest()}.hlo"
-
-
-def _declined() -> bool:
-    return not jax.config.values["jax_enable_compilation_cache"]
+    return cache_folder(_CACHE) / f"{hashlib.sha256(key.encode()).hexdigest()}.hlo"
 
 
 def _load(path: Path) -> export.Exported | None:
-    if _declined():
-        return None
     try:
         kept = export.deserialize(bytearray(zlib.decompress(path.read_bytes())))
     except FileNotFoundError:
@@ -95,8 +113,13 @@ def _load(path: Path) -> export.Exported | None:
 
 
 def _save(path: Path, made: export.Exported) -> None:
-    if _declined():
-        return
-    with contextlib.suppress(OSError, LevelError):  # a cache that cannot be written to is none
+    with contextlib.suppress(Exception):  # a cache that cannot be written to is none
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, zlib.compress(bytes(made.serialize()), 1))
+        _tidy()
+
+
+@functools.cache
+def _tidy() -> None:
+    """Keep the folder within its bound, once in a process."""
+    bound(cache_folder(_CACHE), CACHES[_CACHE].largest)

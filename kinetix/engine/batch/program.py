@@ -47,7 +47,7 @@ class BatchProgram:
     def shapes(self, leaves: Sequence[Any]) -> Tree:
         """A tree like the kernel's result; only the shapes and types of its arrays are meant."""
         # Asked for one world, so that it is traced once, however many there are.
-        one = [jax.ShapeDtypeStruct((*x.shape[:-1], 1), x.dtype) for x in leaves]
+        one = [shaped((*x.shape[:-1], 1), x) for x in leaves]
         worlds = count(leaves)
         return jax.tree.map(
             lambda x: jax.ShapeDtypeStruct((*x.shape[:-1], worlds), x.dtype),
@@ -64,6 +64,12 @@ def _alike(program: BatchProgram) -> Callable[..., Tree]:
     """What is asked for its shapes alone: jitted, as JAX traces such a function once."""
     run = program.like or program.kernel
     return jax.jit(lambda *leaves: run(*program.arguments(leaves)))
+
+
+def shaped(shape: tuple[int, ...], like: Any) -> jax.ShapeDtypeStruct:
+    """Return an array's description with another shape; a Python number stays one."""
+    weak = bool(getattr(like, "weak_type", False))
+    return jax.ShapeDtypeStruct(shape, like.dtype, weak_type=weak)
 
 
 def count(leaves: Sequence[Any]) -> int:
