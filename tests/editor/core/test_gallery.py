@@ -128,6 +128,15 @@ def test_folders_behind_links_and_names_in_capitals_are_shown(library, folder, t
     assert len(library.cards) == 5
 
 
+def test_a_link_to_too_many_folders_is_told(library, folder, tmp_path, monkeypatch):
+    for k in range(3):
+        (tmp_path / "disk" / str(k)).mkdir(parents=True)
+    (folder / "link").symlink_to(tmp_path / "disk")
+    monkeypatch.setattr("kinetix.files.walk.MOST_LINKED", 2)
+    assert len(look(library, folder)) == 4
+    assert "what links lead to" in library.passed_over
+
+
 def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkeypatch):
     look(library, folder)
     read = []
