@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import tyro
 
 from editor.actions.agents import load_agent
-from editor.base.settings import SCALES, Settings, SettingsKeeper
+from editor.base.settings import LARGEST_SIDE, SCALES, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
 from editor.gallery.results import Results
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 _TOOLKIT: Final = ("pygame", "imgui_bundle")
 """Packages of the extra `editor`; training and evaluation do without."""
-_LARGEST: Final = 8192
-"""Largest width and height of the window [px]; the largest screens have 7680."""
 _DIGITS: Final = 9
 """Most digits of a size."""
 _PARTING_SECONDS: Final = 0.3
@@ -69,8 +67,8 @@ def _size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise KinetixError(f"--size {text}: expected WIDTHxHEIGHT, such as 1440x900")
-    if max(len(width), len(height)) > _DIGITS or max(int(width), int(height)) > _LARGEST:
-        raise KinetixError(f"--size {text}: expected at most {_LARGEST}x{_LARGEST}")
+    if max(len(width), len(height)) > _DIGITS or max(int(width), int(height)) > LARGEST_SIDE:
+        raise KinetixError(f"--size {text}: expected at most {LARGEST_SIDE}x{LARGEST_SIDE}")
     return max(int(width), 320), max(int(height), 240)
 
 

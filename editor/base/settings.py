@@ -25,6 +25,8 @@ ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
 """Choices of what angles snap to [°]."""
 LARGEST_SCALE: Final = 4.0
 """Of the interface: a stored scale beyond it is passed over."""
+LARGEST_SIDE: Final = 8192
+"""Largest width and height of the window [px]; the largest screens have 7680."""
 SCALES: Final = (0.75, 3.0)
 """Least and largest scale that the interface is drawn at."""
 TEXT_SCALES: Final = (0.85, 1.0, 1.15, 1.3)

@@ -43,7 +43,7 @@ def _object(path: Path) -> dict[str, Any]:
 
 def write_state(
     path: Path, tree: Mapping[str, Any], *, sound: bool = False, indent: int | None = 1
-) -> None:
+) -> os.stat_result | None:
     """Write a file whole, making its folder where there is none; a broken one stays as a backup.
 
     Args:
@@ -51,6 +51,9 @@ def write_state(
         tree: What it is to hold.
         sound: True if the file has just been read and is not broken: it is not read again.
         indent: See `json.dumps`; None is quickest for what nobody reads.
+
+    Returns:
+        The state of the new file as `write_atomically` does; None if it replaced a broken one.
 
     Raises:
         LevelError: It cannot be written.
@@ -62,5 +65,5 @@ def write_state(
     data = json.dumps(tree, indent=indent).encode()
     if not sound and state_fault(path):
         write_with_backup(path, data, keep_all=True)
-    else:
-        write_atomically(path, data)
+        return None
+    return write_atomically(path, data)

@@ -122,8 +122,9 @@ class Results:
         self.revision += 1
         if self._stored:
             sound = self._seen is not None and self._seen == _state_of(self.path)
-            write_state(self.path, _tree(self._read()), sound=sound, indent=None)
-            self._seen = _state_of(self.path)
+            written = write_state(self.path, _tree(self._read()), sound=sound, indent=None)
+            # Not as it is by now: another window may have replaced it.
+            self._seen = None if written is None else _told(written)
         self._unwritten.clear()
 
     def _refresh(self) -> None:
@@ -159,9 +160,12 @@ class Results:
 def _state_of(path: Path) -> tuple[int, int, int] | None:
     """Return what changes whenever a file does; None where it is absent."""
     try:
-        found = path.stat()
+        return _told(path.stat())
     except OSError:
         return None
+
+
+def _told(found: os.stat_result) -> tuple[int, int, int]:
     return found.st_ino, found.st_size, found.st_mtime_ns
 
 

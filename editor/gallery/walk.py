@@ -4,8 +4,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+from kinetix.errors import LevelError
 from kinetix.files.names import is_text
-from kinetix.files.walk import walked
+from kinetix.files.walk import MOST_LINKED, walked
 
 MAX_FILES: Final = 20_000
 """Most files of one look: a bound against a folder that was chosen by mistake."""
@@ -21,19 +22,27 @@ class Walk:
             folders: Where; everything below them as well.
         """
         self._folders = folders
-        self._unnamed = self._full = False
+        self._unnamed = self._full = self._astray = False
 
     @property
     def passed_over(self) -> str:
         """One sentence about what was not read; empty where everything was."""
         if self._full:
             return f"Not shown: what comes after the first {MAX_FILES} files."
+        if self._astray:
+            return f"Not shown: what links lead to beyond {MOST_LINKED} folders; remove such links."
         if self._unnamed:
             return "Not shown: files and folders whose names are no Unicode text; rename them."
         return ""
 
     def files(self) -> Iterator[tuple[Path, int, int]]:
         """Every JSON file with time [ns] and length, in the order of paths, behind links last."""
+        try:
+            yield from self._files()
+        except LevelError:
+            self._astray = True
+
+    def _files(self) -> Iterator[tuple[Path, int, int]]:
         count = 0
         for place, inner, names in walked(self._folders):
             inner[:] = self._shown(inner)

@@ -76,6 +76,11 @@ class Host(abc.ABC):
         self._renderer = self._make_renderer()
         self.ui = Ui(session, self._renderer, scale=scale)
 
+    def resize(self, size: tuple[int, int]) -> bool:
+        """Take another size [px] in a replay; returns whether this host can."""
+        del size
+        return False
+
     @abc.abstractmethod
     def _make_renderer(self) -> Renderer:
         """The renderer for the current context."""

@@ -24,6 +24,11 @@ class HeadlessHost(Host):
     def _make_renderer(self) -> NullRenderer:
         return NullRenderer()
 
+    def resize(self, size: tuple[int, int]) -> bool:
+        """See `Host.resize`."""
+        self.size = size
+        return True
+
     def frames(self, count: int = 1, *batch: events.InputEvent) -> None:
         """Run frames; the events arrive in the first one."""
         for index in range(count):

@@ -30,3 +30,9 @@ class OffscreenHost(PygameHost):
     def _make_renderer(self) -> GlRenderer:
         self._pictures = GlRenderer(Window.LASTS)
         return self._pictures
+
+    def resize(self, size: tuple[int, int]) -> bool:
+        """See `Host.resize`."""
+        self.size = size
+        self._pictures.leave_window()
+        return True

@@ -115,6 +115,10 @@ class GlRenderer:
         """Draw everything in the next frame: the window has lost what it showed."""
         self._before = None
 
+    def leave_window(self) -> None:
+        """Keep the picture elsewhere from now on: it gets another size than the window."""
+        self._window = Window.UNSEEN
+
     def _canvas_of(self, width: int, height: int) -> gl.Canvas | None:
         """The picture that lasts, as large as the window; None where there can be none."""
         if not self._keeps or (self._canvas is not None and self._canvas.size == (width, height)):

@@ -16,6 +16,7 @@ from editor import actions
 from editor.actions import address, agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
+from editor.base.settings import LARGEST_SIDE, SCALES
 from editor.documents import files
 from editor.documents.commands.fields import SetField
 from editor.documents.document import Format
@@ -43,6 +44,8 @@ _LOAD_SECONDS: Final = 120.0
 """Longest wait for an agent [s]; the first one waits for JAX to be imported."""
 _STEP_SECONDS: Final = 30.0
 """Longest wait for simulation steps that are under way [s]."""
+_SCALE_DIGITS: Final = 1e-5
+"""Relative difference of scales that count as one: a message tells six digits."""
 _BUTTONS: Final = {1: events.LEFT, 2: events.MIDDLE, 3: events.RIGHT}
 
 
@@ -61,6 +64,8 @@ class Replayer:
         self._mods: tuple[str, ...] = ()
         self._buttons: set[int] = set()
         self._film: Film | None = None
+        self._looked = False
+        """Whether a line has said how large the window is."""
         self._verbs: dict[str, Callable[[Event], None]] = {
             "window": self._window,
             "open": self._open,
@@ -149,12 +154,21 @@ class Replayer:
             worker.poll()
 
     def _window(self, event: Event) -> None:
-        """Refuse to go on in another window than the one that was recorded."""
-        (width, height), scale = event["size"], float(event["scale"])
-        if (width, height) != self._host.size or not math.isclose(scale, self._host.ui.scale):
+        """Take the size and the scale that the window got; the first ones must be there already."""
+        size, scale = _size(event), float(event["scale"])
+        first, self._looked = not self._looked, True
+        alike = math.isclose(scale, self._host.ui.scale, rel_tol=_SCALE_DIGITS)
+        if first and not (alike and size == self._host.size):
             raise KinetixError(
-                f"recorded in another window: give --size {width}x{height} --scale {scale:g}"
+                f"recorded in another window: give --size {size[0]}x{size[1]} --scale {scale:g}"
             )
+        if size != self._host.size and not self._host.resize(size):
+            raise KinetixError("the window was resized here; use --offscreen")
+        low, high = SCALES
+        if not low <= scale <= high:
+            raise KinetixError(f"scale is {scale:g}: expected {low:g} to {high:g}")
+        if not alike:
+            self._host.ui.take_scale(scale)
 
     def _open(self, event: Event) -> None:
         mark = self._session.log.serial
@@ -367,6 +381,16 @@ def _point(event: Event, key: str) -> tuple[float, float]:
         return float(x), float(y)
     except (TypeError, ValueError):
         raise KinetixError(f"{key} is {told!r}: expected two numbers") from None
+
+
+def _size(event: Event) -> tuple[int, int]:
+    """Return the size of an event's window [px]."""
+    width, height = event["size"]
+    if not all(type(side) is int and 0 < side <= LARGEST_SIDE for side in (width, height)):
+        raise KinetixError(
+            f"size is {event['size']!r}: expected two numbers of pixels up to {LARGEST_SIDE}"
+        )
+    return width, height
 
 
 def _button(event: Event) -> int:

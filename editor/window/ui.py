@@ -199,6 +199,12 @@ class Ui:
         elif job.state is JobState.FAILED:
             self.session.toast(f"Play could not be prepared: {job.error}", "error")
 
+    def take_scale(self, scale: float) -> None:
+        """Take another scale where the settings name none, as the host or the command line do."""
+        self.host_scale = scale
+        if self.asked_scale is not None:
+            self.asked_scale = scale
+
     def _rescale(self) -> None:
         settings = self.session.settings
         wanted, text = settings.ui_scale or self.host_scale, settings.text_scale

@@ -18,31 +18,52 @@ SUFFIXES: Final = (".json", ".csv", ".html")
 
 
 _LEVEL_BYTES: Final = 400
-"""Length of what a JSON file says of a level per policy, episodes aside."""
+"""Length of what a JSON file says of a level per policy, episodes and its name aside."""
+_HASH_BYTES: Final = 80
+"""Length of a level's hash in a JSON file, and of what stands around it."""
 _EPISODE_BYTES: Final = 45
 """Length of an episode in a JSON file."""
 
 
-def check_size(path: Path, policies: int, levels: int, attempts: int) -> None:
+def check_size(path: Path, policies: int, levels: Sequence[str], attempts: int) -> None:
     """Refuse a comparison whose JSON file could not be read again, before it is measured.
 
     Args:
         path: The file to be written.
         policies: How many.
-        levels: How many.
+        levels: Their names.
         attempts: Per policy and level.
 
     Raises:
         KinetixError: It would be too large.
     """
-    size = policies * levels * (_LEVEL_BYTES + attempts * _EPISODE_BYTES)
+    each = _LEVEL_BYTES + attempts * _EPISODE_BYTES
+    names = sum(len(json.dumps(name)) for name in levels)
+    size = policies * (len(levels) * each + names) + len(levels) * _HASH_BYTES + names
     largest = LIMITS["kept"].largest
     if path.suffix.lower() == ".json" and size > largest:
+        parts = plural(attempts, "attempt"), plural(policies, "policy", "policies")
         raise KinetixError(
-            f"{path}: expected at most {largest // MIB} MiB, {plural(attempts, 'attempt')} of "
-            f"{plural(policies, 'policy', 'policies')} in {plural(levels, 'level')} would be some "
-            f"{size // MIB} MiB; ask for fewer, or for a .csv"
+            f"{path}: expected at most {largest // MIB} MiB, {parts[0]} of {parts[1]} in "
+            f"{plural(len(levels), 'level')} would be some {size // MIB} MiB; ask for fewer, or "
+            "for a .csv"
         )
+
+
+def misfit_of(path: Path, text: str) -> str:
+    """Return why a comparison that is written cannot be read again; empty where it can.
+
+    Args:
+        path: The file.
+        text: Its content.
+    """
+    largest = LIMITS["kept"].largest
+    if path.suffix.lower() != ".json" or len(text) <= largest:
+        return ""
+    return (
+        f"{path}: has {len(text) // MIB} MiB, and the editor opens at most {largest // MIB} MiB; "
+        "compare fewer, or write a .csv"
+    )
 
 
 def text_of(

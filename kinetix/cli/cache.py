@@ -17,7 +17,7 @@ class Cache(OneCore):
 
 
 def run(command: Cache) -> int:
-    """Print a line a cache.
+    """Print a line per cache.
 
     Returns:
         0, or 1 where something could not be deleted.

@@ -58,7 +58,7 @@ class Compare:
 def run(command: Compare) -> int:
     """Measure everything, print and write it; 1 if a level could not be played."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.comparison_files import SUFFIXES, check_size, text_of
+    from kinetix.agents.comparison_files import SUFFIXES, check_size, misfit_of, text_of
     from kinetix.agents.evaluate import Settings
     from kinetix.files.atomic import check_target, write_atomically
 
@@ -79,14 +79,14 @@ def run(command: Compare) -> int:
     )
     players = [player for name in command.agents for player in _players(name, command.checkpoints)]
     if command.out is not None:
-        check_size(command.out, len(players), len(found), command.attempts)
+        check_size(command.out, len(players), [one.name for one in found], command.attempts)
     contenders = _measured(players, named(found), settings)
     # Written first: what reads the lines may close the pipe before the last of them.
     if command.out is not None:
         hashes = {level.name: level.sha256 for level in found}
         text = text_of(command.out.suffix.lower(), contenders, hashes, __version__)
         write_atomically(made_folder(command.out.parent) / command.out.name, text.encode())
-        print(command.out, file=sys.stderr)
+        print(misfit_of(command.out, text) or command.out, file=sys.stderr)
     _print(contenders, found, as_json=command.json)
     failed = any(isinstance(one, LevelFailure) for c in contenders for one in c.results)
     return 1 if failed else 0

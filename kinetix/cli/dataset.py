@@ -201,7 +201,7 @@ def _gathered(sources: tuple[str, ...], terminal: Terminal) -> "Iterator[Recorde
     from kinetix.datasets.sources import episodes_of
 
     for source in sources:
-        for found in episodes_of(source):
+        for found in episodes_of(source, lambda told: terminal.say(f"left out: {told}")):
             if found.place == "dataset":
                 yield found.episode
                 continue

@@ -2,9 +2,9 @@
 
 import dataclasses
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal, TypeVar
 
 from kinetix.bundled import refuse_empty
 from kinetix.datasets.episode import Origin, RecordedEpisode, solution_episode
@@ -18,6 +18,7 @@ SUFFIX: Final = ".npz"
 """Of shards and of episodes that the editor saved."""
 _NO_LEVELS: Final = (MANIFEST, ORIGINS)
 """Files beside shards."""
+T = TypeVar("T")
 Place = Literal["dataset", "offline", "trace", "solution"]
 """Kind of file that an episode was found in."""
 
@@ -48,11 +49,22 @@ class _Places:
     """True if the word is the place itself: what is wrong with it is an error."""
     passed_over: tuple[str, ...] = ()
     """A sentence per file below a folder that is called a level or a data set and is none."""
+    unlike: frozenset[Path] = frozenset()
+    """Folders of data sets with a bad manifest: what their shards are is said by that."""
 
-    def outside(self) -> Iterator[FoundEpisode]:
+    def sound(self, items: Iterator[T], tell: Callable[[str], Any]) -> Iterator[T]:
+        """Yield items until one is damaged, which is told below a folder and raised elsewhere."""
+        try:
+            yield from items
+        except KinetixError as error:
+            if self.named:
+                raise
+            tell(str(error))
+
+    def outside(self, tell: Callable[[str], Any]) -> Iterator[FoundEpisode]:
         """Read the episodes that are not in data sets one by one."""
         for folder in self.exports:
-            for episode in read_offline(folder):
+            for episode in self.sound(read_offline(folder), tell):
                 yield FoundEpisode(episode=episode, place="offline", name=str(folder))
         for path, episode in self.saved():
             if isinstance(episode, RecordedEpisode):
@@ -70,25 +82,32 @@ class _Places:
             except KinetixError as error:
                 if self.named:
                     raise
-                yield path, error
+                if path.parent not in self.unlike:
+                    yield path, error
 
 
-def episodes_of(source: str) -> Iterator[FoundEpisode]:
+def untold(sentence: str) -> None:
+    """Leave a sentence out: who wants to know it has been told."""
+
+
+def episodes_of(source: str, tell: Callable[[str], Any] = untold) -> Iterator[FoundEpisode]:
     """Read all episodes that a word means.
 
     Args:
         source: A data set, a folder of kinetix-env's layout, an episode that the editor saved
             (`.npz`) or a folder of all of these, or levels with a recorded solution: a file, a
             name, a folder, a set. Below a folder, what `check_source` tells is passed over.
+        tell: Takes a sentence per data set or export below a folder whose rest is passed over, as a
+            shard is damaged.
 
     Raises:
         KinetixError: The source is missing or damaged.
     """
     places = _places(source)
     for folder in places.datasets:
-        for episode in read_dataset(folder):
+        for episode in places.sound(read_dataset(folder), tell):
             yield FoundEpisode(episode=episode, place="dataset", name=str(folder))
-    yield from places.outside()
+    yield from places.outside(tell)
 
 
 def check_source(source: str) -> tuple[str, ...]:
@@ -114,8 +133,8 @@ def origins_of(source: str) -> Iterator[Origin]:
     """
     places = _places(source)
     for folder in places.datasets:
-        yield from win_origins(folder)
-    for found in places.outside():
+        yield from places.sound(win_origins(folder), untold)
+    for found in places.outside(untold):
         if found.episode.outcome == "won":
             yield found.episode.origin
 
@@ -128,7 +147,7 @@ def _places(source: str) -> _Places:
         read_manifest(path)
         return _Places(datasets=[path], exports=[], traces=[], levels=[], named=True)
     is_folder = os.path.isdir(path)
-    datasets, unlike = _datasets(path) if is_folder else ([], [])
+    datasets, unlike = _datasets(path) if is_folder else ([], {})
     saved = sorted(path.rglob("*")) if is_folder else [path]
     saved = [each for each in saved if each.suffix.lower() == SUFFIX]
     around = sorted({each.parent for each in saved}.difference(datasets)) if is_folder else []
@@ -145,19 +164,20 @@ def _places(source: str) -> _Places:
         traces=traces,
         levels=levels,
         named=not is_folder,
-        passed_over=(*unlike, *unreadable),
+        passed_over=(*unlike.values(), *unreadable),
+        unlike=frozenset(unlike),
     )
 
 
-def _datasets(path: Path) -> tuple[list[Path], list[str]]:
-    """The data sets below a folder, and what is wrong with others."""
-    datasets, unlike = [], []
+def _datasets(path: Path) -> tuple[list[Path], dict[Path, str]]:
+    """The data sets below a folder, and what is wrong with others, by their folders."""
+    datasets, unlike = [], {}
     for file in sorted(path.rglob(MANIFEST)):
         try:
             read_manifest(file.parent)
             datasets.append(file.parent)
         except KinetixError as error:
-            unlike.append(str(error))
+            unlike[file.parent] = str(error)
     return datasets, unlike
 
 

@@ -3,10 +3,12 @@
 import http.client
 import os
 import re
+import threading
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
+from concurrent.futures import Future
 from pathlib import PurePosixPath
 from typing import Any, Final
 
@@ -71,6 +73,28 @@ def fetch(address: str, kind: Kind) -> bytes:
     """
     if not is_address(address):
         raise FileError(address, "expected an address that begins with https:// or http://")
+    answered: Future[bytes] = Future()
+    # In a thread, which is left to itself when it is late: a server that sends its headers byte by
+    # byte is never silent.
+    threading.Thread(target=_answer, args=(answered, address, kind), daemon=True).start()
+    try:
+        return answered.result(LONGEST_SECONDS)
+    except TimeoutError:
+        raise _too_slow(address) from None
+
+
+def _answer(answered: Future[bytes], address: str, kind: Kind) -> None:
+    try:
+        answered.set_result(_fetched(address, kind))
+    except BaseException as error:
+        answered.set_exception(error)
+
+
+def _too_slow(address: str) -> FileError:
+    return FileError(address, f"expected to come in {LONGEST_SECONDS:.0f} s, was too slow")
+
+
+def _fetched(address: str, kind: Kind) -> bytes:
     opener = urllib.request.build_opener(_Redirects)
     try:
         with opener.open(_in_ascii(address), timeout=SECONDS) as answer:
@@ -78,6 +102,8 @@ def fetch(address: str, kind: Kind) -> bytes:
     except urllib.error.HTTPError as error:
         error.close()
         raise FileError(address, f"the server says {error.code} {error.reason}") from None
+    except http.client.IncompleteRead:
+        raise FileError(address, "broke off; try again") from None
     except (urllib.error.URLError, http.client.HTTPException, OSError, ValueError) as error:
         reason = getattr(error, "reason", None) or error
         raise FileError(address, f"cannot be reached: {reason}") from None
@@ -92,7 +118,7 @@ def _content(answer: Any, address: str, largest: int) -> bytes:
         if len(data) > largest:
             raise FileError(address, f"expected at most {largest // MIB} MiB")
         if time.monotonic() > until:
-            raise FileError(address, f"expected to come in {LONGEST_SECONDS:.0f} s, was too slow")
+            raise _too_slow(address)
     if promised and len(data) < promised:
         raise FileError(address, f"broke off after {len(data)} of {promised} bytes; try again")
     return bytes(data)

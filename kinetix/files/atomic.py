@@ -5,6 +5,7 @@ import errno
 import itertools
 import os
 import secrets
+import shutil
 import stat
 import time
 from collections.abc import Iterator
@@ -26,7 +27,7 @@ _SWEPT: Final[set[Path]] = set()
 """Folders that this process has looked through for such files: once, as they may be large."""
 
 
-def write_atomically(path: Path, data: bytes) -> None:
+def write_atomically(path: Path, data: bytes) -> os.stat_result:
     """Write a whole file, or leave the old one as it is.
 
     The bytes go to a new file in the same folder, reach the disk, take over the old file's
@@ -36,12 +37,16 @@ def write_atomically(path: Path, data: bytes) -> None:
         path: The file; its folder must exist.
         data: Its new content.
 
+    Returns:
+        The state of the new file before it got its name: no other program has changed it.
+
     Raises:
         LevelError: The system refused, the old file is read-only, or the path is a device or a
             named pipe; the sentence has the path and the reason.
     """
     with replacing(path) as temporary:
         _write_new(temporary, data)
+        return temporary.stat()
 
 
 def check_target(path: Path) -> None:
@@ -54,9 +59,11 @@ def check_target(path: Path) -> None:
         LevelError: See `write_atomically`.
     """
     with _naming(path):
-        there = next(place for place in path.absolute().parents if os.path.lexists(place))
+        there = next(filter(os.path.lexists, path.absolute().parents), path)
         if os.path.isfile(there):
             raise OSError(0, f"expected a folder, got the file {there}")
+        if not os.path.exists(there):
+            raise OSError(0, f"the link {there} leads nowhere")
         target, _ = _regular(path)
         folder = target.parent if os.path.exists(target.parent) else there
         if not os.access(folder, os.W_OK):
@@ -80,13 +87,15 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
     with _naming(path):
         target, before = _regular(path)
         previous = data if before is None else target.read_bytes()
-        if previous != data and keep_all:
-            _make_room(path, previous)
     if previous != data:
         backup = backup_of(path)
         told = f"{path}: cannot be saved: its backup {backup.name}"
         with replacing(backup, told=told) as temporary:
             _write_new(temporary, previous)
+            if keep_all:
+                # Nothing of the older backup is touched before the disk has the new one.
+                _sync(temporary, os.O_RDWR)
+                _make_room(path, previous)
     write_atomically(path, data)
     return previous != data
 
@@ -109,7 +118,9 @@ def _make_room(path: Path, data: bytes) -> None:
     if not os.path.isfile(backup) or backup.read_bytes() == data:
         return
     names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
-    backup.rename(next(name for name in names if not os.path.lexists(name)))
+    free = next(name for name in names if not os.path.lexists(name))
+    # What a link leads to is moved: the new backup takes its place, and the link stays.
+    shutil.move(os.path.realpath(backup), free)
 
 
 @contextlib.contextmanager

@@ -1,6 +1,7 @@
 """Policies beside each other, against numbers worked out by hand."""
 
 import csv
+import dataclasses
 import io
 import json
 import os
@@ -19,6 +20,7 @@ from kinetix.agents.comparison_files import (
     _EPISODE_BYTES,
     _LEVEL_BYTES,
     check_size,
+    misfit_of,
     signed,
     text_of,
 )
@@ -26,6 +28,7 @@ from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Pro
 from kinetix.agents.stored_comparison import is_comparison, read_comparison
 from kinetix.cli import main
 from kinetix.errors import KinetixError
+from kinetix.files.limits import LIMITS
 
 
 def _whence(agent="a", digest="1" * 64, physics="balanced"):
@@ -136,9 +139,24 @@ def test_a_comparison_that_could_not_be_read_again_is_refused_before_it_is_measu
     size = len(text_of(".json", [many], {}, "1.0"))
     assert size < 10_000 * _EPISODE_BYTES + _LEVEL_BYTES
     with pytest.raises(KinetixError, match=r"a\.json: expected at most 64 MiB, 2000000 attempts"):
-        check_size(tmp_path / "a.json", 1, 1, 2_000_000)
-    check_size(tmp_path / "a.csv", 1, 1, 2_000_000)
-    check_size(tmp_path / "a.json", 1, 1, 1_000_000)
+        check_size(tmp_path / "a.json", 1, ["x"], 2_000_000)
+    check_size(tmp_path / "a.csv", 1, ["x"], 2_000_000)
+    check_size(tmp_path / "a.json", 1, ["x"], 1_000_000)
+
+
+def test_the_names_of_levels_count_for_the_size_of_a_file(tmp_path, monkeypatch):
+    outcome = EpisodeResult(outcome="timeout", total_reward=-0.12345678901234567, length=4096)
+    names = [f"{'é' * 120}{k}" for k in range(300)]
+    one = _contender("a", *(LevelResult.of(name, [outcome]) for name in names))
+    text = text_of(".json", [one], dict.fromkeys(names, "f" * 64), "1.0")
+    path = tmp_path / "a.json"
+    assert misfit_of(path, text) == ""
+    limit = dataclasses.replace(LIMITS["kept"], largest=len(text) - 1)
+    monkeypatch.setitem(LIMITS, "kept", limit)
+    with pytest.raises(KinetixError, match="1 attempt of 1 policy in 300 levels"):
+        check_size(path, 1, names, 1)
+    assert misfit_of(path, text).startswith(f"{path}: has ")
+    assert misfit_of(tmp_path / "a.csv", text) == ""
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of POSIX systems")

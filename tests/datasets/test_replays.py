@@ -23,7 +23,7 @@ from kinetix.datasets.offline import (
     write_offline,
 )
 from kinetix.datasets.replays import ReplayedEpisode, checked, replay, up_to_the_win
-from kinetix.datasets.sources import check_source, episodes_of
+from kinetix.datasets.sources import check_source, episodes_of, origins_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import SIZES
@@ -252,3 +252,31 @@ def test_a_folder_of_everything_is_gathered(
         ("offline", str(tmp_path / "out")),
         ("solution", "a"),
     ]
+
+
+def test_damaged_shards_below_a_folder_are_told_and_passed_over(tmp_path: Path) -> None:
+    """One damaged file does not lose what lies beside it; what is named itself is refused."""
+    found = _solution()
+    for name in ("a", "b"):
+        add_episodes(tmp_path / name, [found])
+    shard = tmp_path / "a" / "episodes-00000.npz"
+    shard.write_bytes(shard.read_bytes()[:-9])
+    (tmp_path / "out").mkdir()
+    np.savez(tmp_path / "out" / "shard.npz", **{"env_state/timestep": np.zeros(3)})
+    assert check_source(str(tmp_path)) == ()
+    told: list[str] = []
+    assert [one.name for one in episodes_of(str(tmp_path), told.append)] == [str(tmp_path / "b")]
+    assert [one.split(":")[0] for one in told] == [str(shard), str(tmp_path / "out" / "shard.npz")]
+    assert len(list(origins_of(str(tmp_path)))) == 2
+    for name in ("a", "out"):
+        with pytest.raises(KinetixError, match=name):
+            list(episodes_of(str(tmp_path / name)))
+
+
+def test_a_bad_manifest_is_one_sentence_and_not_one_per_shard(tmp_path: Path) -> None:
+    """Its shards are no damaged episodes of the editor."""
+    add_episodes(tmp_path / "set", [_solution()])
+    manifest = tmp_path / "set" / "dataset.json"
+    manifest.write_text("{}")
+    (sentence,) = check_source(str(tmp_path))
+    assert sentence.startswith(f"{manifest}: ")

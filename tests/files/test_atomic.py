@@ -200,10 +200,34 @@ def test_a_folder_where_the_backup_belongs_is_named(file):
 
 def test_an_older_backup_that_cannot_be_moved_is_told(file, monkeypatch):
     atomic.backup_of(file).write_bytes(b"older")
-    monkeypatch.setattr(Path, "rename", fail)
-    with pytest.raises(LevelError, match=r"level\.json: cannot be saved: No space left"):
+    monkeypatch.setattr(atomic.shutil, "move", fail)
+    said = r"level\.json: cannot be saved: its backup level\.json\.bak: No space left"
+    with pytest.raises(LevelError, match=said):
         atomic.write_with_backup(file, b"new", keep_all=True)
     assert load_level(file) == OLD
+    assert atomic.backup_of(file).read_bytes() == b"older"
+
+
+def test_an_older_backup_keeps_its_name_on_a_full_disk(file, monkeypatch):
+    backup = atomic.backup_of(file)
+    backup.write_bytes(b"older")
+    for step in ("_write_new", "_sync"):
+        with monkeypatch.context() as patched:
+            patched.setattr(atomic, step, fail)
+            with pytest.raises(LevelError, match="No space left"):
+                atomic.write_with_backup(file, b"new", keep_all=True)
+        assert backup.read_bytes() == b"older"
+        assert sorted(os.listdir(file.parent)) == ["level.json", "level.json.bak"]
+
+
+def test_a_backup_that_is_a_link_stays_one(file):
+    before, backup = file.read_bytes(), atomic.backup_of(file)
+    elsewhere = file.with_name("elsewhere")
+    elsewhere.write_bytes(b"older")
+    backup.symlink_to(elsewhere)
+    atomic.write_with_backup(file, b"new", keep_all=True)
+    assert backup.is_symlink() and elsewhere.read_bytes() == before
+    assert file.with_name("level.json.bak2").read_bytes() == b"older"
 
 
 @pytest.mark.parametrize("write", [atomic.write_atomically, atomic.write_with_backup])
@@ -269,5 +293,10 @@ def test_what_could_not_be_written_is_known_before(tmp_path):
         LevelError, match=r"cannot be saved: expected a folder, got the file .*/file$"
     ):
         atomic.check_target(tmp_path / "file" / "new.json")
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(LevelError, match=r"cannot be saved: the link .*/link leads nowhere$"):
+        atomic.check_target(tmp_path / "link" / "new.json")
+    with pytest.raises(LevelError, match="it is a folder; choose another name"):
+        atomic.check_target(Path("/"))
     with pytest.raises(LevelError, match="it is a folder; choose another name"):
         atomic.check_target(tmp_path)

@@ -21,8 +21,8 @@ from kinetix.errors import KinetixError
 PORT: Final = 8570
 """The port that is tried first where none is asked for."""
 _PAGE: Final = Path(__file__).with_name("page.html")
-_LARGEST: Final = 4 * LONGEST
-"""Most bytes of input in one request: a text of any characters fits."""
+_LARGEST: Final = 6 * LONGEST + 2**16
+"""Most bytes of input in one request: a text fits whose characters take six bytes each in JSON."""
 _DIGITS: Final = 10
 """Most digits of the length of a request."""
 _SILENT_FOR: Final = 15_000
@@ -191,28 +191,29 @@ class _Handler(BaseHTTPRequestHandler):
         """Take input from the page that has the seat."""
         place, viewer = self._place()
         page = self.server.page_server
+        if place != "input":
+            self._refuse_unread(HTTPStatus.NOT_FOUND, _ASTRAY)
+            return
+        if not page.seat.holds(viewer):
+            self._refuse_unread(HTTPStatus.CONFLICT, TAKEN)
+            return
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or len(length) > _DIGITS or int(length) > _LARGEST:
-            self.close_connection = True
-            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "That is too much input at once.")
+            status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+            self._refuse_unread(status, "That is too much input at once.")
             return
         body = self.rfile.read(int(length))
-        if place != "input":
-            self._refuse(HTTPStatus.NOT_FOUND, _ASTRAY)
-        elif not page.seat.holds(viewer):
-            self._refuse(HTTPStatus.CONFLICT, TAKEN)
+        try:
+            messages, faults = read(json.loads(body))
+        except (ValueError, RecursionError, KinetixError) as error:
+            self._refuse(HTTPStatus.BAD_REQUEST, str(error))
+            return
+        # One message that is refused does not take the others with it: keys would stay down.
+        page.take(messages)
+        if faults:
+            self._refuse(HTTPStatus.BAD_REQUEST, str(faults[0]))
         else:
-            try:
-                messages, faults = read(json.loads(body))
-            except (ValueError, RecursionError, KinetixError) as error:
-                self._refuse(HTTPStatus.BAD_REQUEST, str(error))
-                return
-            # One message that is refused does not take the others with it: keys would stay down.
-            page.take(messages)
-            if faults:
-                self._refuse(HTTPStatus.BAD_REQUEST, str(faults[0]))
-            else:
-                self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
+            self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
 
     def _place(self) -> tuple[str | None, str]:
         """Return what is asked for below the secret, and the page's name; None: no right secret."""
@@ -243,6 +244,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _refuse(self, status: HTTPStatus, sentence: str) -> None:
         self._say(status, f"{sentence}\n".encode(), "text/plain; charset=utf-8")
+
+    def _refuse_unread(self, status: HTTPStatus, sentence: str) -> None:
+        """Refuse without reading the input, which ends the connection."""
+        self.close_connection = True
+        self._refuse(status, sentence)
 
     def _stream(self, viewer: str) -> None:
         """Send pictures until the page goes."""

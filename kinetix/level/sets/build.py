@@ -92,7 +92,7 @@ def _refuse_larger(made: LoadedSet) -> None:
 
 
 def split_set(loaded: LoadedSet, *, split: float, seed: int) -> LoadedSet:
-    """The same set with a split that is drawn anew; levels keep their paths as the set names them.
+    """Return the set with a new random split; levels keep their paths as the set names them.
 
     Raises:
         LevelError: The share is not between 0 and 1.

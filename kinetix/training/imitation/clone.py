@@ -57,7 +57,8 @@ class Clone:
         self.work = Work()
         self.parts_per_update = {_UPDATE: 1.0}
         self._passed_over = [each for source in config.data for each in check_source(source)]
-        episodes = demonstrations(config.data, setup.env.static_env_params)
+        static_env_params, tell = setup.env.static_env_params, self._passed_over.append
+        episodes = demonstrations(config.data, static_env_params, tell)
         self.setup: Setup = dataclasses.replace(setup, levels=digest_of(episodes))
         random = np.random.default_rng(config.seed)
         random.shuffle(episodes)  # pyright: ignore[reportArgumentType]

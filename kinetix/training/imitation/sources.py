@@ -2,14 +2,15 @@
 
 import dataclasses
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import numpy as np
 from jaxtyping import Int
 
 from kinetix.datasets.episode import Origin
-from kinetix.datasets.sources import episodes_of, origins_of
+from kinetix.datasets.sources import episodes_of, origins_of, untold
 from kinetix.engine.spec import Capacity
 from kinetix.environment.params import StaticEnvParams
 from kinetix.environment.reset import level_state
@@ -56,13 +57,16 @@ def origin_of(sources: Sequence[str]) -> Origin:
 
 
 def demonstrations(
-    sources: Sequence[str], static_env_params: StaticEnvParams
+    sources: Sequence[str],
+    static_env_params: StaticEnvParams,
+    tell: Callable[[str], Any] = untold,
 ) -> list[Demonstration]:
     """Return all wins, in slots of one size.
 
     Args:
         sources: As for `kinetix.datasets.sources.episodes_of`.
         static_env_params: Of the environment in which they are to be played.
+        tell: As for `kinetix.datasets.sources.episodes_of`.
 
     Raises:
         KinetixError: A source is missing or damaged, or a level does not fit.
@@ -73,7 +77,7 @@ def demonstrations(
             actions=found.episode.action,
         )
         for source in sources
-        for found in episodes_of(source)
+        for found in episodes_of(source, tell)
         if found.episode.outcome == "won"
     ]
 

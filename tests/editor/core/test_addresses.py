@@ -38,6 +38,14 @@ def web(tmp_path):
                 self.send_header("Content-Length", "100")
                 self.end_headers()
                 self.wfile.write(b"{}")
+            elif self.path == "/chunked.json":
+                self.wfile.write(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\n{")
+            elif self.path == "/header.json":
+                self.wfile.write(b"HTTP/1.1 200 OK\r\nX: ")
+                with contextlib.suppress(OSError):
+                    for _ in range(300):
+                        self.wfile.write(b"x")
+                        time.sleep(0.01)
             elif self.path == "/endless.json":
                 self.send_response(200)
                 self.end_headers()
@@ -59,9 +67,12 @@ def web(tmp_path):
 def test_what_breaks_off_or_never_ends_is_refused(web, monkeypatch):
     with pytest.raises(FileError, match="broke off after 2 of 100 bytes; try again"):
         fetch(f"{web}/short.json", "level")
+    with pytest.raises(FileError, match=r"chunked\.json: broke off; try again"):
+        fetch(f"{web}/chunked.json", "level")
     monkeypatch.setattr("kinetix.files.address.LONGEST_SECONDS", 0.1)
-    with pytest.raises(FileError, match="too slow"):
-        fetch(f"{web}/endless.json", "level")
+    for name in ("endless", "header"):
+        with pytest.raises(FileError, match="too slow"):
+            fetch(f"{web}/{name}.json", "level")
 
 
 def _take(session):

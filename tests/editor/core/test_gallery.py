@@ -13,6 +13,7 @@ from editor import actions
 from editor.actions import gallery as doing
 from editor.actions import level_sets
 from editor.base.prompts import FileQuestion, TextQuestion
+from editor.base.state_file import write_state
 from editor.gallery import filing
 from editor.gallery.card import read_card
 from editor.gallery.export import SetPlan, export_set
@@ -125,6 +126,15 @@ def test_folders_behind_links_and_names_in_capitals_are_shown(library, folder, t
     (folder / "round").symlink_to(folder)
     assert {"Rocket", "Linked"} <= set(look(library, folder))
     assert len(library.cards) == 5
+
+
+def test_a_link_to_too_many_folders_is_told(library, folder, tmp_path, monkeypatch):
+    for k in range(3):
+        (tmp_path / "disk" / str(k)).mkdir(parents=True)
+    (folder / "link").symlink_to(tmp_path / "disk")
+    monkeypatch.setattr("kinetix.files.walk.MOST_LINKED", 2)
+    assert len(look(library, folder)) == 4
+    assert "what links lead to" in library.passed_over
 
 
 def test_a_second_look_reads_only_what_changed(library, folder, tmp_path, monkeypatch):
@@ -258,6 +268,26 @@ def test_two_windows_keep_the_results_of_each_other(tmp_path):
     second.record(walker, {"a": Record(attempts=40, solved=30)})
     first.record(walker, {"b": Record(attempts=1, solved=1)})
     assert Results(path).of("a")[walker].attempts == 40
+
+
+def test_what_another_window_writes_right_after_a_write_stays(tmp_path, monkeypatch):
+    path = tmp_path / "results.json"
+    results = Results(path)
+
+    def overtaken(*args, **options):
+        written = write_state(*args, **options)
+        Results(path).add_episode("another", "b", won=True)
+        return written
+
+    with monkeypatch.context() as patch:
+        # The other one writes through the patched name too, once.
+        patch.setattr(
+            "editor.gallery.results.write_state",
+            lambda *args, **options: (patch.undo(), overtaken(*args, **options))[1],
+        )
+        results.add_episode(HUMAN, "a", won=True)
+    results.add_episode(HUMAN, "a", won=True)
+    assert Results(path).players == ("another", HUMAN)
 
 
 def test_the_file_of_results_is_read_once_unless_others_write_it(tmp_path, monkeypatch):

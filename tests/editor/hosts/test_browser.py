@@ -338,6 +338,32 @@ def test_two_fingers_zoom_and_press_nothing(page):
     assert [each[0] for each in said] == ["down", "up"]
 
 
+def test_what_the_browser_cancels_is_no_click(page):
+    def finger(kind):
+        which = {"pointerId": 1, "pointerType": "touch", "isPrimary": True, "button": 0}
+        return kind, {"clientX": 200, "clientY": 300, **which}
+
+    with heard(page) as said:
+        act(page, finger("pointerdown"), finger("pointercancel"))
+    assert said == []
+    mouse = {"clientX": 300, "clientY": 300, "button": 2, "buttons": 2}
+    with heard(page) as said:
+        act(page, ("pointerdown", mouse), ("pointercancel", {**mouse, "button": 0}))
+    assert [each[0] for each in said] == ["down", "focus", "focus"]
+
+
+def test_the_delay_of_a_touch_presses_no_later_one(page):
+    def finger(kind):
+        which = {"pointerId": 1, "pointerType": "touch", "isPrimary": True, "button": 0}
+        return kind, {"clientX": 200, "clientY": 300, **which}
+
+    page.run("window.setTimeout_ = setTimeout; window.late = [];")
+    page.run("setTimeout = (f, ...more) => setTimeout_(() => { late.push(1); f(); }, ...more);")
+    act(page, finger("pointerdown"), finger("pointerup"))
+    page.rest()
+    assert page.run("return late.length") == 0
+
+
 def test_a_key_is_released_under_the_name_that_it_was_pressed_under(page):
     with heard(page) as said:
         act(

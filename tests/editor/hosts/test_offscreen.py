@@ -102,6 +102,23 @@ def test_slanted_edges_are_smooth(home, monkeypatch):
         host.close()
 
 
+def test_a_window_that_grows_is_drawn_whole(run_editor, tmp_path):
+    events = tmp_path / "events.jsonl"
+    first = {"do": "window", "size": [960, 640], "scale": 1.0}
+    shot = {"do": "screenshot", "file": f"{tmp_path}/a.png"}
+    lines = [first, first | {"size": [1280, 800]}, {"do": "wait", "frames": 20}, shot]
+    events.write_text("\n".join([OPEN, *map(json.dumps, lines)]))
+    done = run_editor("--offscreen", "--size", "960x640", "--replay", str(events))
+    assert done.returncode == 0, done.stderr
+    events.write_text("\n".join([OPEN, json.dumps(shot | {"file": f"{tmp_path}/b.png"})]))
+    done = run_editor("--offscreen", "--size", "1280x800", "--replay", str(events))
+    assert done.returncode == 0, done.stderr
+    grown, same = pixels(tmp_path / "a.png"), pixels(tmp_path / "b.png")
+    assert grown.shape == same.shape == (800, 1280, 3)
+    for part in (np.s_[:, 1000:], np.s_[700:]):
+        assert grown[part].std() == pytest.approx(same[part].std(), rel=0.2)
+
+
 def test_a_bad_event_is_exit_1_with_its_line(run_editor, tmp_path):
     events = tmp_path / "events.jsonl"
     events.write_text('{"do":"wait","frames":1}\n{"do":"dance"}\n')

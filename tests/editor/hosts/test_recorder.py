@@ -75,6 +75,44 @@ def test_a_replay_in_another_window_is_refused(make_gui, tmp_path):  # noqa: F81
         Replayer(gui.host, script).run()
 
 
+def test_a_scale_is_taken_as_it_is_advised(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    recorder = Recorder(a_session(), script)
+    recorder.take([KeyEvent(key="a", pressed=True)], 1 / 60, ((1280, 800), 1.100000023841858))
+    gui = make_gui(session=a_session(), size=(1280, 800), scale=1.1)
+    Replayer(gui.host, script).run()
+
+
+def test_a_window_that_was_resized_is_resized_again(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    gui = make_gui(session=a_session(), size=(1280, 800))
+    gui.host.recorder = Recorder(gui.session, script)
+    gui.key("r")
+    gui.drag((1.0, 1.0), (2.0, 1.5))
+    gui.host.size = (900, 700)
+    gui.host.ui.host_scale = 1.5
+    gui.frames(20)
+    gui.key("c")
+    gui.drag((3.0, 3.0), (3.3, 3.0))
+    expected = gui.session.document
+    assert len(expected.level.bodies) == 2
+
+    gui = make_gui(session=a_session(), size=(1280, 800))
+    Replayer(gui.host, script).run()
+    assert (gui.host.size, gui.host.ui.scale) == ((900, 700), 1.5)
+    assert gui.session.document.hash == expected.hash
+
+
+@pytest.mark.parametrize("size, scale", [([1e9, 5], 1), ([0, 5], 1), (["a", 5], 1), ([5, 5], 99)])
+def test_a_later_window_that_cannot_be_is_refused(make_gui, tmp_path, size, scale):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    gui = make_gui(session=a_session(), size=(1280, 800))
+    lines = [{"size": [1280, 800], "scale": gui.host.ui.scale}, {"size": size, "scale": scale}]
+    script.write_text("\n".join(json.dumps({"do": "window", **line}) for line in lines))
+    with pytest.raises(KinetixError, match=r":2: (size|scale) is .*: expected"):
+        Replayer(gui.host, script).run()
+
+
 def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa: F811
     script = tmp_path / "events.jsonl"
     gui = make_gui(session=a_session())

@@ -138,6 +138,18 @@ def test_input_draws_and_a_later_page_goes_on(served, level, day):
     eventually(lambda: draw_and_save("two") > drawn)
 
 
+@pytest.mark.parametrize("place, status", [("/wrong/input", 404), ("input?viewer=two", 409)])
+def test_input_of_who_may_say_nothing_is_not_read(served, place, status):
+    Stream(served, "one")
+    where = place if place.startswith("/") else served.path + place
+    with socket.create_connection((served.host, served.port), timeout=10) as raw:
+        raw.sendall(f"POST {where} HTTP/1.1\r\nContent-Length: 9999999\r\n\r\n".encode())
+        answer = b""
+        while part := raw.recv(4096):
+            answer += part
+    assert answer.startswith(f"HTTP/1.1 {status} ".encode())
+
+
 @pytest.mark.parametrize("body", [None, {"a": 1}, [["eval", "1"]], [["move", 1]], 5])
 def test_junk_is_refused_and_the_app_goes_on(served, body):
     Stream(served, "one")
