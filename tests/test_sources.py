@@ -1,4 +1,4 @@
-"""What the package's sources are called."""
+"""The digest of the package's sources."""
 
 import os
 import time

@@ -48,7 +48,7 @@ class Recorder:
         """Frame of the last event, and how many the script takes from it to the end of its line."""
         self._down: set[str] = set()
         self._look: Look | None = None
-        """What the script says of the window so far."""
+        """Size and scale of the last line about the window; None before the first."""
         self._seen: Look = ((0, 0), 0.0)
         self._ended = False
         try:

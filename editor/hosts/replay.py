@@ -65,7 +65,7 @@ class Replayer:
         self._buttons: set[int] = set()
         self._film: Film | None = None
         self._looked = False
-        """Whether a line has said how large the window is."""
+        """True after the first line about the window."""
         self._verbs: dict[str, Callable[[Event], None]] = {
             "window": self._window,
             "open": self._open,

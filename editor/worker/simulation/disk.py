@@ -11,7 +11,6 @@ import hashlib
 import os
 import platform
 import secrets
-import zlib
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,9 +18,8 @@ import jax
 import jaxlib.version
 from jax.experimental import serialize_executable
 
-from kinetix.errors import KinetixError
-from kinetix.files.atomic import write_atomically
 from kinetix.files.caches import cache_folder
+from kinetix.files.kept import read_kept, write_kept
 from kinetix.sources import digest
 
 _SUFFIX: Final = ".step"
@@ -75,24 +73,17 @@ def load(key: object, arguments: Any, results: Any) -> Any | None:
         arguments: Positional arguments, to try it with.
         results: A tree like the results.
     """
-    path = _file(key)
-    try:
-        code = zlib.decompress(path.read_bytes())
-        takes = jax.tree.structure((arguments, {}))
+    takes = jax.tree.structure((arguments, {}))
+
+    def loaded(code: bytes) -> Any:
         program = serialize_executable.deserialize_and_load(
             code, takes, jax.tree.structure(results), execution_devices=jax.devices()[:1]
         )
         # What came from JAX's cache was written without some of its code: only a run tells.
         jax.block_until_ready(program(*arguments))
-    except FileNotFoundError:
-        return None
-    except Exception:  # whatever is wrong with it, it is compiled anew
-        with contextlib.suppress(OSError):  # the folder may be one that can only be read
-            path.unlink(missing_ok=True)
-        return None
-    with contextlib.suppress(OSError):
-        os.utime(path)
-    return program
+        return program
+
+    return read_kept(_file(key), loaded)
 
 
 def save(key: object, program: Any) -> None:
@@ -100,9 +91,6 @@ def save(key: object, program: Any) -> None:
 
     All threads stand for a tenth of a second.
     """
-    try:
-        folder().mkdir(parents=True, exist_ok=True)
+    with contextlib.suppress(ValueError, RuntimeError):
         code, _, _ = serialize_executable.serialize(program)
-        write_atomically(_file(key), zlib.compress(code, 1))
-    except (KinetixError, OSError, ValueError, RuntimeError):
-        return
+        write_kept(_file(key), code)

@@ -10,8 +10,6 @@ import contextlib
 import functools
 import hashlib
 import math
-import os
-import zlib
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
@@ -23,8 +21,8 @@ from jax import export
 from jaxtyping import Array
 
 from kinetix.engine.batch.program import shaped
-from kinetix.files.atomic import write_atomically
 from kinetix.files.caches import CACHES, bound, cache_folder
+from kinetix.files.kept import read_kept, write_kept
 from kinetix.sources import digest
 
 _PLATFORM: Final = "cpu"
@@ -70,11 +68,13 @@ def _lowered(
     words: str, run: Callable[..., list[Array]], leaves: tuple[jax.ShapeDtypeStruct, ...]
 ) -> export.Exported | None:
     path = _file(f"{words} {[(x.shape, str(x.dtype), x.weak_type) for x in leaves]}")
-    kept = _load(path)
+    kept = read_kept(path, lambda content: export.deserialize(bytearray(content)))
     if kept is None:
         kept = _exported(run, leaves)
         if kept is not None:
-            _save(path, kept)
+            with contextlib.suppress(Exception):  # what cannot be serialised is used nevertheless
+                write_kept(path, bytes(kept.serialize()))
+                _tidy()
     return kept
 
 
@@ -96,27 +96,6 @@ def _exported(
 def _file(words: str) -> Path:
     key = f"{words} {jax.__version__} {jaxlib.version.__version__} {digest()}"
     return cache_folder(_CACHE) / f"{hashlib.sha256(key.encode()).hexdigest()}.hlo"
-
-
-def _load(path: Path) -> export.Exported | None:
-    try:
-        kept = export.deserialize(bytearray(zlib.decompress(path.read_bytes())))
-    except FileNotFoundError:
-        return None
-    except Exception:  # whatever is wrong with it, it is lowered anew
-        with contextlib.suppress(OSError):  # the folder may be one that can only be read
-            path.unlink(missing_ok=True)
-        return None
-    with contextlib.suppress(OSError):
-        os.utime(path)
-    return kept
-
-
-def _save(path: Path, made: export.Exported) -> None:
-    with contextlib.suppress(Exception):  # a cache that cannot be written to is none
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, zlib.compress(bytes(made.serialize()), 1))
-        _tidy()
 
 
 @functools.cache

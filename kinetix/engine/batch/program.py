@@ -61,7 +61,7 @@ class BatchProgram:
 
 @functools.lru_cache(maxsize=64)
 def _alike(program: BatchProgram) -> Callable[..., Tree]:
-    """What is asked for its shapes alone: jitted, as JAX traces such a function once."""
+    """Return a function that has the result's shapes; JAX traces it once, as it is jitted."""
     run = program.like or program.kernel
     return jax.jit(lambda *leaves: run(*program.arguments(leaves)))
 

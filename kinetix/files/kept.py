@@ -1,0 +1,45 @@
+"""One file of a cache: compressed, thrown away where it is not whole, absent where none can be."""
+
+import contextlib
+import os
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_atomically
+
+_Kept = TypeVar("_Kept")
+
+
+def read_kept(path: Path, use: Callable[[bytes], _Kept]) -> _Kept | None:
+    """Return what a file of a cache is used for; None where there is none, or it is no good.
+
+    Args:
+        path: The file, as `write_kept` writes it.
+        use: From its content; whatever it raises, the file is deleted.
+    """
+    try:
+        kept = use(zlib.decompress(path.read_bytes()))
+    except FileNotFoundError:
+        return None
+    except Exception:  # whatever is wrong with it, it is made anew
+        with contextlib.suppress(OSError):  # the folder may be one that can only be read
+            path.unlink(missing_ok=True)
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)
+    return kept
+
+
+def write_kept(path: Path, content: bytes) -> None:
+    """Write a file of a cache; where that cannot be done, it is made again another day.
+
+    Args:
+        path: The file; its folder is made where there is none.
+        content: What `read_kept` hands on.
+    """
+    with contextlib.suppress(KinetixError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, zlib.compress(content, 1))
