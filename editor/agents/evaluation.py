@@ -113,8 +113,8 @@ class Evaluation:
         self.standing: Standing | None = None
         self.error = ""
         self.cancelled = False
-        self._of: Standing | None = None
-        """The standing that `_computed` is about."""
+        self._of: tuple[Plan | None, Standing | None] = (None, None)
+        """The plan and the standing that `_computed` is about."""
         self._computed: dict[str, Any] = {}
         self.finished = 0
         """Rises when an evaluation has come to its end."""
@@ -210,12 +210,13 @@ class Evaluation:
             descending: The largest first.
             wanted: Only levels whose name contains this.
         """
+        name = f"rows {sort} {agent} {descending} {wanted}"
+        return self._once(name, lambda: self._rows(sort, agent, descending, wanted))
+
+    def _rows(self, sort: Column, agent: int, descending: bool, wanted: str) -> list[Row]:
         if self.plan is None:
             return []
-        known = {
-            (score.agent, score.result.level): score.result
-            for score in (self.standing.scores if self.standing else ())
-        }
+        known = self._known()
         failed = {
             (agent, failure.level): failure.error
             for agent, failure in (self.standing.failures if self.standing else ())
@@ -257,9 +258,9 @@ class Evaluation:
         return [known[level.name] for level in self.plan.levels if level.name in known]
 
     def _once(self, name: str, compute: Callable[[], Any]) -> Any:
-        """Return what was computed for this standing; a frame must not do it again."""
-        if self._of is not self.standing:
-            self._of, self._computed = self.standing, {}
+        """Return what was computed for this plan and standing; a frame must not do it again."""
+        if self._of[0] is not self.plan or self._of[1] is not self.standing:
+            self._of, self._computed = (self.plan, self.standing), {}
         if name not in self._computed:
             self._computed[name] = compute()
         return self._computed[name]
@@ -287,8 +288,17 @@ class Evaluation:
         """An agent's results in the order in which the levels were asked for."""
         if self.plan is None or self.standing is None:
             return []
-        known = {s.result.level: s.result for s in self.standing.scores if s.agent == agent}
-        return [known[level.name] for level in self.plan.levels if level.name in known]
+        found = (self.result(agent, level.name) for level in self.plan.levels)
+        return [result for result in found if result is not None]
+
+    def result(self, agent: int, level: str) -> LevelResult | None:
+        """Return what an agent reached in a level; None as long as that is not known."""
+        return self._known().get((agent, level))
+
+    def _known(self) -> dict[tuple[int, str], LevelResult]:
+        """Return all results by agent and level."""
+        scores = self.standing.scores if self.standing else ()
+        return self._once("known", lambda: {(s.agent, s.result.level): s.result for s in scores})
 
     def contenders(self) -> list[Contender]:
         """Return the agents of which all levels are done, with what is known of each."""

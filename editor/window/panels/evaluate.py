@@ -283,7 +283,7 @@ class EvaluatePanel(Panel):
         if level >= len(plan.levels) or agent >= len(plan.agents):
             return
         name = plan.levels[level].name
-        result = next((r for r in evaluation.results(agent) if r.level == name), None)
+        result = evaluation.result(agent, name)
         if result is None:
             return
         widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
