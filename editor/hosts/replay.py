@@ -8,33 +8,33 @@ any machine.
 import json
 import math
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from editor import actions
 from editor.actions import address, agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
-from editor.base.settings import LARGEST_SIDE, SCALES
+from editor.base.settings import SCALES
 from editor.documents import files
 from editor.documents.commands.fields import SetField
 from editor.documents.document import Format
 from editor.editing.tools import TOOLS
+from editor.hosts import event_fields as fields
 from editor.hosts.base import Host
+from editor.hosts.event_fields import Event
 from editor.hosts.film import Film
 from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
 from editor.play.mode import Mode
 from editor.session import Session
-from editor.toolkit.keys import IMGUI, MODIFIERS
+from editor.toolkit.keys import MODIFIERS
 from editor.toolkit.widgets import Probe
 from editor.worker.requests import WarmUp
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import parse_strictly
 from kinetix.files.regular import FileError, read_text
-
-Event = dict[str, Any]
 
 _DRAG_FRAMES: Final = 10
 """A drag moves in so many steps, so that tools see the way and not only its end."""
@@ -46,7 +46,6 @@ _STEP_SECONDS: Final = 30.0
 """Longest wait for simulation steps that are under way [s]."""
 _SCALE_DIGITS: Final = 1e-5
 """Relative difference of scales that count as one: a message tells six digits."""
-_BUTTONS: Final = {1: events.LEFT, 2: events.MIDDLE, 3: events.RIGHT}
 
 
 class ReplayError(KinetixError):
@@ -155,7 +154,7 @@ class Replayer:
 
     def _window(self, event: Event) -> None:
         """Take the size and the scale that the window got; the first ones must be there already."""
-        size, scale = _size(event), float(event["scale"])
+        size, scale = fields.size(event), float(event["scale"])
         first, self._looked = not self._looked, True
         alike = math.isclose(scale, self._host.ui.scale, rel_tol=_SCALE_DIGITS)
         if first and not (alike and size == self._host.size):
@@ -218,13 +217,13 @@ class Replayer:
     def _place(self, event: Event) -> tuple[float, float]:
         """Return the position of an event [px]; by default where the pointer was."""
         if "world" in event:
-            return self._session.camera.to_screen(_point(event, "world"))
+            return self._session.camera.to_screen(fields.point(event, "world"))
         if "widget" in event:
             found = self._session.probe.get(event["widget"])
             if not isinstance(found, Probe):
                 raise KinetixError(f"no widget {event['widget']!r} is on the screen")
             return found.centre
-        return _point(event, "at") if "at" in event else self._at
+        return fields.point(event, "at") if "at" in event else self._at
 
     def _hold_mods(self, event: Event) -> None:
         """Press and release modifier keys so that exactly the event's are down."""
@@ -254,14 +253,14 @@ class Replayer:
     def _down(self, event: Event) -> None:
         self._hold_mods(event)
         self._move_to(self._place(event))
-        button = _button(event)
+        button = fields.button(event)
         self._pointer(events.Pointer.PRESS, button)
         self._buttons.add(button)
 
     def _up(self, event: Event) -> None:
         self._hold_mods(event)
         self._move_to(self._place(event))
-        button = _button(event)
+        button = fields.button(event)
         self._pointer(events.Pointer.RELEASE, button)
         self._buttons.discard(button)
         if not self._buttons:
@@ -270,7 +269,8 @@ class Replayer:
     def _drag(self, event: Event) -> None:
         keys = {name: event[name] for name in ("button", "mods") if name in event}
         to_screen = self._session.camera.to_screen
-        (ax, ay), (bx, by) = to_screen(_point(event, "from")), to_screen(_point(event, "to"))
+        ax, ay = to_screen(fields.point(event, "from"))
+        bx, by = to_screen(fields.point(event, "to"))
         self._down({"at": (ax, ay), **keys})
         for k in range(1, _DRAG_FRAMES + 1):
             share = k / _DRAG_FRAMES
@@ -283,18 +283,18 @@ class Replayer:
 
     def _press(self, event: Event) -> None:
         if "pressed" in event:
-            self._step(_key(_known_key(event["key"], MODIFIERS), bool(event["pressed"])))
+            self._step(_key(fields.known_key(event["key"], MODIFIERS), bool(event["pressed"])))
             return
         self._hold_mods(event)
-        name = _known_key(event["key"])
+        name = fields.known_key(event["key"])
         self._step(_key(name, True))
         self._step(_key(name, False))
         self._hold_mods({})
 
     def _hold(self, event: Event) -> None:
-        count = _count(event)
+        count = fields.count(event)
         self._hold_mods(event)
-        name = _known_key(event["key"])
+        name = fields.known_key(event["key"])
         self._step(_key(name, True))
         self._frames(max(count - 1, 0))
         self._step(_key(name, False))
@@ -314,7 +314,7 @@ class Replayer:
         session.document.commit(command, time=session.time)
 
     def _wait(self, event: Event) -> None:
-        self._frames(_count(event))
+        self._frames(fields.count(event))
 
     def _wait_until(self, event: Event) -> None:
         what, session = event["what"], self._session
@@ -371,48 +371,6 @@ class Replayer:
 
 def _key(name: str, pressed: bool) -> events.KeyEvent:
     return events.KeyEvent(key=name, pressed=pressed)
-
-
-def _point(event: Event, key: str) -> tuple[float, float]:
-    """Return the two numbers that an event has under a key."""
-    told = event[key]
-    try:
-        x, y = told
-        return float(x), float(y)
-    except (TypeError, ValueError):
-        raise KinetixError(f"{key} is {told!r}: expected two numbers") from None
-
-
-def _size(event: Event) -> tuple[int, int]:
-    """Return the size of an event's window [px]."""
-    width, height = event["size"]
-    if not all(type(side) is int and 0 < side <= LARGEST_SIDE for side in (width, height)):
-        raise KinetixError(
-            f"size is {event['size']!r}: expected two numbers of pixels up to {LARGEST_SIDE}"
-        )
-    return width, height
-
-
-def _button(event: Event) -> int:
-    """Return the button of an event, by default the left one."""
-    told = event.get("button", 1)
-    if told not in tuple(_BUTTONS):
-        raise KinetixError(f"button is {told!r}: expected 1, 2 or 3")
-    return _BUTTONS[told]
-
-
-def _count(event: Event) -> int:
-    """Return how many frames an event takes."""
-    count = int(event["frames"])
-    if count < 0:
-        raise KinetixError(f"frames is {count}: expected 0 or more")
-    return count
-
-
-def _known_key(name: str, more: Collection[str] = ()) -> str:
-    if name not in IMGUI and name not in more:
-        raise KinetixError(f"unknown key {name!r}; names are pygame's, such as left, space, f5, a")
-    return name
 
 
 def _playing(session: Session) -> bool:
