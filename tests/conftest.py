@@ -14,9 +14,10 @@ from kinetix.compiler import quick_options
 from kinetix.memory import give_back_memory
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
-os.environ.setdefault(
-    "JAX_COMPILATION_CACHE_DIR", str(Path.home() / ".cache" / "kinetix-tests" / "jax")
-)
+# The user's own caches stay as they are.
+_CACHES = Path.home() / ".cache" / "kinetix-tests"
+os.environ.setdefault("XDG_CACHE_HOME", str(_CACHES))
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHES / "jax"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
 # The suite has a process a core already.
 os.environ.setdefault("KINETIX_CORES", "1")
