@@ -157,8 +157,9 @@ class ResultsTable:
             )
 
     def _take_sorting(self, shown: int) -> None:
+        # In each frame: a table that comes back with its old order does not call that a change.
         wish = imgui.table_get_sort_specs()
-        if wish is None or not wish.specs_dirty or wish.specs_count == 0:
+        if wish is None or wish.specs_count == 0:
             return
         spec = wish.get_specs(0)
         self._descending = spec.get_sort_direction() == imgui.SortDirection.descending
