@@ -18,7 +18,7 @@ from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.command_line.parse import parse
 from kinetix.errors import KinetixError
-from kinetix.failures import Terminated, ending_signals, guarded, signals_to, terminable
+from kinetix.failures import Terminated, ending_signals, guarded, leave, signals_to, terminable
 from kinetix.paths import levels_dir, working_dir
 from kinetix.version import __version__
 
@@ -166,9 +166,7 @@ def end(status: int) -> int:
     """
     if threading.active_count() > 1:
         # A compilation cannot be interrupted, and must not keep the app from closing.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+        leave(status)
     return status
 
 

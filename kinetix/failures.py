@@ -12,7 +12,7 @@ import traceback
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Final, TextIO
+from typing import Any, Final, NoReturn, TextIO
 
 from kinetix.errors import KinetixError, plain
 from kinetix.paths import state_dir
@@ -21,6 +21,8 @@ INTERRUPTED: Final = 130
 """Exit status after Ctrl+C."""
 TERMINATED: Final = 143
 """Exit status after SIGTERM."""
+UNREAD: Final = 141
+"""Exit status where nobody reads what is printed any more, as of a process that SIGPIPE ends."""
 KEPT_REPORTS: Final = 20
 """Of more crash reports the oldest are deleted."""
 _PLATFORMS: Final = "JAX_PLATFORMS"
@@ -145,8 +147,8 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         words: The command line, for the crash report.
 
     Returns:
-        The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 143 after
-        SIGTERM.
+        The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 141 where whoever
+        read what is printed has had enough, 143 after SIGTERM.
     """
     _open_streams()
     for stream in (sys.stdout, sys.stderr):
@@ -157,12 +159,24 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
     except BrokenPipeError:
         # Whoever read has had enough (`| head -1`). Python would complain once more at its end.
         mute(sys.stdout)
-        return 1
+        return UNREAD
     except BaseException as error:
         sentence, status = _told(error, name, words)
         with contextlib.suppress(OSError):
             print(sentence, file=sys.stderr)  # noqa: T201 (a command's own output)
     return status
+
+
+def leave(status: int) -> NoReturn:
+    """End the process at once: nothing that another thread still does is waited for.
+
+    XLA goes on compiling in threads of its own after Ctrl+C, and crashes an interpreter that is
+    taken down around it.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)
 
 
 def mute(stream: TextIO) -> None:

@@ -18,7 +18,14 @@ from kinetix.bounds import LAST_SEED
 from kinetix.cli.one_core import OneCore
 from kinetix.cores import check_cores, use_all_cores
 from kinetix.errors import KinetixError
-from kinetix.failures import guarded, interrupts_later, plain_streams
+from kinetix.failures import (
+    INTERRUPTED,
+    TERMINATED,
+    guarded,
+    interrupts_later,
+    leave,
+    plain_streams,
+)
 from kinetix.files.caches import tidy_caches
 from kinetix.paths import cache_dir
 
@@ -59,7 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status: 0 done, 1 the input or the result is bad, 2 wrong usage.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    return guarded(lambda: _main(words), name="kinetix", words=words)
+    status = guarded(lambda: _main(words), name="kinetix", words=words)
+    if arguments is None and status in (INTERRUPTED, TERMINATED):
+        leave(status)
+    return status
 
 
 def _main(words: Sequence[str]) -> int:
