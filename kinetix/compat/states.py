@@ -17,11 +17,12 @@ from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import EnvState
 from kinetix.level.model import Level
+from kinetix.pytree import on_device
 
 
 def create_empty_env(static_env_params: StaticEnvParams) -> EnvState:
-    """Return the level with nothing but the arena."""
-    return level_state(Level(name="empty"), static_env_params)
+    """Return the level with nothing but the arena, in arrays of JAX (`.at[…].set(…)`)."""
+    return on_device(level_state(Level(name="empty"), static_env_params))
 
 
 def index_motor_actions(

@@ -175,7 +175,8 @@ def check_key(key: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"key: expected jax.random.key(seed), got {kind_of(key)}; {order}")
     if jnp.ndim(key) != (0 if typed else 1):
         raise KinetixError(
-            f"key: expected one key, got an array of shape {jnp.shape(key)}: use jax.vmap(env.step)"
+            f"key: expected one key, got an array of shape {jnp.shape(key)}: "
+            "use jax.vmap(env.step) or jax.vmap(env.reset)"
         )
 
 
@@ -198,7 +199,7 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
     """Refuse a state that an environment of these sizes and this physics cannot step.
 
     Raises:
-        KinetixError: It is not a state, a batch, of another size or of another physics.
+        KinetixError: It is not a state, a batch, of another size, precision or physics.
     """
     check_is_state(state)
     if jnp.ndim(state.timestep):
@@ -213,6 +214,15 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
             f"circles, joints, thrusters), got {describe_capacity(have)}: "
             "kinetix.environment.rearrange.expand_state makes a level larger"
         )
+    for leaf in jax.tree.leaves(state):
+        kind = getattr(leaf, "dtype", None)
+        if kind is not None and jnp.issubdtype(kind, jnp.floating):
+            kind = jax.dtypes.canonicalize_dtype(kind)
+            if kind != jnp.float32:
+                raise KinetixError(
+                    f"state: expected numbers in float32, got {kind}: "
+                    "jax.tree.map(lambda x, y: x.astype(y.dtype), state, a_state_of_reset)"
+                )
     if _form(state.physics.cache) != _cache_form(engine):
         raise KinetixError(
             "state: it was made for another physics than the environment's: start from "
@@ -295,13 +305,20 @@ def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
     A state that was made for another solver keeps its bodies; its memory of contacts starts empty.
 
     Raises:
-        KinetixError: It is no state, or has other capacities than the environment; the message
-            says which of polygons, circles, joints, thrusters and by how much.
+        KinetixError: It is no state, a batch of them, or has other capacities than the environment;
+            the message says which of polygons, circles, joints, thrusters and by how much.
     """
     if not isinstance(state, EnvState):
+        hint = "a reset function returns one, and so does kinetix.environment.reset.level_state"
+        if isinstance(state, tuple) and any(isinstance(one, EnvState) for one in state):
+            hint = "take the state out of it, as in state, static_env_params, env_params = …"
         raise KinetixError(
-            f"expected the EnvState that an episode starts in, got {kind_of(state)}: a reset "
-            "function returns one, and so does level_state"
+            f"expected the EnvState that an episode starts in, got {kind_of(state)}: {hint}"
+        )
+    if jnp.ndim(state.timestep):
+        raise KinetixError(
+            f"expected one level to start in, got a batch of shape {jnp.shape(state.timestep)}: "
+            "use jax.vmap(env.reset, in_axes=(0, None, 0))"
         )
     have, need = capacity_of_world(state.world), engine.spec.capacity
     if have != need:

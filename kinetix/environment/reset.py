@@ -37,7 +37,14 @@ from kinetix.level.features import features_of, features_union
 from kinetix.level.kinetix_env import STANDARD_GRAVITY
 from kinetix.level.kinetix_env_compile import compile_kinetix_env
 from kinetix.level.model import Level
-from kinetix.level.sets import LoadedSet, SetLevel, is_set_file, load_set
+from kinetix.level.sets import (
+    LoadedSet,
+    SetLevel,
+    gather_levels,
+    is_set_file,
+    load_set,
+    place_of,
+)
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import on_device
 from kinetix.renamed import also_named
@@ -201,9 +208,9 @@ def make_reset_fn_list_of_levels(
     """A reset function that picks one of some levels.
 
     Args:
-        levels: Files, bundled names, documents or states (also a batch of them), one of those, or a
-            level set (its file or the loaded one, whose weights are the probabilities), or levels
-            of one.
+        levels: Files, folders (all levels below them), bundled names of either, documents or states
+            (also a batch of them), one of those, or a level set (its file or the loaded one, whose
+            weights are the probabilities), or levels of one.
         static_env_params: The common sizes; every level is expanded to them.
 
     Returns:
@@ -358,7 +365,9 @@ def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
 
 
 def _each_level(entry: Any) -> Iterable[Any]:
-    """Return the levels of a batch of states; anything else as the only one."""
+    """Return the levels of a folder or a batch of states; anything else as the only one."""
+    if isinstance(entry, str | Path) and os.path.isdir(place_of(entry)):
+        return gather_levels([entry])
     if not isinstance(entry, EnvState) or not np.ndim(entry.timestep):
         return [entry]
     states = jax.tree.map(np.asarray, entry)

@@ -29,6 +29,7 @@ from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.sizes import SIZES
+from kinetix.paths import levels_dir
 from tests.environment.conftest import small_level
 
 KEY = jax.random.key(0)
@@ -85,9 +86,38 @@ def test_states_of_something_else(small_env, small_state):
         KinetixError, match="expected the EnvState that an episode starts in, got an array"
     ):
         small_env.reset(KEY, None, 3)
+    with pytest.raises(KinetixError, match=r"a batch of shape .2,.: use jax.vmap.env.reset"):
+        small_env.reset(KEY, None, stack_states([small_state, small_state]))
+    with pytest.raises(KinetixError, match="take the state out of it"):
+        small_env.reset(KEY, None, load_from_json_file("s/first_flight"))
+    coarse = jax.tree.map(_in_half_precision, small_state)
+    assert "expected numbers in float32, got bfloat16" in sentence(small_env, KEY, coarse, ACTION)
     # And that is what works.
     _, state = small_env.reset(KEY, None, other)
     small_env.step(KEY, state, ACTION)
+
+
+def _in_half_precision(x):
+    x = jnp.asarray(x)
+    return x.astype(jnp.bfloat16) if x.dtype == jnp.float32 else x
+
+
+def test_a_batch_of_keys(small_env):
+    with pytest.raises(KinetixError, match=r"one key, .* use jax.vmap.env.step. or jax.vmap.env.r"):
+        small_env.reset(jax.random.split(KEY, 2))
+
+
+def test_a_folder_is_its_levels(small_static, tmp_path):
+    for name in ("first_flight", "goalkeeper"):
+        (tmp_path / f"{name}.json").write_bytes((levels_dir() / "s" / f"{name}.json").read_bytes())
+    static = static_env_params_from_size("s", physics=small_static.physics)
+    starts = make_reset_fn_list_of_levels(tmp_path, static)
+    named = make_reset_fn_list_of_levels(["s/first_flight", "s/goalkeeper"], static)
+    for key in jax.random.split(KEY, 4):
+        jax.tree.map(np.testing.assert_array_equal, starts(key), named(key))
+    (tmp_path / "none").mkdir()
+    with pytest.raises(KinetixError, match="expected levels, found none"):
+        make_reset_fn_list_of_levels([tmp_path / "none"], static)
 
 
 def test_no_reset_function(small_static, small_state):
