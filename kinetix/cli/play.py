@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Play:
     """One headless episode."""
 
-    level: Annotated[str, tyro.conf.Positional]
+    level: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="LEVEL")]
     """Level file, or the name of a bundled level (s/…, m/…, l/…)."""
     agent: str = "noop"
     """Directory of an agent, a bundled agent (general), planner, noop, random, or solution."""

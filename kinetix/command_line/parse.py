@@ -1,6 +1,7 @@
 """From the words of a command line to what a command shall do."""
 
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Final, TypeVar
@@ -12,6 +13,8 @@ from kinetix.command_line.program import Program
 
 _FEWEST_COLUMNS: Final = 40
 """In fewer, tyro sets the help one letter a line; in less than some six it never ends."""
+
+_FROM_HOME: Final = re.compile(r"(--[\w-]+=)?(~(?:[/\\].*)?)", re.DOTALL)
 
 _Command = TypeVar("_Command")
 
@@ -31,6 +34,7 @@ def parse(
         description: What the help says first; by default the docstring of `command`.
         words: The words after the program's; by default those of this process.
     """
+    words = [_as_a_shell_gives_it(word) for word in (sys.argv[1:] if words is None else words)]
     columns = os.environ.get("COLUMNS", "")
     if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
         os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
@@ -44,8 +48,14 @@ def parse(
             registry=OPTIONS,
         )
     except SystemExit as stop:
-        first = (sys.argv[1:] if words is None else words)[:1]
+        first = words[:1]
         if stop.code and first and not isinstance(command, type) and first[0].isalpha():
             # Of some mistakes tyro names the help of the whole command, which has no options.
             sys.stderr.write(f"The options: {program} {first[0]} --help\n")
         raise
+
+
+def _as_a_shell_gives_it(word: str) -> str:
+    """Return a word with the home folder for a leading `~`, which shells leave after `=`."""
+    found = _FROM_HOME.fullmatch(word)
+    return word if found is None else (found[1] or "") + os.path.expanduser(found[2])

@@ -243,6 +243,32 @@ def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path):
     assert b"Warning" not in done.stderr
 
 
+@pytest.mark.parametrize("word", ["help", "version"])
+def test_help_and_version_are_words_too(word, capsys):
+    assert cli.main([f"--{word}"]) == 0
+    expected = capsys.readouterr().out
+    assert cli.main([word]) == 0
+    assert capsys.readouterr().out == expected
+
+
+def test_help_of_a_command(capsys):
+    assert cli.main(["help", "convert"]) == 0
+    assert "usage: kinetix convert" in capsys.readouterr().out
+
+
+def test_a_path_from_home_is_meant_as_a_shell_takes_it(tmp_path, monkeypatch, capsys):
+    """A shell expands no `~` in quotes, nor after `=`: it made a folder of that name."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    assert cli.main(["convert", "s/first_flight", "~/x.json"]) == 0
+    assert (tmp_path / "x.json").exists() and not list((tmp_path / "here").iterdir())
+    capsys.readouterr()
+    assert cli.main(["validate", "~/x.json", "~/y.json"]) == 1
+    assert f"{tmp_path / 'y.json'}" in capsys.readouterr().out
+
+
 def test_overview_is_fast_and_free_of_jax():
     code = (
         "import sys; from kinetix.cli import main; main(['--help']); "
