@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from kinetix.errors import LevelError
 from kinetix.level.body_fields import BodyFields, check_fields, pair, real, size
-from kinetix.level.geometry import area_centroid, arena_body, polygon_fault, to_local
+from kinetix.level.geometry import arena_body, centre_of_mass, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
     MAX_ENTITIES,
@@ -28,6 +28,7 @@ from kinetix.level.model import (
     Shape,
     Thruster,
 )
+from kinetix.level.sizes import without_outgrown_size
 
 _GHOST = ArenaBody(collision="ghost")
 EMPTY_ARENA: Final = Arena(floor=_GHOST, left_wall=_GHOST, right_wall=_GHOST, ceiling=_GHOST)
@@ -57,19 +58,44 @@ class LevelBuilder:
         """
         if not isinstance(name, str):
             raise LevelError(f"name {name!r:.60}: expected a string")
-        self._name = name or "Untitled"
-        self._gravity = pair("gravity", gravity)
-        self._arena = arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA
-        self._bodies: dict[int, Body] = {}
-        self._joints: list[Joint] = []
-        self._thrusters: list[Thruster] = []
-        self._used = 0
+        self._begun = Level(
+            name=name or "Untitled",
+            gravity=pair("gravity", gravity),
+            arena=arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA,
+        )
+        self._take(self._begun)
+
+    @classmethod
+    def from_level(cls, level: Level) -> "LevelBuilder":
+        """Return a builder that goes on from a level: all that is there stays, with its ids.
+
+        What `build` returns has the level's title, options and arena too. With more in it, it has
+        no recorded solution, and where it has outgrown the level's `size`, the smallest that fits.
+
+        Args:
+            level: Such as `kinetix.load_level("s/first_flight")`.
+
+        Raises:
+            LevelError: It is no level.
+        """
+        if not isinstance(level, Level):
+            raise LevelError(f"level: expected a kinetix.Level, got {type(level).__name__}")
+        builder = cls()
+        builder._take(level)
+        return builder
+
+    def _take(self, level: Level) -> None:
+        self._begun = level
+        self._bodies = {body.id: body for body in level.bodies}
+        self._joints = list(level.joints)
+        self._thrusters = list(level.thrusters)
+        self._used = level.next_id - 1
 
     def __repr__(self) -> str:
         """The name and how much there is."""
         return (
-            f"LevelBuilder({self._name!r}: {len(self._bodies)} bodies, {len(self._joints)} joints, "
-            f"{len(self._thrusters)} thrusters)"
+            f"LevelBuilder({self._begun.name!r}: {len(self._bodies)} bodies, "
+            f"{len(self._joints)} joints, {len(self._thrusters)} thrusters)"
         )
 
     @property
@@ -132,7 +158,7 @@ class LevelBuilder:
         fault = polygon_fault(corners)
         if fault is not None:
             raise LevelError(f"polygon {_short(corners)}: {fault}")
-        x, y = area_centroid(corners)
+        x, y = centre_of_mass(Polygon(vertices=corners), self._begun.inertia_model)
         local = tuple((px - x, py - y) for px, py in corners)
         return self.body(Polygon(vertices=local), x, y, **more)
 
@@ -234,13 +260,15 @@ class LevelBuilder:
 
     def build(self) -> Level:
         """Return the level as it is now; the builder can be used further."""
-        return Level(
-            name=self._name,
-            gravity=self._gravity,
-            arena=self._arena,
-            bodies=tuple(self._bodies.values()),
-            joints=tuple(self._joints),
-            thrusters=tuple(self._thrusters),
+        added = self._used + 1 != self._begun.next_id
+        return without_outgrown_size(
+            self._begun.replace(
+                next_id=self._used + 1,
+                bodies=tuple(self._bodies.values()),
+                joints=tuple(self._joints),
+                thrusters=tuple(self._thrusters),
+                solution=None if added else self._begun.solution,
+            )
         )
 
     def _join(
@@ -285,11 +313,11 @@ class LevelBuilder:
                 raise LevelError(
                     f"there is no body {reference!r}: expected an id or {', '.join(ARENA_NAMES)}"
                 )
-            if self._arena is EMPTY_ARENA:
+            if self._begun.arena is EMPTY_ARENA:
                 raise LevelError(
                     f"there is no {reference}, as arena=False: add a body with fixed=True instead"
                 )
-            return arena_body(self._arena, reference)
+            return arena_body(self._begun.arena, reference)
         known = isinstance(reference, int) and not isinstance(reference, bool)
         if not known or reference not in self._bodies:
             raise LevelError(

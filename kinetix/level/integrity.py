@@ -129,6 +129,7 @@ def _size_faults(level: Level) -> Iterator[Fault]:
         needed = describe_capacity(needed_capacity(level))
         message = (
             f"the level needs {needed} (polygons, circles, joints, thrusters), "
-            f"which does not fit {describe_capacity(outgrown)}"
+            f"which does not fit {describe_capacity(outgrown)}; "
+            "without a size it gets the smallest that fits"
         )
         yield Fault(code="E013", path="$.size", message=message)

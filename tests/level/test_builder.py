@@ -7,7 +7,7 @@ import pytest
 import kinetix
 from kinetix.errors import LevelError
 from kinetix.level.geometry import to_world, world_vertices
-from kinetix.level.model import Limits, Motor
+from kinetix.level.model import Level, Limits, Motor
 from kinetix.level.validate import has_errors, validate
 
 
@@ -154,3 +154,28 @@ def test_building_needs_no_jax():
         "b.weld(b.circle(0, 0, 1), b.floor, (0, 0)); b.build(); assert 'jax' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_a_level_can_be_added_to(tmp_path):
+    level = kinetix.load_level("s/first_flight")
+    builder = kinetix.LevelBuilder.from_level(level)
+    assert builder.build() == level
+    ball = builder.circle(1, 3, 0.1, role="red")
+    builder.hinge(ball, builder.rectangle(1, 3.4, 0.2, 0.8), (1, 3.2), motor=Motor())
+    builder.thruster(level.bodies[0].id, (2, 2), angle=0.0, power=1.0)
+    more = builder.build()
+    assert more.bodies[: len(level.bodies)] == level.bodies
+    assert (more.name, more.arena, more.description) == (level.name, level.arena, level.description)
+    assert ball == level.next_id and more.next_id == level.next_id + 4
+    assert level.solution is not None and more.solution is None
+    assert (level.size, more.size) == ("s", None)
+    kinetix.save_level(more, tmp_path / "more.json")
+    assert kinetix.load_level(tmp_path / "more.json") == more
+    with pytest.raises(LevelError, match=r"a kinetix\.Level, got str"):
+        kinetix.LevelBuilder.from_level("s/first_flight")
+
+
+def test_what_is_added_has_its_mass_as_the_level_says(tmp_path):
+    model = kinetix.LevelBuilder.from_level(Level(name="x", inertia_model="kinetix"))
+    model.polygon([(1, 1), (2, 1), (2, 1.5), (1, 2)])
+    kinetix.save_level(model.build(), tmp_path / "x.json")
