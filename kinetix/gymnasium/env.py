@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import jax
 
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
@@ -20,7 +21,17 @@ from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import SEEDS
 
 RENDER_FPS = 30
-"""Environment steps a second, at two physics steps each."""
+"""Environment steps a second, at two physics steps each: what there is where none is made yet."""
+
+
+def steps_per_second(env: KinetixEnv) -> float:
+    """Return how many steps of an environment a second of its world has; whole where it can be.
+
+    Args:
+        env: Whose frame skip and time step count.
+    """
+    rate = round(1 / (float(env.env_params.dt) * env.static_env_params.frame_skip), 3)
+    return int(rate) if rate.is_integer() else rate
 
 
 class KinetixGymEnv(gymnasium.Env[Any, Any]):
@@ -56,6 +67,8 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         _check_render_mode(render_mode)
         self.render_mode = render_mode
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        # Wrappers that film and show it go by this.
+        self.metadata = {**self.metadata, "render_fps": steps_per_second(self.kinetix_env)}
         self.action_space = gymnasium_space(self.kinetix_env.action_space())
         self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self._state: Any = None

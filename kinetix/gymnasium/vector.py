@@ -26,7 +26,7 @@ from kinetix.gymnasium.checks import (
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import Draws
-from kinetix.gymnasium.env import RENDER_FPS
+from kinetix.gymnasium.env import RENDER_FPS, steps_per_second
 from kinetix.programs import make_room
 from kinetix.render.pixels import make_render_pixels
 
@@ -80,11 +80,15 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             known = ", ".join(mode.value for mode in self.MODES)
             raise KinetixError(f"autoreset_mode={autoreset_mode!r}: expected {known}") from None
         self.autoreset_mode = self.mode  # where Gymnasium's own have it, and TorchRL looks
-        self.metadata = {**self.metadata, "autoreset_mode": self.mode}
         self.num_envs = num_envs
         self.render_mode = render_mode
         self._most_steps = max_episode_steps
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        self.metadata = {
+            **self.metadata,
+            "autoreset_mode": self.mode,
+            "render_fps": steps_per_second(self.kinetix_env),
+        }
         self.single_action_space = gymnasium_space(self.kinetix_env.action_space())
         self.single_observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self.action_space = batch_space(self.single_action_space, num_envs)

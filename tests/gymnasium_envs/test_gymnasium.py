@@ -106,6 +106,14 @@ def test_modes_of_starting_anew(same):
     assert not np.allclose(observation[1], first[1])
 
 
+@pytest.mark.parametrize(("skip", "rate"), [(1, 60), (2, 30), (7, 8.571), (8, 7.5)])
+def test_films_are_told_how_many_steps_a_second_has(skip, rate):
+    for make in (KinetixGymEnv, KinetixVectorEnv):
+        env = make(**LEVEL, frame_skip=skip)
+        assert env.metadata["render_fps"] == rate
+        assert isinstance(env.metadata["render_fps"], type(rate))
+
+
 RECORD = """
 import sys
 from gymnasium.wrappers import RecordVideo
