@@ -1,7 +1,7 @@
 """What callers of Gymnasium's methods pass, checked, and the process that they call from."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -76,6 +76,20 @@ def check_count(name: str, value: Any, *, optional: bool = False) -> None:
     if not (_is_whole(value) and value >= 1) and not (optional and value is None):
         or_none = ", or None" if optional else ""
         raise KinetixError(f"{name}={value!r}: expected a whole number from 1{or_none}")
+
+
+def check_render_mode(mode: Any, known: Sequence[str]) -> None:
+    """Refuse a way of showing pictures that there is not.
+
+    Args:
+        mode: What the caller passed; None: no pictures.
+        known: The ways that there are.
+
+    Raises:
+        KinetixError: It is another one.
+    """
+    if mode is not None and mode not in known:
+        raise KinetixError(f"render_mode={mode!r}: expected {', '.join(known)} or None")
 
 
 def _is_whole(value: Any) -> bool:

@@ -12,6 +12,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
+    check_render_mode,
     checked_options,
     checked_words,
     numbers_of,
@@ -64,7 +65,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
-        _check_render_mode(render_mode)
+        check_render_mode(render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
         # Wrappers that film and show it go by this.
@@ -140,9 +141,3 @@ def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
         "distance": float(info["distance"]),
         "nan": bool(info["nan"]),
     }
-
-
-def _check_render_mode(render_mode: str | None) -> None:
-    known = KinetixGymEnv.metadata["render_modes"]
-    if render_mode is not None and render_mode not in known:
-        raise KinetixError(f"render_mode={render_mode!r}: expected {', '.join(known)} or None")

@@ -18,6 +18,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     check_count,
+    check_render_mode,
     checked_options,
     checked_seed,
     checked_words,
@@ -72,6 +73,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
+        check_render_mode(render_mode, self.metadata["render_modes"])
         check_count("num_envs", num_envs)
         check_count("max_episode_steps", max_episode_steps, optional=True)
         try:

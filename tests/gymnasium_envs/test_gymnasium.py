@@ -159,8 +159,9 @@ def test_what_is_wrong_is_said(same):
         KinetixGymEnv(level="s/goalkeper")
     with pytest.raises(KinetixError, match="'xl-random': expected one of s-random"):
         KinetixGymEnv(level="xl-random")
-    with pytest.raises(KinetixError, match="'human': expected rgb_array"):
-        KinetixGymEnv(**LEVEL, render_mode="human")
+    for make in (KinetixGymEnv, KinetixVectorEnv):
+        with pytest.raises(KinetixError, match="'human': expected rgb_array or None"):
+            make(**LEVEL, render_mode="human")
     with pytest.raises(KinetixError, match="'Never': expected NextStep"):
         KinetixVectorEnv(2, **LEVEL, autoreset_mode="Never")
     with pytest.raises(KinetixError, match="call reset first"):
