@@ -156,7 +156,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         # Copies: wrappers write into them.
         reward, terminated, truncated, solved, distance, nan = map(np.array, told)
         told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
-        info: dict[str, Any] = told | _masks(told, np.ones(self.num_envs, bool))
+        played = ~before
+        info: dict[str, Any] = told | _masks(told, played) if played.any() else {}
         ended = terminated | truncated
         if self.mode is AutoresetMode.SAME_STEP:
             if ended.any():
@@ -282,7 +283,7 @@ def _advance(
         done & ~truncated & ~silent,
         truncated & ~silent,
         info["GoalR"] & ~silent,
-        info["distance"],
+        jnp.where(silent, 0.0, info["distance"]),
         info["nan"] & ~silent,
     )
     return observation, after, told, final if same else None

@@ -114,6 +114,28 @@ def test_films_are_told_how_many_steps_a_second_has(skip, rate):
         assert isinstance(env.metadata["render_fps"], type(rate))
 
 
+def test_a_row_that_begins_anew_tells_nothing_as_in_gymnasiums_own_batch():
+    """In the step after an end its action is ignored, and the old episode is not played on."""
+    options = {**LEVEL, "observation_type": "blind", "num_envs": 2, "max_episode_steps": 3}
+    ours = gymnasium.make_vec("Kinetix/level-v0", **options)
+    theirs = gymnasium.make_vec("Kinetix/level-v0", **options, vectorization_mode="sync")
+    for env in (ours, theirs):
+        env.reset(seed=0)
+    still = np.zeros(ours.action_space.shape, int)
+    for _ in range(5):
+        mine, other = ours.step(still)[-1], theirs.step(still)[-1]
+        assert set(mine) == set(other)
+        for name in mine:
+            np.testing.assert_allclose(mine[name], other[name], atol=1e-5)
+    ours.reset(seed=0)
+    for _ in range(2):
+        ours.step(still)
+    ours.unwrapped._ended[0] = True  # as where one level ends before the other
+    info = ours.step(still)[-1]
+    assert info["_distance"].tolist() == info["_is_success"].tolist() == [False, True]
+    assert info["distance"][0] == 0 < info["distance"][1]
+
+
 RECORD = """
 import sys
 from gymnasium.wrappers import RecordVideo
