@@ -198,8 +198,15 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             **words: For the method.
 
         Returns:
-            An answer per environment.
+            An answer per environment. Its spaces are those of one, as in Gymnasium's own batches.
+
+        Raises:
+            KinetixError: One environment has no such method here: it plays with all others.
         """
+        if name in ("reset", "step"):
+            raise KinetixError(f"call: {name!r} plays the whole batch; call env.{name}(…)")
+        if name in ("action_space", "observation_space"):
+            name = f"single_{name}"
         found: Any = getattr(self, name)
         answer: Any = found(*args, **words) if callable(found) else found
         if name == "render" and answer is not None:

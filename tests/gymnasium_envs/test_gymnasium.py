@@ -176,6 +176,14 @@ def test_pictures_of_all(same):
     assert frames[0][-1].mean() < frames[0][20].mean()
 
 
+def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
+    for name in ("action_space", "observation_space"):
+        assert same.get_attr(name) == (getattr(same, f"single_{name}"),) * 3
+    for name in ("reset", "step"):
+        with pytest.raises(KinetixError, match="plays the whole batch"):
+            same.call(name)
+
+
 def test_what_is_wrong_is_said(same):
     with pytest.raises(KinetixError, match="did you mean 's/goalkeeper'"):
         KinetixGymEnv(level="s/goalkeper")
