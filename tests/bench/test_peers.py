@@ -209,6 +209,12 @@ def test_times_are_those_of_the_steps(toy):
         levels.native_speed(toy, [SCENES["D2"].make_trials()[0]])
 
 
+def test_the_median_over_levels_counts(monkeypatch):
+    told = {"version": "1", "call_s": 0.0, "seconds_per_step": {"a": 0.1, "b": 0.2, "c": 9.0}}
+    monkeypatch.setattr(levels, "ask", lambda *of: Answer(told=told, motions={}))
+    assert levels.native_speed(Peer, [])["steps_per_s"] == 5.0
+
+
 def test_failures_of_a_peer_are_said_in_its_words(toy, monkeypatch):
     with pytest.raises(KinetixError, match="toy: its program ended with 1: KeyError: 'dance'"):
         ask(toy, {"task": "dance"})
