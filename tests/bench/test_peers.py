@@ -363,7 +363,10 @@ def test_ratios_compare_like_with_like():
 def test_levels_are_measured_in_turn(monkeypatch):
     asked = []
 
+    monkeypatch.setenv("XLA_FLAGS", "--xla_of_ours")
+
     def answer(peer, job, variables):
+        assert variables["XLA_FLAGS"].startswith("--xla_of_ours ")  # it is timed under them, too
         asked.append((peer.name, job["what"], job["batch"], variables["XLA_FLAGS"][-1]))
         assert all(json.loads(Path(file).read_text())["env_state"] for file in job["files"])
         told = {"version": "3", "devices": 1, "seconds_per_step": 0.1, "compile_s": 1.0}
