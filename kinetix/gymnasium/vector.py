@@ -222,7 +222,12 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise KinetixError(
                 f"reset_mask of shape {np.shape(mask)}: expected {self.num_envs} truth values"
             )
-        return None if mask is None else np.asarray(mask, bool)
+        if mask is None:
+            return None
+        truths = np.asarray(mask)
+        if truths.dtype.kind not in "biuf" or not ((truths == 0) | (truths == 1)).all():
+            raise KinetixError(f"reset_mask {mask!r}: expected truth values, True or False each")
+        return truths.astype(bool)
 
     def _seeded(self, seed: Any, mask: np.ndarray | None) -> Draws:
         """The draws, those of a mask or all begun anew with seeds where there are any."""

@@ -341,6 +341,10 @@ def test_options_and_actions_that_mean_nothing_are_refused(same):
         same.step(np.full((3, 6), 7))
     with pytest.raises(KinetixError, match="3 truth values"):
         same.reset(options={"reset_mask": [True]})
+    for mask in (["False", "x", ""], [1, 2, 0], [None, True, True]):
+        with pytest.raises(KinetixError, match="expected truth values, True or False each"):
+            same.reset(options={"reset_mask": mask})
+    same.reset(options={"reset_mask": [1, 0, 0]})
 
 
 def test_a_batch_can_be_pickled(same):
