@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import gymnasium
 import numpy as np
 
 from kinetix.bounds import LAST_SEED
@@ -125,6 +126,28 @@ def numbers_of(action: Any) -> np.ndarray:
     if array.dtype.kind == "f" and np.isnan(array).any():
         raise KinetixError("action: holds a NaN; expected numbers")
     return array
+
+
+def check_fits(action: np.ndarray, space: gymnasium.Space[Any]) -> None:
+    """Refuse an action, or a batch, of another shape or type than a space has.
+
+    Args:
+        action: From `numbers_of`.
+        space: The `action_space` that the caller sees.
+
+    Raises:
+        KinetixError: It is one; the sentence says what is expected.
+    """
+    if action.shape != space.shape:
+        raise KinetixError(
+            f"action of shape {action.shape}: expected {space.shape}, as "
+            "env.action_space.sample() draws"
+        )
+    if action.dtype.kind == "f" and np.dtype(space.dtype).kind != "f":
+        raise KinetixError(
+            f"action of type {action.dtype}: expected whole numbers; for reals make the "
+            'environment with action_type="continuous"'
+        )
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -12,6 +12,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
+    check_fits,
     check_render_mode,
     checked_options,
     checked_words,
@@ -109,8 +110,10 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             raise KinetixError("step: call reset first")
         if self._over:
             gymnasium.logger.warn("step: the episode is over, and rewards repeat; call reset")
+        numbers = numbers_of(action)
+        check_fits(numbers, self.action_space)
         observation, self._state, reward, done, info = self.kinetix_env.step(
-            _NO_KEY, self._state, numbers_of(action)
+            _NO_KEY, self._state, numbers
         )
         truncated = bool(info["truncated"])
         self._over = bool(done)

@@ -18,6 +18,7 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     check_count,
+    check_fits,
     check_render_mode,
     checked_options,
     checked_seed,
@@ -146,6 +147,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 f"actions of shape {actions.shape}: expected {self.num_envs} of them, one per "
                 "environment"
             )
+        check_fits(actions, self.action_space)
         self._check_choices(actions)
         assert self._draws is not None
         keys, before = self._draws.keys(), self._ended
@@ -176,8 +178,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if isinstance(space, gymnasium.spaces.Box):
             return
         choices = space.nvec if isinstance(space, gymnasium.spaces.MultiDiscrete) else space.n
-        fits = actions.shape[1:] == space.shape and actions.dtype.kind in "biu"
-        if fits and ((actions < 0) | (actions >= choices)).any():
+        if ((actions < 0) | (actions >= choices)).any():
             raise KinetixError(f"actions: expected whole numbers from 0 and below {choices}")
 
     def render(self) -> tuple[np.ndarray, ...] | None:

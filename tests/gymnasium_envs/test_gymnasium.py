@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 
@@ -334,6 +335,13 @@ def test_options_and_actions_that_mean_nothing_are_refused(same):
     for action in (None, "x", [None] * 6):
         with pytest.raises(KinetixError, match="numbers"):
             env.step(action)
+    same.reset(seed=0)
+    for one, shape in ((env, ()), (same, (3,))):
+        wrong = f"{(*shape, 5)}: expected {(*shape, 6)}, as env.action_space.sample()"
+        with pytest.raises(KinetixError, match=re.escape(wrong)):
+            one.step(np.zeros((*shape, 5), int))
+        with pytest.raises(KinetixError, match=r'type float64: .* action_type="continuous"'):
+            one.step(np.zeros((*shape, 6)))
     with pytest.raises(KinetixError, match="reset_mask"):
         same.reset(options={"level": "s/goalkeeper"})
     same.reset(seed=1)
