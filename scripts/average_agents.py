@@ -7,6 +7,7 @@ Source: Izmailov et al., "Averaging Weights Leads to Wider Optima and Better Gen
 
 import argparse
 from pathlib import Path
+from typing import Final
 
 import jax
 import msgspec
@@ -15,16 +16,29 @@ import numpy as np
 from kinetix import load_agent, save_agent
 from kinetix.agents.agent import Agent
 
+ONE_AGENTS: Final = ("environment_steps", "env_steps", "wall_time")
+"""Facts about the training of one agent alone."""
 
-def averaged(agents: list[Agent]) -> Agent:
+
+def averaged(agents: list[Agent], frame_skip: int | None = None) -> Agent:
     """An agent with the means of all parameters and the description of the last one.
+
+    Its results and how long it was trained for are left out: they are of that one alone.
+    `averaged` among the facts about training holds the digests of all.
 
     Args:
         agents: Of the same network.
+        frame_skip: Physics steps between two decisions; None: as the last one has it.
     """
     trees = [agent.params["params"] for agent in agents]
     mean = jax.tree.map(lambda *leaves: np.mean(leaves, axis=0), *trees)
-    return Agent(agents[-1].card, mean)
+    card = agents[-1].card
+    training = {name: fact for name, fact in card.training.items() if name not in ONE_AGENTS}
+    training["averaged"] = [agent.digest for agent in agents]
+    environment = card.environment
+    if frame_skip is not None:
+        environment = msgspec.structs.replace(environment, frame_skip=frame_skip)
+    return Agent(card.replace(results={}, training=training, environment=environment), mean)
 
 
 def main() -> None:
@@ -36,11 +50,8 @@ def main() -> None:
         "--frame-skip", type=int, help="Physics steps between two decisions, if not as in training."
     )
     given = parser.parse_args()
-    agent = averaged([load_agent(folder) for folder in given.agents])
-    if given.frame_skip is not None:
-        environment = msgspec.structs.replace(agent.card.environment, frame_skip=given.frame_skip)
-        agent = Agent(agent.card.replace(environment=environment), agent.params["params"])
-    save_agent(agent, given.out)
+    agents = [load_agent(folder) for folder in given.agents]
+    save_agent(averaged(agents, given.frame_skip), given.out)
 
 
 if __name__ == "__main__":

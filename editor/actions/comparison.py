@@ -79,13 +79,16 @@ def _count(stored: StoredComparison) -> str:
 
 
 def _agent(session: Session, provenance: Provenance) -> AgentSummary:
-    return known_by(session, provenance.digest) or bare_summary(provenance.agent, provenance)
+    found = known_by(session, provenance.digest, provenance.card_digest)
+    return found or bare_summary(provenance.agent, provenance)
 
 
-def known_by(session: Session, digest: str) -> AgentSummary | None:
-    """Return a loaded agent with these parameters, or None."""
-    loaded = (*session.viewer.agents, *session.viewer.contenders)
-    return next((one for one in loaded if digest and one.digest == digest), None)
+def known_by(session: Session, digest: str, card_digest: str) -> AgentSummary | None:
+    """Return a loaded agent with these parameters and, where it is known, this card; or None."""
+    for one in (*session.viewer.agents, *session.viewer.contenders):
+        if digest and one.digest == digest and card_digest in ("", one.card_digest):
+            return one
+    return None
 
 
 def _level(session: Session, name: str, sha256: str) -> str | Level:
@@ -109,7 +112,7 @@ def present(session: Session, summary: AgentSummary) -> AgentSummary:
     """
     if summary.ref.path:
         return summary
-    found = known_by(session, summary.digest)
+    found = known_by(session, summary.digest, summary.card_digest)
     if found is None:
         raise CommandError(
             f"{summary.name} is not loaded: choose the agent whose parameters begin with "

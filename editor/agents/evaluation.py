@@ -17,6 +17,7 @@ from editor.worker.requests import (
     Score,
     Standing,
 )
+from kinetix.agents.card import EnvironmentCard
 from kinetix.agents.compare import Contender, Difference, labels_of, leaderboard, paired
 from kinetix.agents.comparison_files import text_of
 from kinetix.agents.results import LevelFailure, LevelResult, Provenance, report
@@ -60,6 +61,9 @@ class Plan:
             seed=self.seed,
             attempts=self.attempts,
             deterministic=self.deterministic,
+            frame_skip=who.frame_skip,
+            dense_reward_scale=who.dense_reward_scale,
+            card_digest=who.card_digest,
         )
 
 
@@ -83,7 +87,8 @@ def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummar
         name: Of a scripted one; otherwise what it was called.
         provenance: Of a stored comparison's; then its folder is not known.
     """
-    return AgentSummary(
+    usual = EnvironmentCard()
+    scripted = AgentSummary(
         ref=AgentRef(path=name if name in BUILT_IN else ""),
         name=name,
         description="",
@@ -94,12 +99,22 @@ def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummar
         recurrent=False,
         capacity=None,
         any_size=True,
-        physics="balanced" if provenance is None else provenance.physics,
-        frame_skip=2,
+        physics=usual.physics,
+        frame_skip=usual.frame_skip,
         steps=None,
         training="",
         folder="",
-        digest="" if provenance is None else provenance.digest,
+        dense_reward_scale=usual.dense_reward_scale,
+    )
+    if provenance is None:
+        return scripted
+    return dataclasses.replace(
+        scripted,
+        physics=provenance.physics,
+        frame_skip=provenance.frame_skip or usual.frame_skip,
+        digest=provenance.digest,
+        dense_reward_scale=provenance.dense_reward_scale,
+        card_digest=provenance.card_digest,
     )
 
 

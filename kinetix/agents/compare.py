@@ -6,7 +6,7 @@ Free of JAX, so that a window can use it.
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 from kinetix.agents.results import WILSON_Z, LevelFailure, LevelResult, Provenance, summarise
 
@@ -130,6 +130,44 @@ def common_levels(contenders: Sequence[Contender]) -> list[str]:
 def differences(contenders: Sequence[Contender]) -> list[Difference]:
     """Return the paired difference of every two policies, each pair once."""
     return [paired(one, other) for k, one in enumerate(contenders) for other in contenders[k + 1 :]]
+
+
+def unlike(contenders: Sequence[Contender]) -> list[str]:
+    """Return a sentence per setting, physics aside, in which policies are known to differ.
+
+    Args:
+        contenders: The policies; what is not known of one is not guessed.
+    """
+    sentences = []
+    for name, what, why in _SETTINGS:
+        told = {one.label: getattr(one.provenance, name) for one in contenders}
+        if len({value for value in told.values() if value is not None}) > 1:
+            each = [
+                f"{label} {'not known' if value is None else format(value, 'g')}"
+                for label, value in told.items()
+            ]
+            sentences.append(f"{what}: {', '.join(each)}; {why}")
+    sentences += [
+        f"{one.label} and {other.label} have the same parameters, and cards that differ"
+        for k, one in enumerate(contenders)
+        for other in contenders[k + 1 :]
+        if one.provenance.digest == other.provenance.digest
+        and one.provenance.card_digest
+        and other.provenance.card_digest
+        and one.provenance.card_digest != other.provenance.card_digest
+    ]
+    return sentences
+
+
+_SETTINGS: Final = (
+    ("frame_skip", "frame skip", "their steps last for different times"),
+    (
+        "dense_reward_scale",
+        "weight of the distance reward",
+        "their mean returns cannot be compared",
+    ),
+)
+"""Settings of policies: the field of the provenance, what it is called, what follows."""
 
 
 def as_document(

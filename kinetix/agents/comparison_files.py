@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from kinetix.agents.compare import Contender, as_document, differences, leaderboard
+from kinetix.agents.compare import Contender, as_document, differences, leaderboard, unlike
 from kinetix.agents.results import LevelFailure
 from kinetix.errors import KinetixError
 from kinetix.files.limits import LIMITS, MIB
@@ -136,6 +136,7 @@ def _page(contenders: Sequence[Contender], hashes: dict[str, str], version: str)
         lines="\n".join(lines),
         ranks="\n".join(ranks),
         pairs="\n".join(pairs),
+        unlike="\n".join(f"<p>{shown(sentence)}.</p>" for sentence in unlike(contenders)),
     )
 
 
@@ -184,6 +185,7 @@ td.none {{ color: #8a919c; }}
 <th>Levels</th><th>Physics</th><th>Parameters</th></tr></thead><tbody>
 {ranks}
 </tbody></table>
+{unlike}
 <h2>Paired differences</h2>
 <p>Solve rate of the first less that of the second on equal seeds, with 95 % intervals; attempts
 that only one of them won.</p>

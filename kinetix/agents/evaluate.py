@@ -16,7 +16,7 @@ import numpy as np
 
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.episodes import Episodes, advance, episode_keys, rows, start
-from kinetix.agents.identity import digest_of
+from kinetix.agents.identity import card_digest_of, digest_of
 from kinetix.agents.live import Reading, read_policy
 from kinetix.agents.player import Player
 from kinetix.agents.results import (
@@ -99,6 +99,9 @@ class Settings:
             seed=self.seed,
             attempts=self.attempts,
             deterministic=self.deterministic,
+            frame_skip=player.card.environment.frame_skip,
+            dense_reward_scale=player.card.environment.dense_reward_scale,
+            card_digest=card_digest_of(player),
         )
 
 

@@ -1,9 +1,17 @@
-"""Names and digests of players: of a training run by run and step; by the parameters."""
+"""Names and digests of players: of a training run by run and step; by parameters and card."""
 
+import dataclasses
+import hashlib
 from pathlib import Path
+from typing import Final
+
+import msgspec
 
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS
 from kinetix.agents.player import Player
+
+_CARD_DIGITS: Final = 16
+"""Length of a card's digest."""
 
 
 def name_in_run(checkpoint: Path) -> str:
@@ -24,3 +32,24 @@ def name_in_run(checkpoint: Path) -> str:
 def digest_of(player: Player) -> str:
     """Return SHA-256 of a player's parameters; empty for players that have none."""
     return getattr(player, "digest", "")
+
+
+def card_digest_of(player: Player) -> str:
+    """Return a digest of all that a player's card says about how it plays; empty for scripted ones.
+
+    Its name, description, training and results do not count; nor does its physics, instead of
+    which it may be measured under another one.
+    """
+    if not digest_of(player):
+        return ""
+    card = player.card
+    told = (
+        card.observation,
+        card.action,
+        card.capacity,
+        dataclasses.asdict(card.network),
+        msgspec.structs.replace(card.environment, physics=""),
+        card.normalisation,
+    )
+    whole = hashlib.sha256(msgspec.json.encode(told, order="sorted"))
+    return whole.hexdigest()[:_CARD_DIGITS]

@@ -125,10 +125,26 @@ class Provenance:
     """Attempts a level."""
     deterministic: bool
     """True if the likeliest actions were taken."""
+    frame_skip: int | None = None
+    """Physics steps per action; None where it is not known, as of older files."""
+    dense_reward_scale: float | None = None
+    """Weight of the distance reward in the returns; None likewise."""
+    card_digest: str = ""
+    """Beginning of the SHA-256 of what else its card says about how it plays, such as statistics
+    of its observations; empty for scripted players, and where it is not known."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as the last line of `kinetix eval --json` says it."""
-        return dataclasses.asdict(self)
+        """Return what is known of it, as the last line of `kinetix eval --json` says it."""
+        told = dataclasses.asdict(self)
+        return {
+            name: value for name, value in told.items() if name not in _LATER or value not in _NONE
+        }
+
+
+_LATER: Final = ("frame_skip", "dense_reward_scale", "card_digest")
+"""Fields that older files lack."""
+_NONE: Final = (None, "")
+"""Their values where nothing is known."""
 
 
 def report(

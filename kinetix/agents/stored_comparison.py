@@ -39,6 +39,9 @@ class _Policy(msgspec.Struct, frozen=True, kw_only=True):
     seed: int
     attempts: int
     deterministic: bool
+    frame_skip: int | None = None
+    dense_reward_scale: float | None = None
+    card_digest: str = ""
     results: tuple[_Result, ...]
 
 
@@ -93,6 +96,9 @@ def read_comparison(path: Path) -> StoredComparison:
             seed=policy.seed,
             attempts=policy.attempts,
             deterministic=policy.deterministic,
+            frame_skip=policy.frame_skip,
+            dense_reward_scale=policy.dense_reward_scale,
+            card_digest=policy.card_digest,
         )
         contenders.append(Contender(label=policy.label, provenance=provenance, results=results))
     if not contenders or not names:

@@ -36,6 +36,8 @@ RUNS: Final = 5
 """Timed runs a figure; the median counts."""
 MIN_SECONDS: Final = 0.5
 """A run is made as long as this, so that the clock and the first dispatch do not matter."""
+SHORTEST_SECONDS: Final = 0.05
+"""A run is no shorter than this where many levels share the time of one."""
 PROBE_STEPS: Final = 16
 """Steps of the first run, which finds out how long a run has to be."""
 
@@ -88,7 +90,8 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
 
     Each row has `size`, `batch`, `physics`, `observation`, `engine_steps_per_s` (the bare engine),
     `env_steps_per_s` (`KinetixEnv.step` with auto-reset to the same level), `compile_s` (of the
-    environment's step), `devices` and `levels` (how many are cycled over the batch). Random
+    environment's step), `devices` and `levels` (how many are timed). They are cycled over the
+    batch; where it has room for fewer, all are timed batch by batch, and the median counts. Random
     actions, frame_skip 1, jitted scans, the median of at least five runs after a warm-up.
 
     Raises:
@@ -138,20 +141,23 @@ def level_files(folder: Path, capacity: Capacity) -> list[Path]:
 def _rates(
     files: Sequence[Path], size: str, batch: int, settings: SpeedSettings
 ) -> tuple[_Rate, _Rate]:
-    """The bare engine's rate and the environment's."""
+    """The bare engine's rate and the environment's, of steps that are compiled once."""
     static = static_env_params_of(
         parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
     )
     if settings.specialised:
         static = static_env_params_for_levels(files, static)
     states = [level_state(file, static) for file in files]
-    cycled = [states[index % len(states)] for index in range(batch)]
-    state = stack_states(cycled)
+    starts = [_cycled(states[k : k + batch], batch) for k in range(0, len(states), batch)]
     actions = jax.random.split(jax.random.key(0), batch)
     return (
-        _time(_engine_loop(static), state, actions, batch),
-        _time(_env_loop(static, settings.observation), state, actions, batch),
+        _time(_engine_loop(static), starts, actions, batch),
+        _time(_env_loop(static, settings.observation), starts, actions, batch),
     )
+
+
+def _cycled(states: Sequence[EnvState], batch: int) -> EnvState:
+    return stack_states([states[index % len(states)] for index in range(batch)])
 
 
 def _engine_loop(static: StaticEnvParams) -> Callable[..., Any]:
@@ -213,28 +219,30 @@ def _devices(batch: int) -> int:
     return count if batch % count == 0 else 1
 
 
-def _time(loop: Callable[..., Any], state: EnvState, keys: Array, batch: int) -> _Rate:
+def _time(loop: Callable[..., Any], starts: Sequence[EnvState], keys: Array, batch: int) -> _Rate:
+    """Return the median rate over batches of worlds."""
+
     def count(steps: int) -> Array:
         return jnp.full(jax.local_device_count() if _devices(batch) > 1 else 1, steps)
 
     if _devices(batch) > 1:
-        compiled, state, keys = spread(loop), place(state), place(keys)
+        compiled, keys = spread(loop), place(keys)
+        starts = [place(state) for state in starts]
     else:
         compiled = jax.jit(loop)
-    start = time.perf_counter()
-    jax.block_until_ready(compiled(state, keys, count(1)))
-    compile_s = time.perf_counter() - start
-    steps, seconds = PROBE_STEPS, 0.0
-    while True:
+
+    def seconds(state: EnvState, steps: int) -> float:
         start = time.perf_counter()
         jax.block_until_ready(compiled(state, keys, count(steps)))
-        seconds = time.perf_counter() - start
-        if seconds > MIN_SECONDS / 2:
-            break
-        steps *= 4
-    times = []
-    for _ in range(RUNS):
-        start = time.perf_counter()
-        jax.block_until_ready(compiled(state, keys, count(steps)))
-        times.append(time.perf_counter() - start)
-    return _Rate(steps_per_s=batch * steps / statistics.median(times), compile_s=compile_s)
+        return time.perf_counter() - start
+
+    compile_s = seconds(starts[0], 1)
+    least = max(MIN_SECONDS / 2 / len(starts), min(SHORTEST_SECONDS, MIN_SECONDS / 2))
+    rates = []
+    for state in starts:
+        steps = PROBE_STEPS
+        while seconds(state, steps) <= least:
+            steps *= 4
+        taken = statistics.median(seconds(state, steps) for _ in range(RUNS))
+        rates.append(batch * steps / taken)
+    return _Rate(steps_per_s=statistics.median(rates), compile_s=compile_s)

@@ -14,6 +14,7 @@ from kinetix.agents.compare import (
     differences,
     labels_of,
     leaderboard,
+    unlike,
 )
 from kinetix.agents.comparison_files import signed
 from kinetix.agents.results import LevelFailure
@@ -150,6 +151,8 @@ def _print(contenders: list[Contender], levels: list[SetLevel], *, as_json: bool
         )
         if "parts" in row:
             print(f"{'':4}by part of the set: {told_parts(row['parts'])}")
+    for sentence in unlike(contenders):
+        print(f"{'':4}{sentence}")
     print()
     for pair in pairs:
         if pair.difference is None:

@@ -1,9 +1,10 @@
 """What callers of Gymnasium's methods pass, checked, and the process that they call from."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import gymnasium
 import numpy as np
 
 from kinetix.bounds import LAST_SEED
@@ -78,6 +79,20 @@ def check_count(name: str, value: Any, *, optional: bool = False) -> None:
         raise KinetixError(f"{name}={value!r}: expected a whole number from 1{or_none}")
 
 
+def check_render_mode(mode: Any, known: Sequence[str]) -> None:
+    """Refuse a way of showing pictures that there is not.
+
+    Args:
+        mode: What the caller passed; None: no pictures.
+        known: The ways that there are.
+
+    Raises:
+        KinetixError: It is another one.
+    """
+    if mode is not None and mode not in known:
+        raise KinetixError(f"render_mode={mode!r}: expected {', '.join(known)} or None")
+
+
 def _is_whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
 
@@ -111,6 +126,28 @@ def numbers_of(action: Any) -> np.ndarray:
     if array.dtype.kind == "f" and np.isnan(array).any():
         raise KinetixError("action: holds a NaN; expected numbers")
     return array
+
+
+def check_fits(action: np.ndarray, space: gymnasium.Space[Any]) -> None:
+    """Refuse an action, or a batch, of another shape or type than a space has.
+
+    Args:
+        action: From `numbers_of`.
+        space: The `action_space` that the caller sees.
+
+    Raises:
+        KinetixError: It is one; the sentence says what is expected.
+    """
+    if action.shape != space.shape:
+        raise KinetixError(
+            f"action of shape {action.shape}: expected {space.shape}, as "
+            "env.action_space.sample() draws"
+        )
+    if action.dtype.kind == "f" and np.dtype(space.dtype).kind != "f":
+        raise KinetixError(
+            f"action of type {action.dtype}: expected whole numbers; for reals make the "
+            'environment with action_type="continuous"'
+        )
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -7,10 +7,13 @@ from typing import Any
 import gymnasium
 import jax
 
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
+    check_fits,
+    check_render_mode,
     checked_options,
     checked_words,
     numbers_of,
@@ -20,7 +23,17 @@ from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import SEEDS
 
 RENDER_FPS = 30
-"""Environment steps a second, at two physics steps each."""
+"""Environment steps a second, at two physics steps each: what there is where none is made yet."""
+
+
+def steps_per_second(env: KinetixEnv) -> float:
+    """Return how many steps of an environment a second of its world has; whole where it can be.
+
+    Args:
+        env: Whose frame skip and time step count.
+    """
+    rate = round(1 / (float(env.env_params.dt) * env.static_env_params.frame_skip), 3)
+    return int(rate) if rate.is_integer() else rate
 
 
 class KinetixGymEnv(gymnasium.Env[Any, Any]):
@@ -53,9 +66,11 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
-        _check_render_mode(render_mode)
+        check_render_mode(render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        # Wrappers that film and show it go by this.
+        self.metadata = {**self.metadata, "render_fps": steps_per_second(self.kinetix_env)}
         self.action_space = gymnasium_space(self.kinetix_env.action_space())
         self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self._state: Any = None
@@ -95,8 +110,10 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             raise KinetixError("step: call reset first")
         if self._over:
             gymnasium.logger.warn("step: the episode is over, and rewards repeat; call reset")
+        numbers = numbers_of(action)
+        check_fits(numbers, self.action_space)
         observation, self._state, reward, done, info = self.kinetix_env.step(
-            _NO_KEY, self._state, numbers_of(action)
+            _NO_KEY, self._state, numbers
         )
         truncated = bool(info["truncated"])
         self._over = bool(done)
@@ -127,9 +144,3 @@ def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
         "distance": float(info["distance"]),
         "nan": bool(info["nan"]),
     }
-
-
-def _check_render_mode(render_mode: str | None) -> None:
-    known = KinetixGymEnv.metadata["render_modes"]
-    if render_mode is not None and render_mode not in known:
-        raise KinetixError(f"render_mode={render_mode!r}: expected {', '.join(known)} or None")

@@ -18,6 +18,8 @@ from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     check_count,
+    check_fits,
+    check_render_mode,
     checked_options,
     checked_seed,
     checked_words,
@@ -26,7 +28,7 @@ from kinetix.gymnasium.checks import (
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import Draws
-from kinetix.gymnasium.env import RENDER_FPS
+from kinetix.gymnasium.env import RENDER_FPS, steps_per_second
 from kinetix.programs import make_room
 from kinetix.render.pixels import make_render_pixels
 
@@ -72,6 +74,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 was forked from one in which JAX runs.
         """
         refuse_fork()
+        check_render_mode(render_mode, self.metadata["render_modes"])
         check_count("num_envs", num_envs)
         check_count("max_episode_steps", max_episode_steps, optional=True)
         try:
@@ -80,11 +83,15 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             known = ", ".join(mode.value for mode in self.MODES)
             raise KinetixError(f"autoreset_mode={autoreset_mode!r}: expected {known}") from None
         self.autoreset_mode = self.mode  # where Gymnasium's own have it, and TorchRL looks
-        self.metadata = {**self.metadata, "autoreset_mode": self.mode}
         self.num_envs = num_envs
         self.render_mode = render_mode
         self._most_steps = max_episode_steps
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        self.metadata = {
+            **self.metadata,
+            "autoreset_mode": self.mode,
+            "render_fps": steps_per_second(self.kinetix_env),
+        }
         self.single_action_space = gymnasium_space(self.kinetix_env.action_space())
         self.single_observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -140,6 +147,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 f"actions of shape {actions.shape}: expected {self.num_envs} of them, one per "
                 "environment"
             )
+        check_fits(actions, self.action_space)
         self._check_choices(actions)
         assert self._draws is not None
         keys, before = self._draws.keys(), self._ended
@@ -150,7 +158,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         # Copies: wrappers write into them.
         reward, terminated, truncated, solved, distance, nan = map(np.array, told)
         told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
-        info: dict[str, Any] = told | _masks(told, np.ones(self.num_envs, bool))
+        played = ~before
+        info: dict[str, Any] = told | _masks(told, played) if played.any() else {}
         ended = terminated | truncated
         if self.mode is AutoresetMode.SAME_STEP:
             if ended.any():
@@ -169,8 +178,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if isinstance(space, gymnasium.spaces.Box):
             return
         choices = space.nvec if isinstance(space, gymnasium.spaces.MultiDiscrete) else space.n
-        fits = actions.shape[1:] == space.shape and actions.dtype.kind in "biu"
-        if fits and ((actions < 0) | (actions >= choices)).any():
+        if ((actions < 0) | (actions >= choices)).any():
             raise KinetixError(f"actions: expected whole numbers from 0 and below {choices}")
 
     def render(self) -> tuple[np.ndarray, ...] | None:
@@ -191,8 +199,15 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             **words: For the method.
 
         Returns:
-            An answer per environment.
+            An answer per environment. Its spaces are those of one, as in Gymnasium's own batches.
+
+        Raises:
+            KinetixError: One environment has no such method here: it plays with all others.
         """
+        if name in ("reset", "step"):
+            raise KinetixError(f"call: {name!r} plays the whole batch; call env.{name}(…)")
+        if name in ("action_space", "observation_space"):
+            name = f"single_{name}"
         found: Any = getattr(self, name)
         answer: Any = found(*args, **words) if callable(found) else found
         if name == "render" and answer is not None:
@@ -208,7 +223,12 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise KinetixError(
                 f"reset_mask of shape {np.shape(mask)}: expected {self.num_envs} truth values"
             )
-        return None if mask is None else np.asarray(mask, bool)
+        if mask is None:
+            return None
+        truths = np.asarray(mask)
+        if truths.dtype.kind not in "biuf" or not ((truths == 0) | (truths == 1)).all():
+            raise KinetixError(f"reset_mask {mask!r}: expected truth values, True or False each")
+        return truths.astype(bool)
 
     def _seeded(self, seed: Any, mask: np.ndarray | None) -> Draws:
         """The draws, those of a mask or all begun anew with seeds where there are any."""
@@ -276,7 +296,7 @@ def _advance(
         done & ~truncated & ~silent,
         truncated & ~silent,
         info["GoalR"] & ~silent,
-        info["distance"],
+        jnp.where(silent, 0.0, info["distance"]),
         info["nan"] & ~silent,
     )
     return observation, after, told, final if same else None

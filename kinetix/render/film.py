@@ -26,6 +26,9 @@ _MOST_COLOURS: Final = 256
 _SHORTEST: Final = 2
 """Least time of a GIF's picture [0.01 s]: browsers show anything shorter for 0.1 s."""
 
+_LONGEST: Final = 2**16 - 1
+"""Most time of a GIF's picture [0.01 s]: its file has 16 bits for it."""
+
 
 def write_film(
     path: Path, frames: Frames, *, kind: str, per_second: float, comment: str = ""
@@ -128,10 +131,28 @@ def _gif_blocks(timed: Iterator[tuple[Image.Image, int]], comment: str) -> Itera
         if change is None:
             time += further
             continue
-        yield from getdata(**part, duration=10 * time)
+        yield from _lasting(part, before, time)
         part, before, time = change, picture, further
-    yield from getdata(**part, duration=10 * time)
+    yield from _lasting(part, before, time)
     yield b";"
+
+
+def _lasting(part: dict[str, Any], picture: Image.Image, time: int) -> Iterator[bytes]:
+    """Yield what a GIF holds of a picture that lasts for any time [0.01 s].
+
+    Where one entry cannot last so long, one of its pixels is written again.
+
+    Args:
+        part: What `getdata` writes of it.
+        picture: The whole of it.
+        time: How long it lasts.
+    """
+    pixel = {"im": picture.crop((0, 0, 1, 1)), "offset": (0, 0), "include_color_table": True}
+    while time > _LONGEST:
+        # Enough is left for the last entry to be shown as long as it should.
+        yield from getdata(**part, duration=10 * (_LONGEST - _SHORTEST))
+        part, time = pixel, time - (_LONGEST - _SHORTEST)
+    yield from getdata(**part, duration=10 * time)
 
 
 def _change(before: Image.Image, picture: Image.Image) -> dict[str, Any] | None:

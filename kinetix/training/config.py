@@ -281,7 +281,8 @@ class SflConfig(PpoConfig):
     buffer_update_frequency: int = 50
     """Updates between two scorings."""
     learnability_mode: LearnabilityMode = "timesteps"
-    """True if a level is played for `rollout_steps`, or for `rollout_episodes` first episodes."""
+    """How long a level is played: `timesteps`: for `rollout_steps`; `episodes`: for its
+    `rollout_episodes` first episodes."""
     rollout_episodes: int = 10
     """Episodes a level in the mode `episodes`."""
     learnability_correction: bool = True

@@ -1,8 +1,9 @@
 """Films of the agent in training: an episode per level, now and then, kept with the run."""
 
+import itertools
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -56,9 +57,11 @@ class Filming:
         folder = self._run / FILMS / str(steps)
         folder.mkdir(parents=True, exist_ok=True)
         films = []
-        for number, level in enumerate(self._levels, start=1):
+        for number, (level, name) in enumerate(
+            zip(self._levels, _file_names(self._levels), strict=True), start=1
+        ):
             status(f"filming {number}/{len(self._levels)}")
-            films.append(folder / f"{_file_name(level)}.gif")
+            films.append(folder / f"{name}.gif")
             film_episode(films[-1], agent, level, self._settings, pixels=_PIXELS, every=_EVERY)
         return films
 
@@ -92,5 +95,12 @@ def _steps(run: Path) -> list[int]:
     return [int(name) for name in names if name.isascii() and name.isdecimal()]
 
 
-def _file_name(level: NamedLevel) -> str:
-    return "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in level.name)
+def _file_names(levels: Sequence[NamedLevel]) -> list[str]:
+    """Return a file name per level, each another one, also where capitals are not told apart."""
+    names: list[str] = []
+    for level in levels:
+        plain = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in level.name)
+        tried = itertools.chain([plain], (f"{plain}_{number}" for number in itertools.count(2)))
+        taken = {name.casefold() for name in names}
+        names.append(next(name for name in tried if name.casefold() not in taken))
+    return names

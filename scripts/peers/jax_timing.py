@@ -23,7 +23,7 @@ def stacked(trees: list[Any]) -> Any:
 
 
 def time_loop(
-    loop: Callable[..., Any], batch: int, *arguments: Any, first: int = 16
+    loop: Callable[..., Any], batch: int, *arguments: Any, first: int = 16, about: float = SECONDS
 ) -> dict[str, Any]:
     """Seconds per step and world of a loop: the median of five runs after a warm-up.
 
@@ -32,6 +32,7 @@ def time_loop(
         batch: Number of worlds.
         arguments: Pytrees with a leading axis of worlds; shared out among the devices there are.
         first: How many steps the warm-up takes, and a run of a loop that is slow.
+        about: How long a run is made [s].
     """
     compiled, placed, devices = _over_devices(loop, batch, arguments)
     steps = first
@@ -42,8 +43,8 @@ def time_loop(
         return time.perf_counter() - start
 
     compile_s = seconds(steps)
-    while (taken := seconds(steps)) < SECONDS / 2:
-        steps = max(2 * steps, int(steps * SECONDS / taken))
+    while (taken := seconds(steps)) < about / 2:
+        steps = max(2 * steps, int(steps * about / taken))
     runs = [seconds(steps) for _ in range(RUNS)]
     return {
         "seconds_per_step": statistics.median(runs) / steps / batch,

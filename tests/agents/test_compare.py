@@ -15,6 +15,7 @@ from kinetix.agents.compare import (
     labels_of,
     leaderboard,
     paired,
+    unlike,
 )
 from kinetix.agents.comparison_files import (
     _EPISODE_BYTES,
@@ -27,13 +28,20 @@ from kinetix.agents.comparison_files import (
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
 from kinetix.agents.stored_comparison import is_comparison, read_comparison
 from kinetix.cli import main
+from kinetix.cli.compare import _print
 from kinetix.errors import KinetixError
 from kinetix.files.limits import LIMITS
 
 
-def _whence(agent="a", digest="1" * 64, physics="balanced"):
+def _whence(agent="a", digest="1" * 64, physics="balanced", **known):
     return Provenance(
-        agent=agent, digest=digest, physics=physics, seed=0, attempts=4, deterministic=False
+        agent=agent,
+        digest=digest,
+        physics=physics,
+        seed=0,
+        attempts=4,
+        deterministic=False,
+        **known,
     )
 
 
@@ -130,6 +138,37 @@ def test_a_stored_comparison_is_read_again(tmp_path):
     found = read_comparison(path)
     assert found.contenders == (A, B, C) and found.hashes == hashes
     assert text_of(".json", found.contenders, found.hashes, "1.0") == text
+
+
+def test_settings_that_are_not_known_are_not_guessed(tmp_path):
+    """Of an older file nothing is said; of a newer one all that was known comes back."""
+    known = _whence("c", frame_skip=4, dense_reward_scale=0.1, card_digest="3" * 16)
+    told = dataclasses.replace(C, provenance=known)
+    path = tmp_path / "compared.json"
+    path.write_text(text_of(".json", [A, told], {"s/x": "1", "s/y": "2"}, "1.0"))
+    old, new = read_comparison(path).contenders
+    assert (old.provenance, new.provenance) == (A.provenance, known)
+    assert not {"frame_skip", "dense_reward_scale", "card_digest"} & set(old.provenance.as_dict())
+    assert not unlike([old, new])
+
+
+def test_settings_that_differ_are_told(capsys):
+    one = dataclasses.replace(
+        A, provenance=_whence("a", frame_skip=2, dense_reward_scale=0.2, card_digest="2" * 16)
+    )
+    other = dataclasses.replace(
+        C, provenance=_whence("c", frame_skip=4, dense_reward_scale=0.2, card_digest="3" * 16)
+    )
+    sentences = unlike([one, other, B])
+    assert sentences == [
+        "frame skip: a 2, c 4, b not known; their steps last for different times",
+        "a and c have the same parameters, and cards that differ",
+    ]
+    assert not unlike([one, one, B])
+    page = text_of(".html", [one, other], {"s/x": "1", "s/y": "2"}, "1.0")
+    assert "<p>frame skip: a 2, c 4; their" in page
+    _print([one, other], [], as_json=False)
+    assert "    frame skip: a 2, c 4; their" in capsys.readouterr().out
 
 
 def test_a_comparison_that_could_not_be_read_again_is_refused_before_it_is_measured(tmp_path):

@@ -1,5 +1,6 @@
 """Evaluation: protocol, equal seeds, refusals, and the published agent's published numbers."""
 
+import dataclasses
 import json
 import re
 
@@ -8,7 +9,13 @@ import numpy as np
 import pytest
 
 from kinetix.agents.agent import Agent, load_agent, save_agent
-from kinetix.agents.card import AgentCard, CapacityCard, EnvironmentCard, ObservationCard
+from kinetix.agents.card import (
+    AgentCard,
+    CapacityCard,
+    EnvironmentCard,
+    NormalisationCard,
+    ObservationCard,
+)
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate, record
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.results import summarise
@@ -143,6 +150,26 @@ def test_an_agent_is_measured_under_its_own_physics_unless_told():
     assert (own.physics, own.digest) == ("jax2d", flat.digest)
     assert Settings(physics="fast").provenance(flat).physics == "fast"
     assert Settings().provenance(ScriptedPlayer("noop")).physics == "balanced"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"environment": EnvironmentCard(frame_skip=4)},
+        {"environment": EnvironmentCard(dense_reward_scale=0.1)},
+        {"environment": EnvironmentCard(dt=1 / 120)},
+        {"normalisation": NormalisationCard(count=2, mean={"": [0.5]}, variance={"": [1.0]})},
+    ],
+)
+def test_what_changes_results_is_in_what_they_depend_on(change):
+    agent = _flat_agent()
+    before = Settings().provenance(agent)
+    assert (before.frame_skip, before.dense_reward_scale) == (2, 0.2)
+    agent.card = agent.card.replace(name="other", description="x", training={"seed": 1})
+    assert dataclasses.replace(Settings().provenance(agent), agent=before.agent) == before
+    agent.card = agent.card.replace(name=before.agent, **change)
+    after = Settings().provenance(agent)
+    assert after.digest == before.digest and after != before
 
 
 def test_the_agent_of_a_run_is_named_by_run_and_step(tmp_path):

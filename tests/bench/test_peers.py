@@ -209,6 +209,12 @@ def test_times_are_those_of_the_steps(toy):
         levels.native_speed(toy, [SCENES["D2"].make_trials()[0]])
 
 
+def test_the_median_over_levels_counts(monkeypatch):
+    told = {"version": "1", "call_s": 0.0, "seconds_per_step": {"a": 0.1, "b": 0.2, "c": 9.0}}
+    monkeypatch.setattr(levels, "ask", lambda *of: Answer(told=told, motions={}))
+    assert levels.native_speed(Peer, [])["steps_per_s"] == 5.0
+
+
 def test_failures_of_a_peer_are_said_in_its_words(toy, monkeypatch):
     with pytest.raises(KinetixError, match="toy: its program ended with 1: KeyError: 'dance'"):
         ask(toy, {"task": "dance"})
@@ -357,7 +363,10 @@ def test_ratios_compare_like_with_like():
 def test_levels_are_measured_in_turn(monkeypatch):
     asked = []
 
+    monkeypatch.setenv("XLA_FLAGS", "--xla_of_ours")
+
     def answer(peer, job, variables):
+        assert variables["XLA_FLAGS"].startswith("--xla_of_ours ")  # it is timed under them, too
         asked.append((peer.name, job["what"], job["batch"], variables["XLA_FLAGS"][-1]))
         assert all(json.loads(Path(file).read_text())["env_state"] for file in job["files"])
         told = {"version": "3", "devices": 1, "seconds_per_step": 0.1, "compile_s": 1.0}

@@ -8,9 +8,8 @@ from kinetix.bench import speed
 from kinetix.bench.speed import SpeedSettings, measure_speed
 from kinetix.paths import levels_dir
 
-pytestmark = pytest.mark.slow
 
-
+@pytest.mark.slow
 @pytest.mark.parametrize("specialised", [False, True])
 def test_a_level_without_limits(tmp_path, monkeypatch, specialised):
     """The step of its size has rows for limits; its own step has none, nor a memory of them."""
@@ -21,3 +20,20 @@ def test_a_level_without_limits(tmp_path, monkeypatch, specialised):
     assert row["engine_steps_per_s"] > 0
     assert row["env_steps_per_s"] > 0
     assert row["levels"] == 1
+
+
+def test_a_world_alone_is_timed_on_each_level(tmp_path, monkeypatch):
+    """Where the batch has room for fewer levels than there are, none is left out."""
+    for name in ("first_flight", "goalkeeper", "wheelie"):
+        shutil.copy(levels_dir() / f"s/{name}.json", tmp_path)
+    timed = []
+
+    def time(loop, starts, keys, batch):
+        timed.append([state.physics.position.shape[0] for state in starts])
+        return speed._Rate(steps_per_s=1.0, compile_s=0.0)
+
+    monkeypatch.setattr(speed, "_time", time)
+    settings = SpeedSettings(sizes=("s",), batches=(1, 2, 4), levels=tmp_path)
+    rows = list(measure_speed(settings))
+    assert timed[::2] == timed[1::2] == [[1] * 3, [2] * 2, [4]]
+    assert [row["levels"] for row in rows] == [3, 3, 3]

@@ -316,6 +316,14 @@ def test_the_help_shows_what_an_option_takes_and_no_word_for_nothing(capsys):
     assert "None" not in capsys.readouterr().err
 
 
+def test_the_help_of_a_choice_says_what_each_word_means(capsys):
+    assert cli.main(["train", "sfl", "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    said = told.partition("--learnability-mode")[2].partition("--rollout-episodes")[0]
+    assert "True" not in said
+    assert "timesteps: for rollout_steps" in said.replace("`", "")
+
+
 def test_an_interrupt_waits_for_imports():
     done = []
     with pytest.raises(KeyboardInterrupt), interrupts_later():

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 
@@ -106,6 +107,36 @@ def test_modes_of_starting_anew(same):
     assert not np.allclose(observation[1], first[1])
 
 
+@pytest.mark.parametrize(("skip", "rate"), [(1, 60), (2, 30), (7, 8.571), (8, 7.5)])
+def test_films_are_told_how_many_steps_a_second_has(skip, rate):
+    for make in (KinetixGymEnv, KinetixVectorEnv):
+        env = make(**LEVEL, frame_skip=skip)
+        assert env.metadata["render_fps"] == rate
+        assert isinstance(env.metadata["render_fps"], type(rate))
+
+
+def test_a_row_that_begins_anew_tells_nothing_as_in_gymnasiums_own_batch():
+    """In the step after an end its action is ignored, and the old episode is not played on."""
+    options = {**LEVEL, "observation_type": "blind", "num_envs": 2, "max_episode_steps": 3}
+    ours = gymnasium.make_vec("Kinetix/level-v0", **options)
+    theirs = gymnasium.make_vec("Kinetix/level-v0", **options, vectorization_mode="sync")
+    for env in (ours, theirs):
+        env.reset(seed=0)
+    still = np.zeros(ours.action_space.shape, int)
+    for _ in range(5):
+        mine, other = ours.step(still)[-1], theirs.step(still)[-1]
+        assert set(mine) == set(other)
+        for name in mine:
+            np.testing.assert_allclose(mine[name], other[name], atol=1e-5)
+    ours.reset(seed=0)
+    for _ in range(2):
+        ours.step(still)
+    ours.unwrapped._ended[0] = True  # as where one level ends before the other
+    info = ours.step(still)[-1]
+    assert info["_distance"].tolist() == info["_is_success"].tolist() == [False, True]
+    assert info["distance"][0] == 0 < info["distance"][1]
+
+
 RECORD = """
 import sys
 from gymnasium.wrappers import RecordVideo
@@ -146,13 +177,22 @@ def test_pictures_of_all(same):
     assert frames[0][-1].mean() < frames[0][20].mean()
 
 
+def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
+    for name in ("action_space", "observation_space"):
+        assert same.get_attr(name) == (getattr(same, f"single_{name}"),) * 3
+    for name in ("reset", "step"):
+        with pytest.raises(KinetixError, match="plays the whole batch"):
+            same.call(name)
+
+
 def test_what_is_wrong_is_said(same):
     with pytest.raises(KinetixError, match="did you mean 's/goalkeeper'"):
         KinetixGymEnv(level="s/goalkeper")
     with pytest.raises(KinetixError, match="'xl-random': expected one of s-random"):
         KinetixGymEnv(level="xl-random")
-    with pytest.raises(KinetixError, match="'human': expected rgb_array"):
-        KinetixGymEnv(**LEVEL, render_mode="human")
+    for make in (KinetixGymEnv, KinetixVectorEnv):
+        with pytest.raises(KinetixError, match="'human': expected rgb_array or None"):
+            make(**LEVEL, render_mode="human")
     with pytest.raises(KinetixError, match="'Never': expected NextStep"):
         KinetixVectorEnv(2, **LEVEL, autoreset_mode="Never")
     with pytest.raises(KinetixError, match="call reset first"):
@@ -295,6 +335,13 @@ def test_options_and_actions_that_mean_nothing_are_refused(same):
     for action in (None, "x", [None] * 6):
         with pytest.raises(KinetixError, match="numbers"):
             env.step(action)
+    same.reset(seed=0)
+    for one, shape in ((env, ()), (same, (3,))):
+        wrong = f"{(*shape, 5)}: expected {(*shape, 6)}, as env.action_space.sample()"
+        with pytest.raises(KinetixError, match=re.escape(wrong)):
+            one.step(np.zeros((*shape, 5), int))
+        with pytest.raises(KinetixError, match=r'type float64: .* action_type="continuous"'):
+            one.step(np.zeros((*shape, 6)))
     with pytest.raises(KinetixError, match="reset_mask"):
         same.reset(options={"level": "s/goalkeeper"})
     same.reset(seed=1)
@@ -302,6 +349,10 @@ def test_options_and_actions_that_mean_nothing_are_refused(same):
         same.step(np.full((3, 6), 7))
     with pytest.raises(KinetixError, match="3 truth values"):
         same.reset(options={"reset_mask": [True]})
+    for mask in (["False", "x", ""], [1, 2, 0], [None, True, True]):
+        with pytest.raises(KinetixError, match="expected truth values, True or False each"):
+            same.reset(options={"reset_mask": mask})
+    same.reset(options={"reset_mask": [1, 0, 0]})
 
 
 def test_a_batch_can_be_pickled(same):

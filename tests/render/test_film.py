@@ -100,6 +100,24 @@ def test_what_ffmpeg_says_is_told(tmp_path):
         write_film(tmp_path / "a.mp4", _frames(3), kind=".mp4", per_second=-1)
 
 
+def test_a_picture_of_a_gif_that_lasts_for_long_is_several(tmp_path):
+    """A picture's time has 16 bits of hundredths of a second: 655 s."""
+    still, other = np.zeros((2, 6, 8, 3), np.uint8)
+    other[:, :4] = 200
+    frames = [still] * 701 + [other] * 1400
+    write_film(tmp_path / "a.gif", frames, kind=".gif", per_second=1)
+    with Image.open(tmp_path / "a.gif") as film:
+        shown, time = [], 0.0
+        for k in range(film.n_frames):
+            film.seek(k)
+            begun = still if time < 701_000 else other
+            np.testing.assert_array_equal(np.asarray(film.convert("RGB")), begun)
+            time += film.info["duration"]
+            shown.append(film.info["duration"])
+    assert time == 2_101_000
+    assert len(shown) == 5 and min(shown) >= 20
+
+
 @pytest.mark.parametrize("kind", [".gif", ".mp4"])
 def test_a_folder_that_is_not_there_is_told_alike(tmp_path, kind):
     pytest.importorskip("imageio_ffmpeg")

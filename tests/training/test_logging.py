@@ -9,8 +9,10 @@ from types import SimpleNamespace
 import pytest
 from PIL import Image
 
+from kinetix.agents.evaluate import NamedLevel
 from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig
+from kinetix.training.films import _file_names
 from kinetix.training.logging import MetricsLog, keep_damaged_rows, open_sinks, read_metrics
 
 
@@ -212,3 +214,9 @@ def test_without_the_extra_one_sentence_names_it(tmp_path, monkeypatch):
         open_sinks(tmp_path, PpoConfig(wandb_project="mine"))
     (only,) = open_sinks(tmp_path, PpoConfig())
     only.close()
+
+
+def test_films_of_levels_whose_names_are_alike_have_files_of_their_own():
+    names = ("s/x", "s_x", "S x", "s_x_2", "m/y")
+    levels = [NamedLevel(name=name, source="s/goalkeeper") for name in names]
+    assert _file_names(levels) == ["s_x", "s_x_2", "S_x_3", "s_x_2_2", "m_y"]

@@ -65,6 +65,10 @@ class AgentSummary:
     """Folder of its arrays: of a training run the newest checkpoint."""
     digest: str = ""
     """SHA-256 of its parameters; empty for scripted ones."""
+    dense_reward_scale: float | None = None
+    """Weight of the distance reward; None where it is not known."""
+    card_digest: str = ""
+    """Digest of what else its card says about how it plays; empty for scripted ones."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,7 @@ from kinetix.agents.checkpoint import newest_checkpoint
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.episodes import episode_keys
 from kinetix.agents.evaluate import capacity_and_key
-from kinetix.agents.identity import digest_of
+from kinetix.agents.identity import card_digest_of, digest_of
 from kinetix.agents.kinetix_env import is_peer_checkpoint
 from kinetix.agents.live import play_step
 from kinetix.agents.named import load_player
@@ -92,6 +92,8 @@ def load(path: str) -> AgentSummary:
         training=_training(card),
         folder=str(folder) if folder is not None else "",
         digest=digest_of(player),
+        dense_reward_scale=card.environment.dense_reward_scale,
+        card_digest=card_digest_of(player),
     )
 
 

@@ -90,8 +90,9 @@ def ask(
         folder = Path(name)
         file = folder / "job.json"
         file.write_text(json.dumps({**job, "settings": peer.settings}))
-        # Its program must find its own packages, of which one is called as ours is, and is
-        # measured as its users have it: our options of the compiler are not theirs.
+        # Its program must find its own packages, of which one is called as ours is, and runs
+        # as its users have it: our options of the compiler are not theirs. Timings of steps hand
+        # them over for all that (`host_devices`), so that engines differ in nothing else.
         ours = ("PYTHONPATH", "XLA_FLAGS")
         own = {key: value for key, value in os.environ.items() if key not in ours}
         own |= {"JAX_PLATFORMS": "cpu", "KINETIX_PEER_CACHE": str(cache_dir() / "peers")}

@@ -1,6 +1,7 @@
 """Speed on levels, other engines and ours in turn: where the documentation's ratios come from."""
 
 import dataclasses
+import statistics
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -42,7 +43,8 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
 
     Rows have `engine`, `version`, `what` (`env`: environment step with the flat observation;
     `engine`: bare step), `size`, `batch`, `devices`, `steps_per_s`, `compile_s` (None where nothing
-    is compiled) and `levels`. Engines that are not installed are left out.
+    is compiled) and `levels`. One world alone is timed on each level, and the median counts.
+    Engines that are not installed are left out.
 
     Raises:
         KinetixError: There is no level of a size, or a program failed.
@@ -81,7 +83,7 @@ def ratios(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def native_speed(peer: Peer, trials: Sequence[Trial]) -> dict[str, Any]:
-    """Steps per second of an engine that is driven from Python, from the trials' starts.
+    """Steps per second of an engine that is driven from Python: the median over trials.
 
     Its motors pull as hard as they can at a standstill and its thrusters rest: our laws for them
     would be computed in Python, and that is not what is timed.
@@ -94,7 +96,7 @@ def native_speed(peer: Peer, trials: Sequence[Trial]) -> dict[str, Any]:
     return {
         "version": told["version"],
         "devices": 1,
-        "steps_per_s": len(seconds) / sum(seconds),
+        "steps_per_s": 1 / statistics.median(seconds),
         "compile_s": None,
         "call_s": told["call_s"],
     }

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import agents, measure, watch
+from editor.actions import agents, comparison, measure, watch
 from editor.actions.file import open_path
 from editor.agents.evaluation import Plan, best
 from editor.agents.run_watch import RunWatch
@@ -768,6 +768,14 @@ def test_play_has_the_screen_for_itself(with_agent):
     with_agent.complain("Something is wrong.")
     actions.run(with_agent, "run.play_agent")
     assert texts(with_agent) == ["Something is wrong."]
+
+
+def test_an_agent_of_a_stored_comparison_is_one_with_its_card_too(session):
+    """Equal parameters at another frame skip play something else; an older file names no card."""
+    loaded = a_summary(digest="1" * 64, card_digest="2" * 16)
+    session.viewer.contenders = (loaded,)
+    for card, found in (("", loaded), ("2" * 16, loaded), ("3" * 16, None)):
+        assert comparison.known_by(session, "1" * 64, card) is found
 
 
 def test_a_level_with_errors_is_not_evaluated(with_agent):
