@@ -10,6 +10,7 @@ from editor import actions
 from editor.actions import agents, export
 from editor.actions.comparison import about_comparison, ask_comparison
 from editor.actions.save_table import save_table
+from editor.agents.evaluation import Plan
 from editor.agents.metrics import Metrics
 from editor.base import language
 from editor.base.prompts import FileQuestion
@@ -19,9 +20,18 @@ from editor.toolkit import widgets
 from editor.window.file_choice import nothing_here
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
-from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
+from editor.worker.requests import (
+    AttemptPaths,
+    Ending,
+    Evaluate,
+    EvaluatedLevel,
+    ExportFilm,
+    RunNews,
+    Score,
+    Standing,
+)
 from kinetix.paths import checkpoints_dir, levels_dir
-from tests.editor.core.test_viewer import a_summary
+from tests.editor.core.test_viewer import a_result, a_summary
 from tests.editor.gui.test_language import ALLOWED
 from tests.editor.gui.viewing import front, settle
 
@@ -135,6 +145,39 @@ def test_the_dialog_for_comparisons_speaks_of_comparisons(with_agent, said, tmp_
         purpose="open", title="", folder=tmp_path, answer=print, about=about_comparison
     )
     assert nothing_here(empty) == "No folders and no .json files here."
+
+
+def with_results(gui, *names, levels=("s/a", "s/b"), outcomes=("won", "lost")):
+    """Puts an evaluation that has ended on the screen."""
+    evaluation = gui.session.viewer.evaluation
+    evaluation.plan = Plan(
+        agents=tuple(map(a_summary, names)),
+        levels=tuple(EvaluatedLevel(name=level, source=level) for level in levels),
+        hashes=levels,
+        attempts=len(outcomes),
+    )
+    evaluation.standing = Standing(
+        done=4,
+        total=4,
+        scores=tuple(
+            Score(agent=agent, result=a_result(level, *outcomes))
+            for agent in range(len(names))
+            for level in levels
+        ),
+    )
+    front(gui, "evaluate")
+
+
+def test_a_table_of_one_agent_is_not_sorted_by_the_second_of_an_earlier_table(with_agent):
+    gui = with_agent
+    gui.host.endures = True
+    with_results(gui, "Tester")
+    with_results(gui, "Tester", "Other")
+    cell = gui.probe("evaluate.s/a.1")
+    gui.click_at(cell.low[0] + 20, cell.low[1] - (cell.high[1] - cell.low[1]))
+    with_results(gui, "Tester")
+    assert gui.shows("evaluate.s/a.0") and gui.shows("evaluate.s/b.0")
+    assert not any("went wrong" in toast.text for toast in gui.session.toasts)
 
 
 def compared(gui, suffix, path):
