@@ -264,9 +264,20 @@ def _show(
     elif session.document.hash != level_hash(opened.level):
         raise CommandError("The level has changed since it was evaluated; evaluate it again.")
     session.leave_play()
+    _go_on_with(session, summary, casting)
+    session.playback.physics = opened.trace.physics
     session.playback.replay(opened.trace, opened.level, casting, player=summary.name)
     session.playback.running = True
     session.view.front = "timeline"
+
+
+def _go_on_with(session: Session, summary: AgentSummary, casting: Casting) -> None:
+    """Let Reset and another attempt go on from an attempt: its agent, its draws."""
+    viewer = session.viewer
+    own = viewer.slots["a"].summary
+    viewer.guest = None if own is not None and own.ref == summary.ref else summary
+    viewer.seed, viewer.attempt = casting.seed, casting.attempt
+    viewer.deterministic = casting.deterministic
 
 
 def keep_results(session: Session) -> None:

@@ -60,6 +60,8 @@ class Viewer:
         """Agents that are evaluated besides those of the slots."""
         self.deleted: list[Trashed] = []
         """Agents that were trained here and are in the trash now, the last one last."""
+        self.guest: AgentSummary | None = None
+        """The agent of an attempt that was opened from an evaluation, where it is not agent A's."""
         self.seed = 0
         self.attempt = 0
         self.deterministic = False
@@ -98,8 +100,10 @@ class Viewer:
     def casting(self, slot: SlotName) -> Casting | None:
         """The agent of a slot with its draws, or None when there is none."""
         summary = self.slots[slot].summary
-        if summary is None:
-            return None
+        return None if summary is None else self.cast(summary)
+
+    def cast(self, summary: AgentSummary) -> Casting:
+        """Return an agent with the draws that are set."""
         return Casting(
             agent=summary.ref,
             seed=self.seed,

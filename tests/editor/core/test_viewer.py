@@ -629,6 +629,34 @@ def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
     assert with_agent.view.front == "timeline"
 
 
+def measure_the_level_in_front(session, *who, attempts=4, seed=0):
+    measure.start_evaluation(
+        session, who, (), attempts=attempts, seed=seed, physics="", deterministic=False
+    )
+    settle(session)
+
+
+def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_agent):
+    other = a_summary("Other")
+    with_agent.viewer.slots["b"].summary = other
+    measure_the_level_in_front(with_agent, a_summary(), other, seed=3)
+    with_agent.viewer.deterministic = True
+    playback = with_agent.playback
+    measure.open_attempt(with_agent, 0, 1, 2)
+    settle(with_agent)
+    actions.run(with_agent, "agent.compare_ghost")
+    actions.update(with_agent, 1 / 60)
+    assert (with_agent.viewer.rival.casting.seed, with_agent.viewer.rival.casting.attempt) == (3, 2)
+    for action, attempt in (("run.reset", 2), ("agent.next_attempt", 3)):
+        assert actions.run(with_agent, action)
+        casting = playback.casting
+        assert (playback.player, casting.agent.path) == ("Other", "/agents/Other")
+        assert (casting.seed, casting.attempt, casting.deterministic) == (3, attempt, False)
+    # Agent A plays again when it is asked to.
+    assert actions.run(with_agent, "run.play_agent") and actions.run(with_agent, "run.reset")
+    assert playback.player == "Tester"
+
+
 @pytest.mark.parametrize("fails", [False, True])
 def test_an_attempt_that_comes_too_late_leaves_the_game_alone(with_agent, stage, fails):
     evaluation_of(with_agent, "s/a")
