@@ -8,6 +8,7 @@ from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
 from editor.actions.comparison import present
 from editor.agents.evaluation import Plan
+from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
 from editor.play.mode import Mode
@@ -183,8 +184,8 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     """
     viewer = session.viewer
     plan = viewer.evaluation.plan
-    if viewer.paths is not None or plan is None:
-        viewer.paths = None
+    if viewer.ways_of(level, agent) is not None or plan is None:
+        viewer.ways = None
         return
     source = plan.levels[level].source
     if isinstance(source, str) and not file.open_path(session, source):
@@ -201,13 +202,13 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     )
 
     def done(job: Job) -> None:
-        viewer.paths_pending = False
+        viewer.ways_pending = False
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
-            viewer.paths, viewer.path_ending = job.result, None
+            viewer.ways = Ways(plan=plan, level=level, agent=agent, paths=job.result)
 
-    viewer.paths_pending = True
+    viewer.ways_pending = True
     session.evaluator.submit(request, title="Playing the attempts", done=done)
 
 

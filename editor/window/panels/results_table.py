@@ -61,11 +61,16 @@ class ResultsTable:
     """Sorts, and remembers which result's attempts are on show."""
 
     def __init__(self) -> None:
-        self.chosen: tuple[int, int] | None = None
-        """Level and agent whose attempts are on show."""
+        self._chosen: tuple[Plan, int, int] | None = None
+        """The result whose attempts are on show: of which evaluation, level and agent."""
         self._sort: Column = "level"
         self._sort_agent = 0
         self._descending = False
+
+    def chosen(self, plan: Plan) -> tuple[int, int] | None:
+        """Return the level and the agent of an evaluation whose attempts are on show."""
+        chosen = self._chosen
+        return chosen[1:] if chosen is not None and chosen[0] is plan else None
 
     def draw(self, session: "Session", size: tuple[float, float], wanted: str) -> None:
         """Draw it.
@@ -220,7 +225,9 @@ class ResultsTable:
         words = f"{mark}{rate}   {interval}"
         if imgui.calc_text_size(words).x > imgui.get_content_region_avail().x:
             words = f"{mark}{rate}"
-        chosen = self.chosen == (row.level, agent)
+        plan = session.viewer.evaluation.plan
+        assert plan is not None
+        chosen = self.chosen(plan) == (row.level, agent)
         with widgets.coloured(text=colour):
             flags = imgui.SelectableFlags_.allow_double_click.value
             pressed = imgui.selectable(f"{words}###{row.level}.{agent}", chosen, flags)[0]
@@ -231,7 +238,7 @@ class ResultsTable:
         widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
         if not pressed:
             return
-        self.chosen = (row.level, agent)
+        self._chosen = (plan, row.level, agent)
         if imgui.is_mouse_double_clicked(0):
             session.queue(lambda: measure.open_attempt(session, row.level, agent, 0))
 

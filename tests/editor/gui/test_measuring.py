@@ -30,6 +30,7 @@ from editor.worker.requests import (
     Score,
     Standing,
 )
+from kinetix.level.codec import level_hash
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.test_viewer import a_result, a_summary
 from tests.editor.gui.test_language import ALLOWED
@@ -147,22 +148,22 @@ def test_the_dialog_for_comparisons_speaks_of_comparisons(with_agent, said, tmp_
     assert nothing_here(empty) == "No folders and no .json files here."
 
 
-def with_results(gui, *names, levels=("s/a", "s/b"), outcomes=("won", "lost")):
+def with_results(gui, *names, level=None, levels=("s/a", "s/b"), outcomes=("won", "lost")):
     """Puts an evaluation that has ended on the screen."""
     evaluation = gui.session.viewer.evaluation
     evaluation.plan = Plan(
         agents=tuple(map(a_summary, names)),
-        levels=tuple(EvaluatedLevel(name=level, source=level) for level in levels),
-        hashes=levels,
+        levels=tuple(EvaluatedLevel(name=name, source=level or name) for name in levels),
+        hashes=levels if level is None else (level_hash(level),) * len(levels),
         attempts=len(outcomes),
     )
     evaluation.standing = Standing(
         done=4,
         total=4,
         scores=tuple(
-            Score(agent=agent, result=a_result(level, *outcomes))
+            Score(agent=agent, result=a_result(name, *outcomes))
             for agent in range(len(names))
-            for level in levels
+            for name in levels
         ),
     )
     front(gui, "evaluate")
@@ -178,6 +179,31 @@ def test_a_table_of_one_agent_is_not_sorted_by_the_second_of_an_earlier_table(wi
     with_results(gui, "Tester")
     assert gui.shows("evaluate.s/a.0") and gui.shows("evaluate.s/b.0")
     assert not any("went wrong" in toast.text for toast in gui.session.toasts)
+
+
+def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
+    gui, session = with_agent, with_agent.session
+    with_results(gui, "Tester", level=session.document.level)
+    gui.stage.paths = AttemptPaths(
+        level_hash=session.document.hash,
+        step=np.arange(3),
+        position=np.zeros((2, 3, 2), np.float32),
+        outcomes=("won", "lost"),
+        parting=2,
+        endings=(Ending(outcome="lost", attempts=(1,), place=(1, 1), length=9, parting=3),),
+    )
+    gui.click("evaluate.s/a.0")
+    gui.click("evaluate.ways")
+    settle(gui)
+    assert gui.shows("evaluate.ending.0")
+    gui.click("evaluate.s/b.0")
+    assert gui.shows("evaluate.attempt.1") and not gui.shows("evaluate.ending.0")
+    gui.click("evaluate.attempt.1")
+    settle(gui)
+    assert session.playback.running  # It plays from the start: no parting of its own is known.
+    # Another evaluation has neither ways nor a chosen result.
+    with_results(gui, "Tester", level=session.document.level)
+    assert session.viewer.ways is None and not gui.shows("evaluate.attempt.1")
 
 
 def compared(gui, suffix, path):

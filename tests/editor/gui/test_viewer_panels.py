@@ -417,11 +417,11 @@ def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):
     )
     with_agent.click("evaluate.ways")
     settle(with_agent)
-    assert session.viewer.paths is with_agent.stage.paths
+    assert session.viewer.ways.paths is with_agent.stage.paths
     with_agent.frames(3)
     assert not [toast for toast in session.toasts if toast.kind == "error"]
     with_agent.click("evaluate.ways.lost")
-    assert session.viewer.path_outcomes == ("won",)
+    assert session.viewer.ways.outcomes == ("won",)
     with_agent.click("evaluate.attempt.1")
     settle(with_agent)
     assert session.mode is Mode.REPLAY
@@ -430,7 +430,7 @@ def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):
     with_agent.frames(3)
     front(with_agent, "evaluate")
     with_agent.click("evaluate.ways")
-    assert session.viewer.paths is None
+    assert session.viewer.ways is None
 
 
 def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):
