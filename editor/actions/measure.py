@@ -205,11 +205,19 @@ def show_paths(session: Session, level: int, agent: int) -> None:
         viewer.ways_pending = False
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
+        elif job.state is JobState.DONE and job.result.level_hash != plan.hashes[level]:
+            _refuse(session, plan, level)
         elif job.state is JobState.DONE:
             viewer.ways = Ways(plan=plan, level=level, agent=agent, paths=job.result)
 
     viewer.ways_pending = True
     session.evaluator.submit(request, title="Playing the attempts", done=done)
+
+
+def _refuse(session: Session, plan: Plan, level: int) -> None:
+    """Say that what was measured on a level does not hold for what it is now."""
+    name = plan.levels[level].name
+    session.toast(f"{name} is another level by now; evaluate it again.", "error")
 
 
 def open_attempt(
@@ -243,9 +251,8 @@ def open_attempt(
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif awaited:
-            if plan.sources and level_hash(job.result.level) != plan.hashes[level]:
-                name = plan.levels[level].name
-                session.toast(f"{name} is another level by now; evaluate it again.", "error")
+            if level_hash(job.result.level) != plan.hashes[level]:
+                _refuse(session, plan, level)
                 return
             _show(session, job.result, source, casting, summary)
             if at is not None and session.mode is Mode.REPLAY:

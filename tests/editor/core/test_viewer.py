@@ -30,6 +30,7 @@ from editor.worker.requests import (
     BUILT_IN,
     AgentRef,
     AgentSummary,
+    AttemptPaths,
     Evaluate,
     EvaluatedLevel,
     LoadAgent,
@@ -40,10 +41,11 @@ from editor.worker.requests import (
     RunNews,
     Score,
     Standing,
+    TracePaths,
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, CommandError, KinetixError
-from kinetix.level.codec import save_level
+from kinetix.level.codec import level_hash, save_level
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
@@ -87,6 +89,8 @@ class Stage:
         self.news = RunNews(rows=(), total=0, newest=None)
         self.wait = 0.0
         self.opens = True
+        self.level = a_level()
+        self.paths = None
 
     def __call__(self, request, progress):
         self.asked.append(request)
@@ -102,7 +106,9 @@ class Stage:
             case OpenEpisode():
                 if not self.opens:
                     raise KinetixError("It cannot be opened")
-                return Opened(level=a_level(), trace=a_trace())
+                return Opened(level=self.level, trace=a_trace())
+            case TracePaths():
+                return self.paths
             case Observe():
                 raise KinetixError("the agent is blind")
         return None
@@ -618,9 +624,15 @@ def test_results_whose_intervals_overlap_are_not_told_apart():
     assert best((good, bad)) is None
 
 
+def measure_the_level_in_front(session, *who, attempts=4, seed=0):
+    measure.start_evaluation(
+        session, who, (), attempts=attempts, seed=seed, physics="", deterministic=False
+    )
+    settle(session)
+
+
 def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
-    evaluation_of(with_agent, "s/a")
-    settle(with_agent)
+    measure_the_level_in_front(with_agent, a_summary())
     measure.open_attempt(with_agent, 0, 0, 3)
     settle(with_agent)
     playback = with_agent.playback
@@ -629,11 +641,26 @@ def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
     assert with_agent.view.front == "timeline"
 
 
-def measure_the_level_in_front(session, *who, attempts=4, seed=0):
-    measure.start_evaluation(
-        session, who, (), attempts=attempts, seed=seed, physics="", deterministic=False
+def test_an_attempt_is_not_shown_on_a_file_that_was_changed_since(with_agent, stage, tmp_path):
+    path = tmp_path / "a.json"
+    save_level(a_level(), path)
+    assert open_path(with_agent, path)
+    measure_the_level_in_front(with_agent, a_summary())
+    stage.level = a_level().replace(gravity=(0.0, -1.0))
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.EDIT
+    assert any("another level by now" in text for text in texts(with_agent))
+    stage.paths = AttemptPaths(
+        level_hash=level_hash(stage.level),
+        step=np.arange(1),
+        position=np.zeros((1, 1, 2)),
+        outcomes=("won",),
+        parting=None,
     )
-    settle(session)
+    measure.show_paths(with_agent, 0, 0)
+    settle(with_agent)
+    assert with_agent.viewer.ways is None
 
 
 def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_agent):
