@@ -26,6 +26,7 @@ from editor.worker.requests import (
 )
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
+from kinetix.level.model import Level
 from kinetix.level.sets import gather_levels
 from kinetix.level.validate import has_errors
 from kinetix.paths import levels_dir, working_dir
@@ -187,8 +188,7 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     if viewer.ways_of(level, agent) is not None or plan is None:
         viewer.ways = None
         return
-    source = plan.levels[level].source
-    if isinstance(source, str) and not file.open_path(session, source):
+    if not _bring(session, plan.levels[level].source):
         return
     request = TracePaths(
         level=plan.levels[level],
@@ -263,14 +263,19 @@ def open_attempt(
     session.expected = job
 
 
-def _show(
-    session: Session, opened: Opened, source: object, casting: Casting, summary: AgentSummary
-) -> None:
+def _bring(session: Session, source: str | Level) -> bool:
+    """Show a level that was evaluated; returns whether it is there."""
     if isinstance(source, str):
-        if not file.open_path(session, source):
-            return
-    elif session.document.hash != level_hash(opened.level):
-        raise CommandError("The level has changed since it was evaluated; evaluate it again.")
+        return file.open_path(session, source)
+    file.bring(session, source)
+    return True
+
+
+def _show(
+    session: Session, opened: Opened, source: str | Level, casting: Casting, summary: AgentSummary
+) -> None:
+    if not _bring(session, source):
+        return
     session.leave_play()
     _go_on_with(session, summary, casting)
     session.playback.physics = opened.trace.physics

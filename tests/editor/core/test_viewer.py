@@ -663,6 +663,23 @@ def test_an_attempt_is_not_shown_on_a_file_that_was_changed_since(with_agent, st
     assert with_agent.viewer.ways is None
 
 
+def test_an_attempt_on_a_level_in_another_tab_brings_that_tab_to_the_front(with_agent):
+    measured = with_agent.document
+    measure_the_level_in_front(with_agent, a_summary())
+    actions.run(with_agent, "file.new")
+    assert len(with_agent.tabs) == 2
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document is measured
+    # Its tab shows another level by now: the one that was measured comes in a tab of its own.
+    with_agent.leave_play()
+    with_agent.execute(ReplaceLevel(level=a_level().replace(gravity=(0.0, -1.0)), label=""))
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document is not measured
+    assert with_agent.document.level == a_level()
+
+
 def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_agent):
     other = a_summary("Other")
     with_agent.viewer.slots["b"].summary = other
