@@ -13,7 +13,7 @@ from editor.documents.document import Document, Format
 from editor.gallery import filing
 from editor.session import Session, Tab
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.codec import level_hash
+from kinetix.level.codec import level_hash, resolve_path
 from kinetix.level.model import Level
 
 NEW_LEVEL: Final = Level(name="Untitled")
@@ -72,6 +72,20 @@ def open_path(
                 session.log.add(warning)
         return True
     return False
+
+
+def open_in_front(session: Session, path: str | Path, *, replace: bool = False) -> bool:
+    """Open a level file; whether it is in front now, and not only asked about.
+
+    Args:
+        session: The app.
+        path: A file, or the name of a bundled level.
+        replace: Show it in the tab in front, when that one has no unsaved changes.
+    """
+    if not open_path(session, path, replace=replace):
+        return False
+    here = session.document.path
+    return here is not None and here.resolve() == resolve_path(path).resolve()
 
 
 def bring(session: Session, level: Level) -> None:

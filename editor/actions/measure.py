@@ -266,7 +266,7 @@ def open_attempt(
 def _bring(session: Session, source: str | Level) -> bool:
     """Show a level that was evaluated; returns whether it is there."""
     if isinstance(source, str):
-        return file.open_path(session, source)
+        return file.open_in_front(session, source)
     file.bring(session, source)
     return True
 

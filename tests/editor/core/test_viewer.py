@@ -680,6 +680,35 @@ def test_an_attempt_on_a_level_in_another_tab_brings_that_tab_to_the_front(with_
     assert with_agent.document.level == a_level()
 
 
+def test_an_attempt_waits_for_the_answer_whether_its_level_is_to_be_opened(
+    with_agent, tmp_path, monkeypatch
+):
+    path = tmp_path / "a.json"
+    save_level(a_level(), path)
+    measure.start_evaluation(
+        with_agent,
+        (a_summary(),),
+        (str(path),),
+        attempts=4,
+        seed=0,
+        physics="",
+        deterministic=False,
+    )
+    settle(with_agent)
+    monkeypatch.setattr(with_agent.autosaves, "open_elsewhere", lambda path: True)
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert "another window" in with_agent.prompts[-1].title
+    assert with_agent.mode is Mode.EDIT
+    measure.show_paths(with_agent, 0, 0)
+    assert not with_agent.viewer.ways_pending
+    # The answer opens the level; the attempt is opened by the next click.
+    with_agent.answer(with_agent.prompts[-1], "open")
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document.path == path
+
+
 def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_agent):
     other = a_summary("Other")
     with_agent.viewer.slots["b"].summary = other
