@@ -308,8 +308,8 @@ class Playback(Show):
     def _begin(self, episode: Episode, *, paused: bool = False) -> None:
         self.episode += 1
         self.failure = ""
-        # Until its first state comes, the last one stays on show.
-        episode.snapshot = self.snapshot
+        # Until its first state comes, the last one stays on show, unless the level has changed.
+        episode.snapshot = self.snapshot if self.level == episode.level else None
         episode.physics = self.physics
         self.state = Starting(episode=episode, paused=paused)
         since = () if episode.since is None else (episode.since,)
