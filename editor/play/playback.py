@@ -162,7 +162,10 @@ class Playback(Show):
             episode.snapshot = earlier
 
     def reset(self) -> None:
-        """Start the episode anew, or where it was changed; a paused one stays paused."""
+        """Start the episode anew, or where it was changed; a paused one stays paused.
+
+        In place of a player that is known by name only, as a file's is, a person plays.
+        """
         if isinstance(self.state, Editing):
             return
         paused, last = self.mode is Mode.PAUSED, self.state.episode
@@ -170,7 +173,7 @@ class Playback(Show):
             Episode(
                 level=last.level,
                 casting=last.casting,
-                player=last.player,
+                player="" if last.casting is None else last.player,
                 since=last.since,
                 perturbed=last.since is not None,
             ),

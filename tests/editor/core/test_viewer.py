@@ -478,6 +478,15 @@ def test_an_episode_from_elsewhere_can_be_branched_from(with_agent):
     assert playback.moments[4] is playback.ring.snapshots[4]
 
 
+def test_a_person_who_starts_a_files_episode_anew_is_not_called_by_the_agents_name(with_agent):
+    playback = with_agent.playback
+    playback.replay(dataclasses.replace(a_trace(), from_file=True), a_level())
+    assert playback.player == "Tester"
+    assert actions.run(with_agent, "run.reset")
+    run(with_agent, 0.2)
+    assert (playback.casting, playback.player, playback.trace.player) == (None, "", "")
+
+
 def test_the_end_cannot_be_branched_from(with_agent):
     with_agent.playback.simulator.ends_at = 5
     Hand(with_agent).key("f6")
