@@ -30,9 +30,11 @@ from editor.worker.requests import (
     BUILT_IN,
     AgentRef,
     AgentSummary,
+    AgentView,
     AttemptPaths,
     Evaluate,
     EvaluatedLevel,
+    Explained,
     LoadAgent,
     Observe,
     Opened,
@@ -91,9 +93,12 @@ class Stage:
         self.opens = True
         self.level = a_level()
         self.paths = None
+        self.answers = {}
 
     def __call__(self, request, progress):
         self.asked.append(request)
+        if type(request).__name__ in self.answers:
+            return self.answers[type(request).__name__]
         match request:
             case LoadAgent(path=path):
                 if path not in self.agents:
@@ -855,6 +860,28 @@ def test_what_the_agent_sees_is_asked_for_while_it_is_on_the_screen(with_agent):
     with_agent.viewer.eye_open = True
     settle(with_agent)
     assert with_agent.viewer.eye_error == "the agent is blind"
+
+
+def test_of_a_moment_without_a_state_nothing_is_shown_that_another_one_was_told(with_agent, stage):
+    view = AgentView(pixels=np.zeros((2, 2, 3), np.uint8), observation="", tables=())
+    told = Explained(
+        attention=None, bodies=np.ones(4), joints=np.ones(1), thrusters=np.ones(1), value=0.0
+    )
+    stage.answers = {"Observe": view, "Explain": told}
+    viewer, playback = with_agent.viewer, with_agent.playback
+    viewer.eye_open = with_agent.view.settled = True
+    with_agent.settings.agent_overlay = ["saliency"]
+    settle(with_agent)
+    assert viewer.eye is view and viewer.reasons.told is told
+    bare = [dataclasses.replace(one, state=None) for one in a_trace().snapshots]
+    playback.replay(dataclasses.replace(a_trace(), snapshots=tuple(bare)), a_level())
+    actions.update(with_agent, 1 / 60)
+    assert viewer.eye is None and viewer.eye_error.startswith("Not known for this moment")
+    assert viewer.reasons.told is None and viewer.reasons.error == viewer.eye_error
+    with_agent.leave_play()
+    settle(with_agent)
+    assert (viewer.eye, viewer.eye_error) == (view, "")
+    assert (viewer.reasons.told, viewer.reasons.error) == (told, "")
 
 
 def test_unified_actions_become_channels():
