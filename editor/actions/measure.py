@@ -117,15 +117,18 @@ def ask_contender(session: Session) -> None:
         if path in BUILT_IN:
             continue
         choices.append(Choice(id=path, label=label))
-        if steps_in(Path(path)):
-            choices.append(Choice(id=f"{_EVERY}{path}", label=f"{label}, every checkpoint"))
+        steps = steps_in(Path(path))
+        if steps:
+            some = f"{MOST_CHECKPOINTS} of {len(steps)} checkpoints"
+            which = "every checkpoint" if len(steps) <= MOST_CHECKPOINTS else some
+            choices.append(Choice(id=f"{_EVERY}{path}", label=f"{label}, {which}"))
     browsing = Choice(id="browse", label="Another folder…")
 
     def answer(choice: str | None) -> None:
         if choice == "browse":
             _browse_contender(session)
         elif choice is not None and choice.startswith(_EVERY):
-            for path in steps_in(Path(choice.removeprefix(_EVERY))):
+            for path in spread(steps_in(Path(choice.removeprefix(_EVERY)))):
                 add_contender(session, str(path))
         elif choice is not None:
             add_contender(session, choice)
@@ -136,6 +139,16 @@ def ask_contender(session: Session) -> None:
 
 
 _EVERY: Final = "every:"
+MOST_CHECKPOINTS: Final = 100
+"""Checkpoints of a run that are measured at a time: a table of more cannot be read."""
+
+
+def spread(steps: list[Path]) -> list[Path]:
+    """Return as many checkpoints as are measured, evenly from the first to the last."""
+    if len(steps) <= MOST_CHECKPOINTS:
+        return steps
+    last = len(steps) - 1
+    return [steps[k * last // (MOST_CHECKPOINTS - 1)] for k in range(MOST_CHECKPOINTS)]
 
 
 def steps_in(run: Path) -> list[Path]:

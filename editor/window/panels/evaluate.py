@@ -18,7 +18,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.window.panels.results_table import MOST_WIDE, ResultsTable
+from editor.window.panels.results_table import MOST_AGENTS, MOST_WIDE, ResultsTable
 from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.results import EpisodeResult
 from kinetix.engine.names import PHYSICS
@@ -255,6 +255,11 @@ class EvaluatePanel(Panel):
             if summary is not None and summary["levels"]:
                 rate = f"{summary['mean_solve_rate']:.3f}"
                 words.append(f"{summary['agent']} under {summary['physics']}: {rate}")
+        agents = len(evaluation.plan.agents)
+        if agents > MOST_AGENTS:
+            widgets.wrapped(
+                f"The table shows the first {MOST_AGENTS} of {agents} agents; a saved one has all."
+            )
         if words and len(evaluation.plan.agents) <= MOST_WIDE:  # else the table has them
             imgui.same_line(0, px(14))
             widgets.text(f"Mean solve rate   {'    '.join(words)}")

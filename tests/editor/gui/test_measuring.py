@@ -181,6 +181,12 @@ def test_a_table_of_one_agent_is_not_sorted_by_the_second_of_an_earlier_table(wi
     assert not any("went wrong" in toast.text for toast in gui.session.toasts)
 
 
+def test_a_table_of_more_agents_than_it_has_columns_shows_some_and_says_so(with_agent, said):
+    with_results(with_agent, *(f"Agent {k}" for k in range(600)), levels=("s/a",))
+    assert with_agent.shows("evaluate.s/a.0")
+    assert "The table shows the first 200 of 600 agents; a saved one has all." in said
+
+
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     gui, session = with_agent, with_agent.session
     with_results(gui, "Tester", level=session.document.level)

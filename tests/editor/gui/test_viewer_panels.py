@@ -379,6 +379,14 @@ def test_the_checkpoints_of_a_run_are_in_order(tmp_path):
     assert measure.steps_in(tmp_path / "gone") == []
 
 
+def test_of_a_run_with_very_many_checkpoints_some_are_measured(tmp_path):
+    steps = [tmp_path / str(step) for step in range(1023)]
+    some = measure.spread(steps)
+    assert len(set(some)) == measure.MOST_CHECKPOINTS
+    assert (some[0], some[-1]) == (steps[0], steps[-1])
+    assert measure.spread(steps[:40]) == steps[:40]
+
+
 def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
     session, viewer = gui.session, gui.session.viewer
     name = "eval_avg/hand_designed_episode_solve_rate_s/goalkeeper"
