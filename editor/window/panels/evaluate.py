@@ -261,8 +261,9 @@ class EvaluatePanel(Panel):
                 f"The table shows the first {MOST_AGENTS} of {agents} agents; a saved one has all."
             )
         if words and len(evaluation.plan.agents) <= MOST_WIDE:  # else the table has them
-            imgui.same_line(0, px(14))
-            widgets.text(f"Mean solve rate   {'    '.join(words)}")
+            means = f"Mean solve rate   {'    '.join(words)}"
+            widgets.beside(imgui.calc_text_size(tr(means)).x / px(1), gap=14)
+            widgets.wrapped(means)
         if len(evaluation.plan.agents) > 1 and len(words) == len(evaluation.plan.agents):
             self._differences(session)
 

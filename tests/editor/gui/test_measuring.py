@@ -1,10 +1,12 @@
 """Agents measured in the window: whose physics, which numbers are what, what exports tell."""
 
 import dataclasses
+import functools
 import re
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import agents, export
@@ -14,8 +16,10 @@ from editor.agents.evaluation import Plan
 from editor.agents.metrics import Metrics
 from editor.base import language
 from editor.base.prompts import FileQuestion
+from editor.base.settings import Settings
 from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
+from editor.session import Session
 from editor.toolkit import widgets
 from editor.window.file_choice import nothing_here
 from editor.window.panels import evaluate
@@ -185,6 +189,25 @@ def test_a_table_of_more_agents_than_it_has_columns_shows_some_and_says_so(with_
     with_results(with_agent, *(f"Agent {k}" for k in range(600)), levels=("s/a",))
     assert with_agent.shows("evaluate.s/a.0")
     assert "The table shows the first 200 of 600 agents; a saved one has all." in said
+
+
+def test_all_mean_solve_rates_are_inside_a_small_window(make_gui, monkeypatch):
+    gui = make_gui(session=Session(settings=Settings()), size=(640, 480))
+    gui.frames(40)
+    with_results(gui, "An agent of a long name", "Another one of a long name")
+    ends = []
+
+    def noted(draw, words, *more):
+        edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+        draw(words, *more)
+        if words.startswith("Mean solve rate"):
+            ends.append((imgui.get_item_rect_max().x, edge))
+
+    for name in ("text", "wrapped"):
+        monkeypatch.setattr(widgets, name, functools.partial(noted, getattr(widgets, name)))
+    gui.frames(1)
+    ((end, edge),) = ends
+    assert end <= edge + 1
 
 
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
