@@ -268,16 +268,21 @@ class EvaluatePanel(Panel):
             self._differences(session)
 
     def _differences(self, session: "Session") -> None:
-        """Draw how far the best is ahead of the others, on equal seeds."""
+        """Draw how far the best is ahead of the others, on equal seeds, and if that is certain."""
         best_label, pairs = session.viewer.evaluation.differences()
-        told = []
+        told, certain = [], []
         for pair in pairs:
-            if pair.difference is not None:
-                span = f"{pair.low:+.2f} to {pair.high:+.2f}"
-                told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+            if pair.difference is None or pair.low is None:
+                continue
+            span = f"{pair.low:+.2f} to {pair.high:+.2f}"
+            told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+            if pair.low > 0:
+                certain.append(told[-1])
         if told:
-            more = f", and {len(told) - 2} more" if len(told) > 2 else ""
-            widgets.small(f"{best_label} leads: {', '.join(told[:2])}{more}")
+            shown = certain or told
+            what = f"{best_label} leads" if certain else f"No difference is certain. {best_label}"
+            more = f", and {len(shown) - 2} more" if len(shown) > 2 else ""
+            widgets.small(f"{what}: {', '.join(shown[:2])}{more}")
             widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
     def _attempts(self, session: "Session", level: int, agent: int) -> None:

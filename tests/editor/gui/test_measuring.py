@@ -152,8 +152,10 @@ def test_the_dialog_for_comparisons_speaks_of_comparisons(with_agent, said, tmp_
     assert nothing_here(empty) == "No folders and no .json files here."
 
 
-def with_results(gui, *names, level=None, levels=("s/a", "s/b"), outcomes=("won", "lost")):
-    """Puts an evaluation that has ended on the screen."""
+def with_results(
+    gui, *names, level=None, levels=("s/a", "s/b"), outcomes=("won", "lost"), first=()
+):
+    """Puts an evaluation that has ended on the screen; the first agent's outcomes may differ."""
     evaluation = gui.session.viewer.evaluation
     evaluation.plan = Plan(
         agents=tuple(map(a_summary, names)),
@@ -165,7 +167,7 @@ def with_results(gui, *names, level=None, levels=("s/a", "s/b"), outcomes=("won"
         done=4,
         total=4,
         scores=tuple(
-            Score(agent=agent, result=a_result(name, *outcomes))
+            Score(agent=agent, result=a_result(name, *(outcomes if agent else first or outcomes)))
             for agent in range(len(names))
             for name in levels
         ),
@@ -208,6 +210,17 @@ def test_all_mean_solve_rates_are_inside_a_small_window(make_gui, monkeypatch):
     gui.frames(1)
     ((end, edge),) = ends
     assert end <= edge + 1
+
+
+def test_a_tie_is_not_called_a_lead(with_agent, said):
+    with_results(with_agent, "One", "Two")
+    (told,) = {words for words in said if " over " in words}
+    assert told.startswith("No difference is certain. One: +0.00 (") and told.endswith("over Two")
+    said.clear()
+    lost = ("lost",) * 20
+    with_results(with_agent, "One", "Two", outcomes=lost, first=("won",) * 20)
+    (told,) = {words for words in said if " over " in words}
+    assert told.startswith("One leads: +1.00 (")
 
 
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
