@@ -160,7 +160,7 @@ class EvaluatePanel(Panel):
     def _who(self, session: "Session") -> None:
         """The agents that are measured, and more of them."""
         viewer = session.viewer
-        names = [agent.name for agent in (*viewer.agents, *viewer.contenders)]
+        names = [agent.name for agent in self._agents(session)]
         words = f"Agents: {', '.join(names) or 'none loaded'}"
         shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
         widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)

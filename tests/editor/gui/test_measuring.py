@@ -73,6 +73,14 @@ def test_an_agent_is_measured_under_its_own_physics_and_the_table_says_which(wit
     assert any("Tester under accurate: 0.500" in words for words in said)
 
 
+def test_the_form_names_each_agent_that_is_measured_once(with_agent, said):
+    viewer = with_agent.session.viewer
+    viewer.contenders = (*viewer.agents, a_summary("Other"))
+    front(with_agent, "evaluate")
+    assert "Agents: Tester, Other" in said
+    assert len(evaluated(with_agent).agents) == 2
+
+
 def test_the_form_names_what_the_gallery_measures(with_agent):
     session = with_agent.session
     assert actions.run(session, "level.gallery")
