@@ -164,7 +164,8 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         if before.ref != summary.ref:
             session.toast(f"{summary.name}: newer parameters loaded.", "success")
         return
-    if slot == "a" and summary.ref.path not in BUILT_IN:
+    same = before is not None and before.digest == summary.digest != ""
+    if slot == "a" and summary.ref.path not in BUILT_IN and not same:
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
