@@ -78,9 +78,11 @@ def checkpoints_of(path: Path) -> list[Path]:
 
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
     """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
-    session.viewer.follow_run = False
     load_agent(session, path, slot)
-    if slot == "a" and agent_playing(session):
+    if slot != "a":
+        return
+    session.viewer.follow_run = False  # The newest agent of a run is slot A's.
+    if agent_playing(session):
         session.expected = session.viewer.slots["a"].job
 
 
@@ -135,6 +137,7 @@ def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     _loaded(session, slot, path, job)
     if session.take_expected(job):
         if job.state is JobState.DONE and not session.editing:
+            session.viewer.guest = None
             restart(session)
         elif job.state is JobState.DONE and not _busy(session):
             play_agent(session)
@@ -163,7 +166,8 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         if before.ref != summary.ref:
             session.toast(f"{summary.name}: newer parameters loaded.", "success")
         return
-    if slot == "a" and summary.ref.path not in BUILT_IN:
+    same = before is not None and before.digest == summary.digest != ""
+    if slot == "a" and summary.ref.path not in BUILT_IN and not same:
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
@@ -297,7 +301,7 @@ def play_agent(session: Session) -> None:
     session.gallery.open = False
     session.messages.hush()
     session.autosaves.keep(session.document)
-    viewer.by_hand = False
+    viewer.by_hand, viewer.guest = False, None
     session.playback.play(level, casting, player=summary.name)
 
 
@@ -339,11 +343,18 @@ def restart(session: Session) -> None:
 
 
 def refresh_cast(session: Session) -> None:
-    """Let the next episode have the agent, seed and attempt that the viewer is set to."""
+    """Let the next episode have the seed and attempt that the viewer is set to, and agent A.
+
+    An attempt that was opened from an evaluation keeps its own agent.
+    """
     playback, viewer = session.playback, session.viewer
-    casting, summary = viewer.casting("a"), viewer.slots["a"].summary
-    if playback.casting is not None and casting is not None and summary is not None:
-        playback.cast(casting, summary.name)
+    if playback.casting is None:
+        return
+    summary, guest = viewer.slots["a"].summary, viewer.guest
+    if guest is not None and guest.ref == playback.casting.agent:
+        summary = guest
+    if summary is not None:
+        playback.cast(viewer.cast(summary), summary.name)
 
 
 def switch_deterministic(session: Session) -> None:

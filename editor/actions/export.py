@@ -21,7 +21,7 @@ from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.files.atomic import check_target, write_atomically, write_with_backup
-from kinetix.level.codec import dumps, level_hash
+from kinetix.level.codec import dumps
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of
 from kinetix.paths import levels_dir, working_dir
@@ -150,25 +150,11 @@ def open_trace(session: Session, path: Path) -> bool:
     with session.guard():
         session.leave_play()
         session.gallery.open = False
-        _bring(session, found.level)
+        file.bring(session, found.level)
         session.playback.replay(found.trace, found.level)
         session.view.front = "timeline"
         return True
     return False
-
-
-def _bring(session: Session, level: Level) -> None:
-    """Show a level: in front, in another tab, or in a new one."""
-    wanted = level_hash(level)
-    if session.document.hash == wanted:
-        return
-    tabs = list(session.tabs)
-    found = [tab for tab in tabs if tab.moment is None and tab.document.hash == wanted]
-    found.sort(key=lambda tab: tab.document.path is None)  # one that has a file first
-    if found:
-        session.show_tab(tabs.index(found[0]))
-    else:
-        session.open_tab(Document(level))
 
 
 def ask_trace(session: Session) -> None:

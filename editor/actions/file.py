@@ -13,6 +13,7 @@ from editor.documents.document import Document, Format
 from editor.gallery import filing
 from editor.session import Session, Tab
 from kinetix.errors import CommandError, LevelError
+from kinetix.level.codec import level_hash, resolve_path
 from kinetix.level.model import Level
 
 NEW_LEVEL: Final = Level(name="Untitled")
@@ -71,6 +72,34 @@ def open_path(
                 session.log.add(warning)
         return True
     return False
+
+
+def open_in_front(session: Session, path: str | Path, *, replace: bool = False) -> bool:
+    """Open a level file; whether it is in front now, and not only asked about.
+
+    Args:
+        session: The app.
+        path: A file, or the name of a bundled level.
+        replace: Show it in the tab in front, when that one has no unsaved changes.
+    """
+    if not open_path(session, path, replace=replace):
+        return False
+    here = session.document.path
+    return here is not None and here.resolve() == resolve_path(path).resolve()
+
+
+def bring(session: Session, level: Level) -> None:
+    """Show a level: in front, in another tab, or in a new one."""
+    wanted = level_hash(level)
+    if session.document.hash == wanted:
+        return
+    tabs = list(session.tabs)
+    found = [tab for tab in tabs if tab.moment is None and tab.document.hash == wanted]
+    found.sort(key=lambda tab: tab.document.path is None)  # one that has a file first
+    if found:
+        session.show_tab(tabs.index(found[0]))
+    else:
+        session.open_tab(Document(level))
 
 
 def _open_elsewhere(session: Session, path: Path) -> bool:

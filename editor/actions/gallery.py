@@ -100,7 +100,7 @@ def play_agent(session: Session) -> None:
     first, *others = chosen_cards(session)
     if others:
         raise CommandError("Choose one level to be played.")
-    if file.open_path(session, first.file):
+    if file.open_in_front(session, first.file):
         session.gallery.open = False
         agents.play_agent(session)
 

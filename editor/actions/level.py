@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from editor.actions.agents import play_agent
-from editor.actions.file import open_path
+from editor.actions.file import open_in_front
 from editor.base.prompts import Choice, MenuQuestion
 from editor.documents.commands.base import Command
 from editor.documents.commands.level import Permute, ReplaceLevel
@@ -118,11 +118,6 @@ def replace_later(
     session.worker.submit(request, title=title, urgent=True, done=done)
 
 
-def _shows(session: Session, path: Path) -> bool:
-    here = session.document.path
-    return here is not None and here.resolve() == path.resolve()
-
-
 def neighbour(step: int) -> Callable[[Session], None]:
     """An action that opens the next or previous level of the same folder; an agent plays on."""
 
@@ -138,8 +133,7 @@ def neighbour(step: int) -> Callable[[Session], None]:
         target: Path = siblings[(here + step) % len(siblings)]
         playback = session.playback
         watched = playback.active and playback.casting is not None and not session.viewer.by_hand
-        opened = open_path(session, target, replace=True)
-        if opened and watched and _shows(session, target):
+        if open_in_front(session, target, replace=True) and watched:
             play_agent(session)
 
     return run

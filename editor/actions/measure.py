@@ -8,6 +8,7 @@ from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
 from editor.actions.comparison import present
 from editor.agents.evaluation import Plan
+from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
 from editor.play.mode import Mode
@@ -25,6 +26,7 @@ from editor.worker.requests import (
 )
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
+from kinetix.level.model import Level
 from kinetix.level.sets import gather_levels
 from kinetix.level.validate import has_errors
 from kinetix.paths import levels_dir, working_dir
@@ -115,15 +117,18 @@ def ask_contender(session: Session) -> None:
         if path in BUILT_IN:
             continue
         choices.append(Choice(id=path, label=label))
-        if steps_in(Path(path)):
-            choices.append(Choice(id=f"{_EVERY}{path}", label=f"{label}, every checkpoint"))
+        steps = steps_in(Path(path))
+        if steps:
+            some = f"{MOST_CHECKPOINTS} of {len(steps)} checkpoints"
+            which = "every checkpoint" if len(steps) <= MOST_CHECKPOINTS else some
+            choices.append(Choice(id=f"{_EVERY}{path}", label=f"{label}, {which}"))
     browsing = Choice(id="browse", label="Another folder…")
 
     def answer(choice: str | None) -> None:
         if choice == "browse":
             _browse_contender(session)
         elif choice is not None and choice.startswith(_EVERY):
-            for path in steps_in(Path(choice.removeprefix(_EVERY))):
+            for path in spread(steps_in(Path(choice.removeprefix(_EVERY)))):
                 add_contender(session, str(path))
         elif choice is not None:
             add_contender(session, choice)
@@ -134,6 +139,16 @@ def ask_contender(session: Session) -> None:
 
 
 _EVERY: Final = "every:"
+MOST_CHECKPOINTS: Final = 100
+"""Checkpoints of a run that are measured at a time: a table of more cannot be read."""
+
+
+def spread(steps: list[Path]) -> list[Path]:
+    """Return as many checkpoints as are measured, evenly from the first to the last."""
+    if len(steps) <= MOST_CHECKPOINTS:
+        return steps
+    last = len(steps) - 1
+    return [steps[k * last // (MOST_CHECKPOINTS - 1)] for k in range(MOST_CHECKPOINTS)]
 
 
 def steps_in(run: Path) -> list[Path]:
@@ -183,11 +198,10 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     """
     viewer = session.viewer
     plan = viewer.evaluation.plan
-    if viewer.paths is not None or plan is None:
-        viewer.paths = None
+    if viewer.ways_of(level, agent) is not None or plan is None:
+        viewer.ways = None
         return
-    source = plan.levels[level].source
-    if isinstance(source, str) and not file.open_path(session, source):
+    if not _bring(session, plan.levels[level].source):
         return
     request = TracePaths(
         level=plan.levels[level],
@@ -201,14 +215,22 @@ def show_paths(session: Session, level: int, agent: int) -> None:
     )
 
     def done(job: Job) -> None:
-        viewer.paths_pending = False
+        viewer.ways_pending = False
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
+        elif job.state is JobState.DONE and job.result.level_hash != plan.hashes[level]:
+            _refuse(session, plan, level)
         elif job.state is JobState.DONE:
-            viewer.paths, viewer.path_ending = job.result, None
+            viewer.ways = Ways(plan=plan, level=level, agent=agent, paths=job.result)
 
-    viewer.paths_pending = True
+    viewer.ways_pending = True
     session.evaluator.submit(request, title="Playing the attempts", done=done)
+
+
+def _refuse(session: Session, plan: Plan, level: int) -> None:
+    """Say that what was measured on a level does not hold for what it is now."""
+    name = plan.levels[level].name
+    session.toast(f"{name} is another level by now; evaluate it again.", "error")
 
 
 def open_attempt(
@@ -242,9 +264,8 @@ def open_attempt(
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif awaited:
-            if plan.sources and level_hash(job.result.level) != plan.hashes[level]:
-                name = plan.levels[level].name
-                session.toast(f"{name} is another level by now; evaluate it again.", "error")
+            if level_hash(job.result.level) != plan.hashes[level]:
+                _refuse(session, plan, level)
                 return
             _show(session, job.result, source, casting, summary)
             if at is not None and session.mode is Mode.REPLAY:
@@ -255,18 +276,34 @@ def open_attempt(
     session.expected = job
 
 
-def _show(
-    session: Session, opened: Opened, source: object, casting: Casting, summary: AgentSummary
-) -> None:
+def _bring(session: Session, source: str | Level) -> bool:
+    """Show a level that was evaluated; returns whether it is there."""
     if isinstance(source, str):
-        if not file.open_path(session, source):
-            return
-    elif session.document.hash != level_hash(opened.level):
-        raise CommandError("The level has changed since it was evaluated; evaluate it again.")
+        return file.open_in_front(session, source)
+    file.bring(session, source)
+    return True
+
+
+def _show(
+    session: Session, opened: Opened, source: str | Level, casting: Casting, summary: AgentSummary
+) -> None:
+    if not _bring(session, source):
+        return
     session.leave_play()
+    _go_on_with(session, summary, casting)
+    session.playback.physics = opened.trace.physics
     session.playback.replay(opened.trace, opened.level, casting, player=summary.name)
     session.playback.running = True
     session.view.front = "timeline"
+
+
+def _go_on_with(session: Session, summary: AgentSummary, casting: Casting) -> None:
+    """Let Reset and another attempt go on from an attempt: its agent, its draws."""
+    viewer = session.viewer
+    own = viewer.slots["a"].summary
+    viewer.guest = None if own is not None and own.ref == summary.ref else summary
+    viewer.seed, viewer.attempt = casting.seed, casting.attempt
+    viewer.deterministic = casting.deterministic
 
 
 def keep_results(session: Session) -> None:

@@ -17,6 +17,7 @@ from editor.actions.agents import (
     clear_slot,
     load_agent,
 )
+from editor.actions.measure import add_contender
 from editor.actions.watch import watch_run
 from editor.agents.local_training import BUSY
 from editor.base.prompts import Choice, MenuQuestion, TextQuestion
@@ -181,7 +182,11 @@ def _moved(session: Session, before: Path, after: Path | None) -> None:
         if path != watched.path:
             watched.watch(path or "")
     viewer.other_runs = tuple(other for other in viewer.other_runs if other.path)
-    viewer.contenders = tuple(one for one in viewer.contenders if now(one.ref.path) == one.ref.path)
+    measured = [(one, now(one.ref.path)) for one in viewer.contenders]
+    viewer.contenders = tuple(one for one, path in measured if path == one.ref.path)
+    for one, path in measured:
+        if path is not None and path != one.ref.path:
+            add_contender(session, path)
     recents = [now(path) for path in settings.recent_agents]
     settings.recent_agents = [path for path in recents if path is not None][:RECENT_AGENTS]
 

@@ -3,6 +3,7 @@
 import functools
 import os
 from pathlib import Path
+from typing import Final
 
 from editor.actions.agents import load_agent
 from editor.actions.measure import keep_results
@@ -135,6 +136,9 @@ def _challenge(session: Session, level: Level) -> bool:
     return True
 
 
+_UNKNOWN: Final = "Not known for this moment: only the places of the shapes are kept of it."
+
+
 def _ask_why(session: Session) -> None:
     """Ask agent A about the moment on show, where something of it is to be drawn."""
     viewer, playback = session.viewer, session.playback
@@ -148,6 +152,8 @@ def _ask_why(session: Session) -> None:
         return
     snapshot = playback.snapshot if playback.active else None
     if snapshot is not None and snapshot.state is None:
+        viewer.reasons.forget()
+        viewer.reasons.error = _UNKNOWN
         return
     body = _asked_body(session, level) if "places" in wanted else None
     viewer.reasons.ask(level, snapshot, summary.ref, playback.played_under, body)
@@ -173,7 +179,11 @@ def _look(session: Session) -> None:
     viewer, playback = session.viewer, session.playback
     level = playback.level if playback.active else session.document.level
     snapshot = playback.snapshot if playback.active else None
-    if level is None or (snapshot is not None and snapshot.state is None):
+    if level is None:
+        return
+    if snapshot is not None and snapshot.state is None:
+        viewer.eye = viewer.eye_of = None
+        viewer.eye_error = _UNKNOWN
         return
     summary = viewer.slots["a"].summary
     moment = snapshot if snapshot is not None else level
@@ -192,6 +202,8 @@ def _look(session: Session) -> None:
 def _looked(session: Session, job: Job) -> None:
     viewer = session.viewer
     viewer.eye_pending = False
+    if viewer.eye_of is None:
+        return  # Another moment is on show by now, of which nothing is known.
     if job.state is JobState.DONE:
         viewer.eye, viewer.eye_error = job.result, ""
         viewer.eye_stamp += 1

@@ -54,15 +54,17 @@ class Reasons:
             about=self.about,
             body=body,
         )
-        done = functools.partial(self._done, level)
+        done = functools.partial(self._done, level, asked)
         self._worker.submit(request, title="Asking the agent", done=done)
 
     def forget(self) -> None:
         """Show nothing any more."""
         self.told, self.level, self.error, self._of = None, None, "", ()
 
-    def _done(self, level: Level, job: Job) -> None:
+    def _done(self, level: Level, asked: tuple[Any, ...], job: Job) -> None:
         self.pending = False
+        if asked != self._of:
+            return  # It was forgotten meanwhile.
         if job.state is JobState.DONE:
             self.told, self.level, self.error = job.result, level, ""
         elif job.state is JobState.FAILED:

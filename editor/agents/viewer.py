@@ -7,11 +7,12 @@ from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
+from editor.agents.ways import Ways
 from editor.gallery.filing import Trashed
 from editor.play.second_player import Follower
 from editor.play.simulator import Simulator
 from editor.worker.jobs import Job, Worker
-from editor.worker.requests import AgentSummary, AgentView, AttemptPaths, Casting
+from editor.worker.requests import AgentSummary, AgentView, Casting
 from kinetix.level.model import Level
 from kinetix.level.sizes import capacity_of, needed_capacity
 from kinetix.wording import plural
@@ -47,19 +48,14 @@ class Viewer:
 
     def __init__(self, worker: Worker, evaluator: Worker, rival: Simulator) -> None:
         self.slots: dict[SlotName, AgentSlot] = {name: AgentSlot() for name in SLOTS}
-        self.paths: AttemptPaths | None = None
-        """Ways of all attempts on a level, drawn over it; None: none are."""
-        self.paths_pending = False
-        self.path_outcomes: tuple[str, ...] = ()
-        """Only ways that end so are drawn; empty: all."""
-        self.path_ending: int | None = None
-        """Only ways of this group of `paths.endings` are drawn; None: of all."""
-        self.lit_path: int | None = None
-        """The attempt that is pointed at."""
+        self._ways: Ways | None = None
+        self.ways_pending = False
         self.contenders: tuple[AgentSummary, ...] = ()
         """Agents that are evaluated besides those of the slots."""
         self.deleted: list[Trashed] = []
         """Agents that were trained here and are in the trash now, the last one last."""
+        self.guest: AgentSummary | None = None
+        """The agent of an attempt that was opened from an evaluation, where it is not agent A's."""
         self.seed = 0
         self.attempt = 0
         self.deterministic = False
@@ -98,8 +94,10 @@ class Viewer:
     def casting(self, slot: SlotName) -> Casting | None:
         """The agent of a slot with its draws, or None when there is none."""
         summary = self.slots[slot].summary
-        if summary is None:
-            return None
+        return None if summary is None else self.cast(summary)
+
+    def cast(self, summary: AgentSummary) -> Casting:
+        """Return an agent with the draws that are set."""
         return Casting(
             agent=summary.ref,
             seed=self.seed,
@@ -107,6 +105,21 @@ class Viewer:
             deterministic=self.deterministic,
             digest=summary.digest,
         )
+
+    @property
+    def ways(self) -> Ways | None:
+        """Ways of attempts of the evaluation, drawn over their level; None: none are."""
+        ways = self._ways
+        return ways if ways is not None and ways.plan is self.evaluation.plan else None
+
+    @ways.setter
+    def ways(self, ways: Ways | None) -> None:
+        self._ways = ways
+
+    def ways_of(self, level: int, agent: int) -> Ways | None:
+        """Return the ways on show if they are an agent's on a level, by the plan's indexes."""
+        ways = self.ways
+        return ways if ways is not None and (ways.level, ways.agent) == (level, agent) else None
 
     @property
     def arrangement(self) -> Compare:

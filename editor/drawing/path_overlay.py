@@ -23,18 +23,18 @@ def paint_paths(session: "Session", painter: Painter) -> None:
         session: The app.
         painter: Where to draw.
     """
-    paths = session.viewer.paths
-    if paths is None or paths.level_hash != session.document.hash:
+    ways = session.viewer.ways
+    if ways is None or ways.paths.level_hash != session.document.hash:
         return
     draw, camera = painter.draw, painter.camera
-    lit, ending = session.viewer.lit_path, session.viewer.path_ending
+    paths, lit, ending = ways.paths, ways.lit, ways.ending
     group = None if ending is None else frozenset(paths.endings[ending].attempts)
     order = [k for k in range(min(len(paths.outcomes), _MOST)) if k != lit]
     for k in [*order, lit] if lit is not None and lit < len(paths.outcomes) else order:
         outcome = paths.outcomes[k]
         if group is not None and k not in group and k != lit:
             continue
-        if session.viewer.path_outcomes and outcome not in session.viewer.path_outcomes:
+        if ways.outcomes and outcome not in ways.outcomes:
             continue
         places: list[Any] = [camera.to_screen((x, y)) for x, y in paths.position[k].tolist()]
         colour = COLOURS.of(OUTCOME_LOOK[outcome][2])

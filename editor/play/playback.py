@@ -162,7 +162,10 @@ class Playback(Show):
             episode.snapshot = earlier
 
     def reset(self) -> None:
-        """Start the episode anew, or where it was changed; a paused one stays paused."""
+        """Start the episode anew, or where it was changed; a paused one stays paused.
+
+        In place of a player that is known by name only, as a file's is, a person plays.
+        """
         if isinstance(self.state, Editing):
             return
         paused, last = self.mode is Mode.PAUSED, self.state.episode
@@ -170,7 +173,7 @@ class Playback(Show):
             Episode(
                 level=last.level,
                 casting=last.casting,
-                player=last.player,
+                player="" if last.casting is None else last.player,
                 since=last.since,
                 perturbed=last.since is not None,
             ),
@@ -308,8 +311,8 @@ class Playback(Show):
     def _begin(self, episode: Episode, *, paused: bool = False) -> None:
         self.episode += 1
         self.failure = ""
-        # Until its first state comes, the last one stays on show.
-        episode.snapshot = self.snapshot
+        # Until its first state comes, the last one stays on show, unless the level has changed.
+        episode.snapshot = self.snapshot if self.level == episode.level else None
         episode.physics = self.physics
         self.state = Starting(episode=episode, paused=paused)
         since = () if episode.since is None else (episode.since,)

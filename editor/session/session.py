@@ -145,7 +145,7 @@ class Session:
         """The last click that selected, to notice a second one at the same place."""
         self._queue: list[Queued] = []
         self._targets: tuple[Level, frozenset[EntityId], Targets] | None = None
-        self._posed: tuple[Any, Level] | None = None
+        self._posed: tuple[Any, Level, Level] | None = None
 
     @property
     def tab(self) -> Tab:
@@ -210,9 +210,10 @@ class Session:
         shown = self.motion.moment or playback.snapshot
         if shown is None:
             return playback.level
-        if self._posed is None or self._posed[0] is not shown:
-            self._posed = (shown, posed(playback.level, shown))
-        return self._posed[1]
+        level, known = playback.level, self._posed
+        if known is None or known[0] is not shown or known[1] is not level:
+            known = self._posed = (shown, level, posed(level, shown))
+        return known[2]
 
     @property
     def marks(self) -> tuple[Mark, ...]:

@@ -84,7 +84,7 @@ class Framing:
             not session.editing and shows_panels(session),
             self.split,
             session.tab.moment is not None,
-            session.viewer.paths is not None,
+            session.viewer.ways is not None,
             session.view.debug_draw,
             None if session.editing else size,
         )

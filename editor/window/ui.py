@@ -14,6 +14,7 @@ from editor.base.camera import ARENA
 from editor.toolkit import theme
 from editor.toolkit.appearance import COLOURS, FONTS
 from editor.toolkit.fonts import Fallbacks
+from editor.toolkit.guarding import guarded
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window.dialogs import Dialogs
@@ -166,7 +167,7 @@ class Ui:
         else:
             self._gallery.closed()
             self.workplace.draw(space, panels)
-        with session.guard():
+        with guarded(session):
             self._guide.draw(session)
             self._dialogs.draw(session)
             self._palette.draw(session)
@@ -221,19 +222,19 @@ class Ui:
 
     def _bars(self) -> None:
         session = self.session
-        with session.guard():
+        with guarded(session):
             self._menu.draw(session)
         viewport = imgui.get_main_viewport()
         height = imgui.get_frame_height() + 2 * px(6)
         if not session.gallery.open:
             with self._bar("##toolbar", viewport, imgui.Dir.up, height, px(6)) as opened:
                 if opened:
-                    with session.guard():
+                    with guarded(session):
                         self._toolbar.draw(session)
         height = imgui.get_text_line_height() + 2 * px(6)
         with self._bar("##status", viewport, imgui.Dir.down, height, px(6)) as opened:
             if opened:
-                with session.guard():
+                with guarded(session):
                     self._status.draw(session)
 
     @contextlib.contextmanager

@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 from editor.actions import view
 from editor.toolkit import widgets
 from editor.toolkit.appearance import Icons
+from editor.toolkit.guarding import guarded
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window import layouts
@@ -231,7 +232,7 @@ class Workplace:
             imgui.set_next_window_focus()
             self._to_canvas = False
         if imgui.begin(_CANVAS, None, _CANVAS_FLAGS)[0]:
-            with self.session.guard():
+            with guarded(self.session):
                 if bars:
                     self._tabs.draw(self.session)
                 self.canvas.interact(self.session)
@@ -241,7 +242,7 @@ class Workplace:
     def paint(self) -> None:
         """Draw the level last, so that what this frame's input did is seen in this frame."""
         if imgui.begin(_CANVAS, None, _CANVAS_FLAGS)[0]:
-            with self.session.guard():
+            with guarded(self.session):
                 self.canvas.paint(self.session)
         imgui.end()
 
@@ -275,7 +276,7 @@ class Workplace:
             self._fold(panel)
         if opened and not (lower and self._row.folded()):
             self._drawn.append(panel)
-            with self.session.guard():
+            with guarded(self.session):
                 panel.draw(self.session)
         focused = imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows.value)
         imgui.end()

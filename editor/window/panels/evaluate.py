@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
 from editor.agents.evaluation import bare_summary
+from editor.agents.ways import Ways
 from editor.base.language import tr
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets
@@ -17,7 +18,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, alpha, u32
 from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.window.panels.results_table import MOST_WIDE, ResultsTable
+from editor.window.panels.results_table import MOST_AGENTS, MOST_WIDE, ResultsTable
 from editor.worker.requests import BUILT_IN, AgentSummary
 from kinetix.agents.results import EpisodeResult
 from kinetix.engine.names import PHYSICS
@@ -95,13 +96,14 @@ class EvaluatePanel(Panel):
             return
         self._head(session)
         space = imgui.get_content_region_avail()
-        beside = min(px(_ATTEMPTS), 0.38 * space.x) if self._table.chosen is not None else 0.0
+        chosen = self._table.chosen(evaluation.plan)
+        beside = min(px(_ATTEMPTS), 0.38 * space.x) if chosen is not None else 0.0
         size = (space.x - beside - (px(10) if beside else 0.0), max(space.y, px(64)))
         self._table.draw(session, size, self._form.wanted)
-        if beside:
+        if chosen is not None:
             imgui.same_line(0, px(10))
             imgui.begin_child("attempts", (0.0, size[1]))
-            self._attempts(session)
+            self._attempts(session, *chosen)
             imgui.end_child()
 
     def _head(self, session: "Session") -> None:
@@ -158,7 +160,7 @@ class EvaluatePanel(Panel):
     def _who(self, session: "Session") -> None:
         """The agents that are measured, and more of them."""
         viewer = session.viewer
-        names = [agent.name for agent in (*viewer.agents, *viewer.contenders)]
+        names = [agent.name for agent in self._agents(session)]
         words = f"Agents: {', '.join(names) or 'none loaded'}"
         shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
         widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)
@@ -230,7 +232,6 @@ class EvaluatePanel(Panel):
                     deterministic=session.viewer.deterministic,
                 )
             )
-            self._table.chosen = None
         widgets.beside_words("Open…")
         if widgets.button(session, "evaluate.open", "Open…"):
             session.queue(lambda: comparison.ask_comparison(session))
@@ -254,41 +255,49 @@ class EvaluatePanel(Panel):
             if summary is not None and summary["levels"]:
                 rate = f"{summary['mean_solve_rate']:.3f}"
                 words.append(f"{summary['agent']} under {summary['physics']}: {rate}")
+        agents = len(evaluation.plan.agents)
+        if agents > MOST_AGENTS:
+            widgets.wrapped(
+                f"The table shows the first {MOST_AGENTS} of {agents} agents; a saved one has all."
+            )
         if words and len(evaluation.plan.agents) <= MOST_WIDE:  # else the table has them
-            imgui.same_line(0, px(14))
-            widgets.text(f"Mean solve rate   {'    '.join(words)}")
+            means = f"Mean solve rate   {'    '.join(words)}"
+            widgets.beside(imgui.calc_text_size(tr(means)).x / px(1), gap=14)
+            widgets.wrapped(means)
         if len(evaluation.plan.agents) > 1 and len(words) == len(evaluation.plan.agents):
             self._differences(session)
 
     def _differences(self, session: "Session") -> None:
-        """Draw how far the best is ahead of the others, on equal seeds."""
+        """Draw how far the best is ahead of the others, on equal seeds, and if that is certain."""
         best_label, pairs = session.viewer.evaluation.differences()
-        told = []
+        told, certain = [], []
         for pair in pairs:
-            if pair.difference is not None:
-                span = f"{pair.low:+.2f} to {pair.high:+.2f}"
-                told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+            if pair.difference is None or pair.low is None:
+                continue
+            span = f"{pair.low:+.2f} to {pair.high:+.2f}"
+            told.append(f"{pair.difference:+.2f} ({span}) over {pair.second}")
+            if pair.low > 0:
+                certain.append(told[-1])
         if told:
-            more = f", and {len(told) - 2} more" if len(told) > 2 else ""
-            widgets.small(f"{best_label} leads: {', '.join(told[:2])}{more}")
+            shown = certain or told
+            what = f"{best_label} leads" if certain else f"No difference is certain. {best_label}"
+            more = f", and {len(shown) - 2} more" if len(shown) > 2 else ""
+            widgets.small(f"{what}: {', '.join(shown[:2])}{more}")
             widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
-    def _attempts(self, session: "Session") -> None:
+    def _attempts(self, session: "Session", level: int, agent: int) -> None:
         """The attempts of the chosen result one by one; a click opens one."""
-        evaluation, chosen = session.viewer.evaluation, self._table.chosen
+        evaluation = session.viewer.evaluation
         plan = evaluation.plan
-        if chosen is None or plan is None or evaluation.standing is None:
-            return
-        level, agent = chosen
-        if level >= len(plan.levels) or agent >= len(plan.agents):
-            return
+        assert plan is not None
         name = plan.levels[level].name
         result = evaluation.result(agent, name)
         if result is None:
             return
         widgets.small(f"{name}, {plan.agents[agent].name}: click an attempt to watch it")
         self._ways(session, level, agent)
-        session.viewer.lit_path = None
+        if session.viewer.ways is not None:
+            session.viewer.ways.lit = None
         wide, step = imgui.get_content_region_avail().x, px(26)
         columns = max(1, int(wide / step))
         clipper = imgui.ListClipper()
@@ -305,41 +314,39 @@ class EvaluatePanel(Panel):
     def _ways(self, session: "Session", level: int, agent: int) -> None:
         """Show where all attempts went, and which of them."""
         viewer = session.viewer
-        if viewer.paths_pending:
+        if viewer.ways_pending:
             widgets.spinner(7)
             imgui.same_line(0, px(8))
             widgets.muted("Playing the attempts …")
             return
-        label = "Hide their ways" if viewer.paths is not None else "Show their ways"
+        ways = viewer.ways_of(level, agent)
+        label = "Hide their ways" if ways is not None else "Show their ways"
         if widgets.button(session, "evaluate.ways", label):
             session.queue(lambda: measure.show_paths(session, level, agent))
         widgets.tooltip(label, "Where the green shape went in each attempt, over the level.")
-        if viewer.paths is None:
+        if ways is None:
             return
-        for outcome in dict.fromkeys(viewer.paths.outcomes):
+        for outcome in dict.fromkeys(ways.paths.outcomes):
             widgets.beside(70, gap=8)
-            shown = not viewer.path_outcomes or outcome in viewer.path_outcomes
+            shown = not ways.outcomes or outcome in ways.outcomes
             changed, on = widgets.checkbox(session, f"evaluate.ways.{outcome}", outcome, shown)
             if changed:
-                kept = viewer.path_outcomes or tuple(dict.fromkeys(viewer.paths.outcomes))
+                kept = ways.outcomes or tuple(dict.fromkeys(ways.paths.outcomes))
                 others = tuple(one for one in kept if one != outcome)
-                viewer.path_outcomes = (*others, outcome) if on else others
-        self._endings(session, level, agent)
+                ways.outcomes = (*others, outcome) if on else others
+        self._endings(session, ways)
 
-    def _endings(self, session: "Session", level: int, agent: int) -> None:
+    def _endings(self, session: "Session", ways: Ways) -> None:
         """The attempts grouped by how they end; a click shows one group and opens its first."""
-        viewer = session.viewer
-        paths = viewer.paths
-        assert paths is not None
         widgets.small("They end so; a click opens one where it leaves the wins:")
-        for number, ending in enumerate(paths.endings):
+        for number, ending in enumerate(ways.paths.endings):
             icon, _, name = OUTCOME_LOOK[ending.outcome]
             x, y = ending.place
             words = f"{len(ending.attempts)} {ending.outcome} near {x:.1f}, {y:.1f}"
             if ending.parting is not None:
                 words += f", parts at {ending.parting}"
             words = f"{icon}  {tr(words)}"
-            shown = viewer.path_ending == number
+            shown = ways.ending == number
             with widgets.coloured(text=COLOURS.of(name)):
                 pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]
             widgets.probe(session, f"evaluate.ending.{number}")
@@ -348,11 +355,11 @@ class EvaluatePanel(Panel):
                 told += f"\nIt leaves the way of the wins at step {ending.parting}."
             widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
             if pressed and shown:
-                viewer.path_ending = None
+                ways.ending = None
             elif pressed:
-                viewer.path_ending = number
+                ways.ending = number
                 opens = measure.open_attempt
-                which = (level, agent, ending.attempts[0])
+                which = (ways.level, ways.agent, ending.attempts[0])
                 session.queue(functools.partial(opens, session, *which, at=ending.parting))
 
     def _attempt(
@@ -373,20 +380,12 @@ class EvaluatePanel(Panel):
             draw.add_text(place, u32(colour), icon)
         told = f"{episode.outcome} after {plural(episode.length, 'step')}"
         widgets.tooltip(f"Attempt {which[2]}", f"{told}, return {episode.total_reward:.3f}")
-        if imgui.is_item_hovered():
-            session.viewer.lit_path = which[2]
+        ways = session.viewer.ways_of(which[0], which[1])
+        if ways is not None and imgui.is_item_hovered():
+            ways.lit = which[2]
         if pressed:
-            at = _parting_of(session, which[2])
+            at = None if ways is None else ways.parting(which[2])
             session.queue(lambda: measure.open_attempt(session, *which, at=at))
-
-
-def _parting_of(session: "Session", attempt: int) -> int | None:
-    """Return the step at which an attempt leaves the wins; None where nothing is known of it."""
-    paths = session.viewer.paths
-    if paths is None:
-        return None
-    own = next((one for one in paths.endings if attempt in one.attempts), None)
-    return paths.parting if own is None or own.parting is None else own.parting
 
 
 def _listed(numbers: tuple[int, ...]) -> str:

@@ -25,6 +25,8 @@ _HEADS: Final[dict[Column, str]] = {
 }
 MOST_WIDE: Final = 2
 """Agents with columns for return and length; of more only the rates are shown, as a heat map."""
+MOST_AGENTS: Final = 200
+"""Agents that have a column; Dear ImGui takes no more than 511 columns."""
 _LEVEL: Final = 150.0
 """Width of the levels' names in a heat map [px at 100 %]."""
 _CELL: Final = 66.0
@@ -61,11 +63,16 @@ class ResultsTable:
     """Sorts, and remembers which result's attempts are on show."""
 
     def __init__(self) -> None:
-        self.chosen: tuple[int, int] | None = None
-        """Level and agent whose attempts are on show."""
+        self._chosen: tuple[Plan, int, int] | None = None
+        """The result whose attempts are on show: of which evaluation, level and agent."""
         self._sort: Column = "level"
         self._sort_agent = 0
         self._descending = False
+
+    def chosen(self, plan: Plan) -> tuple[int, int] | None:
+        """Return the level and the agent of an evaluation whose attempts are on show."""
+        chosen = self._chosen
+        return chosen[1:] if chosen is not None and chosen[0] is plan else None
 
     def draw(self, session: "Session", size: tuple[float, float], wanted: str) -> None:
         """Draw it.
@@ -78,7 +85,7 @@ class ResultsTable:
         evaluation = session.viewer.evaluation
         plan = evaluation.plan
         assert plan is not None
-        count = len(plan.agents)
+        count = min(len(plan.agents), MOST_AGENTS)
         shown, heat = _columns(count), count > MOST_WIDE
         flags = (
             imgui.TableFlags_.row_bg.value
@@ -114,11 +121,11 @@ class ResultsTable:
     def _setup(self, plan: Plan, level: float) -> None:
         """Tell the columns' widths; that of the level's name by the width of a rate."""
         kind = imgui.TableColumnFlags_
-        stretch, count = kind.width_stretch.value, len(plan.agents)
+        stretch, agents = kind.width_stretch.value, plan.agents[:MOST_AGENTS]
         imgui.table_setup_column(tr(_HEADS["level"]), kind.default_sort.value | stretch, level)
-        rate = 1.0 if count > MOST_WIDE else 1.6
-        for agent in plan.agents:
-            for column in _columns(count):
+        rate = 1.0 if len(agents) > MOST_WIDE else 1.6
+        for agent in agents:
+            for column in _columns(len(agents)):
                 share = rate if column == "solve_rate" else 0.7
                 imgui.table_setup_column(f"###{agent.ref.path}{column}", stretch, share)
 
@@ -128,7 +135,7 @@ class ResultsTable:
         imgui.table_next_row(imgui.TableRowFlags_.headers.value)
         imgui.table_next_column()
         imgui.table_header(tr(_HEADS["level"]))
-        for label in labels:
+        for label in labels[:MOST_AGENTS]:
             for column in _columns(len(labels)):
                 imgui.table_next_column()
                 words = tr(_HEADS[column])
@@ -178,7 +185,7 @@ class ResultsTable:
         if shown != row.name:
             widgets.tooltip(row.name)
         winner, wide = best(row.results), len(row.results) <= MOST_WIDE
-        for agent, result in enumerate(row.results):
+        for agent, result in enumerate(row.results[:MOST_AGENTS]):
             imgui.table_next_column()
             if result is None:
                 if row.errors[agent]:
@@ -220,7 +227,9 @@ class ResultsTable:
         words = f"{mark}{rate}   {interval}"
         if imgui.calc_text_size(words).x > imgui.get_content_region_avail().x:
             words = f"{mark}{rate}"
-        chosen = self.chosen == (row.level, agent)
+        plan = session.viewer.evaluation.plan
+        assert plan is not None
+        chosen = self.chosen(plan) == (row.level, agent)
         with widgets.coloured(text=colour):
             flags = imgui.SelectableFlags_.allow_double_click.value
             pressed = imgui.selectable(f"{words}###{row.level}.{agent}", chosen, flags)[0]
@@ -231,7 +240,7 @@ class ResultsTable:
         widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
         if not pressed:
             return
-        self.chosen = (row.level, agent)
+        self._chosen = (plan, row.level, agent)
         if imgui.is_mouse_double_clicked(0):
             session.queue(lambda: measure.open_attempt(session, row.level, agent, 0))
 

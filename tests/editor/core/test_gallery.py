@@ -625,6 +625,14 @@ def test_chosen_levels_are_evaluated_and_one_is_played_by_the_agent(session):
     assert session.playback.player == "Tester"
 
 
+def test_no_agent_plays_behind_the_question_about_another_window(session, monkeypatch):
+    monkeypatch.setattr(session.autosaves, "open_elsewhere", lambda path: True)
+    choose(session, "Rocket")
+    actions.run(session, "gallery.play_agent")
+    assert "another window" in session.prompts[-1].title
+    assert session.gallery.open and session.expected is None
+
+
 def test_folders_come_and_go(session, tmp_path):
     other = tmp_path / "other"
     other.mkdir()

@@ -46,6 +46,17 @@ def test_a_paused_episode_becomes_a_level_with_tools_and_undo(paused, hand):
     assert paused.tab.document.level == before
 
 
+def test_what_was_deleted_stays_away_while_the_changed_level_compiles(paused, hand):
+    assert run(paused, "run.change")
+    paused.execute(Remove(ids=(1,)))
+    changed = paused.document.level
+    paused.playback.simulator.delayed = True
+    assert run(paused, "run.play_human")
+    hand.wait()
+    assert paused.playback.waiting
+    assert paused.scene.bodies == changed.bodies
+
+
 def test_nothing_changed_goes_on_with_the_same_episode(paused, hand):
     episode, step = paused.playback.episode, paused.playback.step_count
     assert run(paused, "run.change")

@@ -5,6 +5,7 @@ import pytest
 from editor import actions
 from editor.agents.local_training import LocalTraining
 from editor.base.prompts import MenuQuestion, TextQuestion
+from editor.worker.requests import AgentRef
 from kinetix.files.lock import locked_folder
 from tests.editor.core.helpers import texts
 from tests.editor.core.test_train_here import FakeProcess
@@ -92,6 +93,23 @@ def test_a_renamed_agent_stays_where_it_is_used(session, stage: Stage, folder):
     assert session.viewer.slots["a"].path == str(folder / "pogo")
     assert session.settings.recent_agents[0] == str(folder / "pogo")
     assert str(folder / "hopper") not in session.settings.recent_agents
+
+
+def test_a_renamed_agent_keeps_the_chosen_physics_and_is_measured_still(session, stage, folder):
+    for name in ("hopper", "pogo"):
+        ref = AgentRef(path=str(folder / name), stamp="1")
+        stage.agents[ref.path] = a_summary("Specialist", ref=ref, digest="d1")
+    actions.agents.load_agent(session, folder / "hopper")
+    settle(session)
+    session.viewer.contenders = (a_summary("Other"), stage.agents[str(folder / "hopper")])
+    session.playback.physics = "accurate"
+    actions.run(session, "agent.rename")
+    choose(session, "hopper")
+    type_name(session, "pogo")
+    settle(session)
+    assert session.playback.physics == "accurate"
+    paths = [one.ref.path for one in session.viewer.contenders]
+    assert paths == ["/agents/Other", str(folder / "pogo")]
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,11 @@ from editor.worker.requests import (
     BUILT_IN,
     AgentRef,
     AgentSummary,
+    AgentView,
+    AttemptPaths,
     Evaluate,
     EvaluatedLevel,
+    Explained,
     LoadAgent,
     Observe,
     Opened,
@@ -40,10 +43,11 @@ from editor.worker.requests import (
     RunNews,
     Score,
     Standing,
+    TracePaths,
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, CommandError, KinetixError
-from kinetix.level.codec import save_level
+from kinetix.level.codec import level_hash, save_level
 from kinetix.paths import checkpoints_dir, levels_dir
 from tests.editor.core.helpers import FakeSimulator, Hand, a_level, texts
 
@@ -87,9 +91,14 @@ class Stage:
         self.news = RunNews(rows=(), total=0, newest=None)
         self.wait = 0.0
         self.opens = True
+        self.level = a_level()
+        self.paths = None
+        self.answers = {}
 
     def __call__(self, request, progress):
         self.asked.append(request)
+        if type(request).__name__ in self.answers:
+            return self.answers[type(request).__name__]
         match request:
             case LoadAgent(path=path):
                 if path not in self.agents:
@@ -102,7 +111,9 @@ class Stage:
             case OpenEpisode():
                 if not self.opens:
                     raise KinetixError("It cannot be opened")
-                return Opened(level=a_level(), trace=a_trace())
+                return Opened(level=self.level, trace=a_trace())
+            case TracePaths():
+                return self.paths
             case Observe():
                 raise KinetixError("the agent is blind")
         return None
@@ -472,6 +483,15 @@ def test_an_episode_from_elsewhere_can_be_branched_from(with_agent):
     assert playback.moments[4] is playback.ring.snapshots[4]
 
 
+def test_a_person_who_starts_a_files_episode_anew_is_not_called_by_the_agents_name(with_agent):
+    playback = with_agent.playback
+    playback.replay(dataclasses.replace(a_trace(), from_file=True), a_level())
+    assert playback.player == "Tester"
+    assert actions.run(with_agent, "run.reset")
+    run(with_agent, 0.2)
+    assert (playback.casting, playback.player, playback.trace.player) == (None, "", "")
+
+
 def test_the_end_cannot_be_branched_from(with_agent):
     with_agent.playback.simulator.ends_at = 5
     Hand(with_agent).key("f6")
@@ -618,15 +638,110 @@ def test_results_whose_intervals_overlap_are_not_told_apart():
     assert best((good, bad)) is None
 
 
+def measure_the_level_in_front(session, *who, attempts=4, seed=0):
+    measure.start_evaluation(
+        session, who, (), attempts=attempts, seed=seed, physics="", deterministic=False
+    )
+    settle(session)
+
+
 def test_an_attempt_of_the_table_opens_as_a_replay(with_agent):
-    evaluation_of(with_agent, "s/a")
-    settle(with_agent)
+    measure_the_level_in_front(with_agent, a_summary())
     measure.open_attempt(with_agent, 0, 0, 3)
     settle(with_agent)
     playback = with_agent.playback
     assert (with_agent.mode, playback.player) == (Mode.REPLAY, "Tester")
     assert playback.casting.attempt == 3
     assert with_agent.view.front == "timeline"
+
+
+def test_an_attempt_is_not_shown_on_a_file_that_was_changed_since(with_agent, stage, tmp_path):
+    path = tmp_path / "a.json"
+    save_level(a_level(), path)
+    assert open_path(with_agent, path)
+    measure_the_level_in_front(with_agent, a_summary())
+    stage.level = a_level().replace(gravity=(0.0, -1.0))
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.EDIT
+    assert any("another level by now" in text for text in texts(with_agent))
+    stage.paths = AttemptPaths(
+        level_hash=level_hash(stage.level),
+        step=np.arange(1),
+        position=np.zeros((1, 1, 2)),
+        outcomes=("won",),
+        parting=None,
+    )
+    measure.show_paths(with_agent, 0, 0)
+    settle(with_agent)
+    assert with_agent.viewer.ways is None
+
+
+def test_an_attempt_on_a_level_in_another_tab_brings_that_tab_to_the_front(with_agent):
+    measured = with_agent.document
+    measure_the_level_in_front(with_agent, a_summary())
+    actions.run(with_agent, "file.new")
+    assert len(with_agent.tabs) == 2
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document is measured
+    # Its tab shows another level by now: the one that was measured comes in a tab of its own.
+    with_agent.leave_play()
+    with_agent.execute(ReplaceLevel(level=a_level().replace(gravity=(0.0, -1.0)), label=""))
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document is not measured
+    assert with_agent.document.level == a_level()
+
+
+def test_an_attempt_waits_for_the_answer_whether_its_level_is_to_be_opened(
+    with_agent, tmp_path, monkeypatch
+):
+    path = tmp_path / "a.json"
+    save_level(a_level(), path)
+    measure.start_evaluation(
+        with_agent,
+        (a_summary(),),
+        (str(path),),
+        attempts=4,
+        seed=0,
+        physics="",
+        deterministic=False,
+    )
+    settle(with_agent)
+    monkeypatch.setattr(with_agent.autosaves, "open_elsewhere", lambda path: True)
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert "another window" in with_agent.prompts[-1].title
+    assert with_agent.mode is Mode.EDIT
+    measure.show_paths(with_agent, 0, 0)
+    assert not with_agent.viewer.ways_pending
+    # The answer opens the level; the attempt is opened by the next click.
+    with_agent.answer(with_agent.prompts[-1], "open")
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    assert with_agent.mode is Mode.REPLAY and with_agent.document.path == path
+
+
+def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_agent):
+    other = a_summary("Other")
+    with_agent.viewer.slots["b"].summary = other
+    measure_the_level_in_front(with_agent, a_summary(), other, seed=3)
+    with_agent.viewer.deterministic = True
+    playback = with_agent.playback
+    measure.open_attempt(with_agent, 0, 1, 2)
+    settle(with_agent)
+    actions.run(with_agent, "agent.compare_ghost")
+    actions.update(with_agent, 1 / 60)
+    assert (with_agent.viewer.rival.casting.seed, with_agent.viewer.rival.casting.attempt) == (3, 2)
+    for action, attempt in (("run.reset", 2), ("agent.next_attempt", 3)):
+        assert actions.run(with_agent, action)
+        casting = playback.casting
+        assert (playback.player, casting.agent.path) == ("Other", "/agents/Other")
+        assert (casting.seed, casting.attempt, casting.deterministic) == (3, attempt, False)
+    # Agent A plays again when it is asked to.
+    assert actions.run(with_agent, "run.play_agent") and actions.run(with_agent, "run.reset")
+    assert playback.player == "Tester"
 
 
 @pytest.mark.parametrize("fails", [False, True])
@@ -679,6 +794,13 @@ def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     assert session.playback.casting.agent.stamp == "a"
     actions.run(session, "run.reset")
     assert session.playback.casting.agent.stamp == "b"
+
+
+def test_another_checkpoint_of_agent_b_leaves_agent_a_following_its_run(with_agent):
+    agents.show_checkpoint(with_agent, "b", Path("/runs/one/checkpoints/100"))
+    assert with_agent.viewer.follow_run
+    agents.show_checkpoint(with_agent, "a", Path("/runs/one/checkpoints/100"))
+    assert not with_agent.viewer.follow_run
 
 
 def test_a_run_that_was_set_back_is_read_anew(session, stage):
@@ -745,6 +867,28 @@ def test_what_the_agent_sees_is_asked_for_while_it_is_on_the_screen(with_agent):
     with_agent.viewer.eye_open = True
     settle(with_agent)
     assert with_agent.viewer.eye_error == "the agent is blind"
+
+
+def test_of_a_moment_without_a_state_nothing_is_shown_that_another_one_was_told(with_agent, stage):
+    view = AgentView(pixels=np.zeros((2, 2, 3), np.uint8), observation="", tables=())
+    told = Explained(
+        attention=None, bodies=np.ones(4), joints=np.ones(1), thrusters=np.ones(1), value=0.0
+    )
+    stage.answers = {"Observe": view, "Explain": told}
+    viewer, playback = with_agent.viewer, with_agent.playback
+    viewer.eye_open = with_agent.view.settled = True
+    with_agent.settings.agent_overlay = ["saliency"]
+    settle(with_agent)
+    assert viewer.eye is view and viewer.reasons.told is told
+    bare = [dataclasses.replace(one, state=None) for one in a_trace().snapshots]
+    playback.replay(dataclasses.replace(a_trace(), snapshots=tuple(bare)), a_level())
+    actions.update(with_agent, 1 / 60)
+    assert viewer.eye is None and viewer.eye_error.startswith("Not known for this moment")
+    assert viewer.reasons.told is None and viewer.reasons.error == viewer.eye_error
+    with_agent.leave_play()
+    settle(with_agent)
+    assert (viewer.eye, viewer.eye_error) == (view, "")
+    assert (viewer.reasons.told, viewer.reasons.error) == (told, "")
 
 
 def test_unified_actions_become_channels():

@@ -62,6 +62,28 @@ def test_the_window_goes_on_and_the_work_is_aside(gui, tmp_path, monkeypatch, pa
     assert [recovery._read(copy).level for copy in copies] == [session.document.level]
 
 
+def fails_in_a_table(*_):
+    imgui.begin_child("left open", (100, 100))
+    imgui.begin_table("left open", 2, imgui.TableFlags_.scroll_y.value, (50, 50))
+    imgui.table_next_row()
+    imgui.push_id("left open")
+    raise ZeroDivisionError("on purpose")
+
+
+def test_a_panel_that_fails_inside_a_table_leaves_the_rest_of_the_frame_alone(
+    gui, tmp_path, monkeypatch
+):
+    gui.bring("history")
+    gui.host.endures = False  # No frame may fail.
+    with monkeypatch.context() as patched:
+        panel = next(panel for panel in gui.host.ui.workplace.panels if panel.id == "history")
+        patched.setattr(panel, "draw", fails_in_a_table)
+        gui.frames(5)
+        assert gui.shows("menu.agent")
+    gui.frames(5)
+    assert len(reports(tmp_path)) == 1
+
+
 def test_an_event_that_fails_is_told(gui, tmp_path, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(gui.host.ui, "notice", fails)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from editor.agents.evaluation import Plan
+from editor.agents.ways import Ways
 from editor.base.events import KeyEvent
 from editor.base.settings import Settings
 from editor.session import Session
@@ -247,13 +249,16 @@ def test_what_is_drawn_over_the_level_on_demand_is_in_sight(make_gui, size):
     gui.session.view.layout = "edit"
     gui.frames(30)
     gui.bring("evaluate")
-    gui.session.viewer.paths = AttemptPaths(
+    viewer = gui.session.viewer
+    viewer.evaluation.plan = Plan(agents=(), levels=(), hashes=())
+    paths = AttemptPaths(
         level_hash="",
         step=np.arange(2),
         position=np.zeros((1, 2, 2), np.float32),
         outcomes=("won",),
         parting=None,
     )
+    viewer.ways = Ways(plan=viewer.evaluation.plan, level=0, agent=0, paths=paths)
     gui.frames(30)
     assert seen_whole(gui)
 

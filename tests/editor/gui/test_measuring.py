@@ -1,27 +1,42 @@
 """Agents measured in the window: whose physics, which numbers are what, what exports tell."""
 
 import dataclasses
+import functools
 import re
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import agents, export
 from editor.actions.comparison import about_comparison, ask_comparison
 from editor.actions.save_table import save_table
+from editor.agents.evaluation import Plan
 from editor.agents.metrics import Metrics
 from editor.base import language
 from editor.base.prompts import FileQuestion
+from editor.base.settings import Settings
 from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
+from editor.session import Session
 from editor.toolkit import widgets
 from editor.window.file_choice import nothing_here
 from editor.window.panels import evaluate
 from editor.window.panels.training import title_of
-from editor.worker.requests import AttemptPaths, Ending, Evaluate, ExportFilm, RunNews
+from editor.worker.requests import (
+    AttemptPaths,
+    Ending,
+    Evaluate,
+    EvaluatedLevel,
+    ExportFilm,
+    RunNews,
+    Score,
+    Standing,
+)
+from kinetix.level.codec import level_hash
 from kinetix.paths import checkpoints_dir, levels_dir
-from tests.editor.core.test_viewer import a_summary
+from tests.editor.core.test_viewer import a_result, a_summary
 from tests.editor.gui.test_language import ALLOWED
 from tests.editor.gui.viewing import front, settle
 
@@ -56,6 +71,14 @@ def test_an_agent_is_measured_under_its_own_physics_and_the_table_says_which(wit
     with_agent.click("evaluate.physics.accurate")
     assert evaluated(with_agent).physics == "accurate"
     assert any("Tester under accurate: 0.500" in words for words in said)
+
+
+def test_the_form_names_each_agent_that_is_measured_once(with_agent, said):
+    viewer = with_agent.session.viewer
+    viewer.contenders = (*viewer.agents, a_summary("Other"))
+    front(with_agent, "evaluate")
+    assert "Agents: Tester, Other" in said
+    assert len(evaluated(with_agent).agents) == 2
 
 
 def test_the_form_names_what_the_gallery_measures(with_agent):
@@ -135,6 +158,102 @@ def test_the_dialog_for_comparisons_speaks_of_comparisons(with_agent, said, tmp_
         purpose="open", title="", folder=tmp_path, answer=print, about=about_comparison
     )
     assert nothing_here(empty) == "No folders and no .json files here."
+
+
+def with_results(
+    gui, *names, level=None, levels=("s/a", "s/b"), outcomes=("won", "lost"), first=()
+):
+    """Puts an evaluation that has ended on the screen; the first agent's outcomes may differ."""
+    evaluation = gui.session.viewer.evaluation
+    evaluation.plan = Plan(
+        agents=tuple(map(a_summary, names)),
+        levels=tuple(EvaluatedLevel(name=name, source=level or name) for name in levels),
+        hashes=levels if level is None else (level_hash(level),) * len(levels),
+        attempts=len(outcomes),
+    )
+    evaluation.standing = Standing(
+        done=4,
+        total=4,
+        scores=tuple(
+            Score(agent=agent, result=a_result(name, *(outcomes if agent else first or outcomes)))
+            for agent in range(len(names))
+            for name in levels
+        ),
+    )
+    front(gui, "evaluate")
+
+
+def test_a_table_of_one_agent_is_not_sorted_by_the_second_of_an_earlier_table(with_agent):
+    gui = with_agent
+    gui.host.endures = True
+    with_results(gui, "Tester")
+    with_results(gui, "Tester", "Other")
+    cell = gui.probe("evaluate.s/a.1")
+    gui.click_at(cell.low[0] + 20, cell.low[1] - (cell.high[1] - cell.low[1]))
+    with_results(gui, "Tester")
+    assert gui.shows("evaluate.s/a.0") and gui.shows("evaluate.s/b.0")
+    assert not any("went wrong" in toast.text for toast in gui.session.toasts)
+
+
+def test_a_table_of_more_agents_than_it_has_columns_shows_some_and_says_so(with_agent, said):
+    with_results(with_agent, *(f"Agent {k}" for k in range(600)), levels=("s/a",))
+    assert with_agent.shows("evaluate.s/a.0")
+    assert "The table shows the first 200 of 600 agents; a saved one has all." in said
+
+
+def test_all_mean_solve_rates_are_inside_a_small_window(make_gui, monkeypatch):
+    gui = make_gui(session=Session(settings=Settings()), size=(640, 480))
+    gui.frames(40)
+    with_results(gui, "An agent of a long name", "Another one of a long name")
+    ends = []
+
+    def noted(draw, words, *more):
+        edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+        draw(words, *more)
+        if words.startswith("Mean solve rate"):
+            ends.append((imgui.get_item_rect_max().x, edge))
+
+    for name in ("text", "wrapped"):
+        monkeypatch.setattr(widgets, name, functools.partial(noted, getattr(widgets, name)))
+    gui.frames(1)
+    ((end, edge),) = ends
+    assert end <= edge + 1
+
+
+def test_a_tie_is_not_called_a_lead(with_agent, said):
+    with_results(with_agent, "One", "Two")
+    (told,) = {words for words in said if " over " in words}
+    assert told.startswith("No difference is certain. One: +0.00 (") and told.endswith("over Two")
+    said.clear()
+    lost = ("lost",) * 20
+    with_results(with_agent, "One", "Two", outcomes=lost, first=("won",) * 20)
+    (told,) = {words for words in said if " over " in words}
+    assert told.startswith("One leads: +1.00 (")
+
+
+def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
+    gui, session = with_agent, with_agent.session
+    with_results(gui, "Tester", level=session.document.level)
+    gui.stage.paths = AttemptPaths(
+        level_hash=session.document.hash,
+        step=np.arange(3),
+        position=np.zeros((2, 3, 2), np.float32),
+        outcomes=("won", "lost"),
+        parting=2,
+        endings=(Ending(outcome="lost", attempts=(1,), place=(1, 1), length=9, parting=3),),
+    )
+    gui.click("evaluate.s/a.0")
+    gui.click("evaluate.ways")
+    settle(gui)
+    assert gui.shows("evaluate.ending.0")
+    gui.click("evaluate.s/b.0")
+    assert gui.shows("evaluate.attempt.1") and not gui.shows("evaluate.ending.0")
+    gui.click("evaluate.attempt.1")
+    settle(gui)
+    assert session.playback.running  # It plays from the start: no parting of its own is known.
+    # Another evaluation has neither ways nor a chosen result.
+    with_results(gui, "Tester", level=session.document.level)
+    assert session.viewer.ways is None and not gui.shows("evaluate.attempt.1")
 
 
 def compared(gui, suffix, path):

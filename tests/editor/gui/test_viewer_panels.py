@@ -379,6 +379,14 @@ def test_the_checkpoints_of_a_run_are_in_order(tmp_path):
     assert measure.steps_in(tmp_path / "gone") == []
 
 
+def test_of_a_run_with_very_many_checkpoints_some_are_measured(tmp_path):
+    steps = [tmp_path / str(step) for step in range(1023)]
+    some = measure.spread(steps)
+    assert len(set(some)) == measure.MOST_CHECKPOINTS
+    assert (some[0], some[-1]) == (steps[0], steps[-1])
+    assert measure.spread(steps[:40]) == steps[:40]
+
+
 def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
     session, viewer = gui.session, gui.session.viewer
     name = "eval_avg/hand_designed_episode_solve_rate_s/goalkeeper"
@@ -417,11 +425,11 @@ def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):
     )
     with_agent.click("evaluate.ways")
     settle(with_agent)
-    assert session.viewer.paths is with_agent.stage.paths
+    assert session.viewer.ways.paths is with_agent.stage.paths
     with_agent.frames(3)
     assert not [toast for toast in session.toasts if toast.kind == "error"]
     with_agent.click("evaluate.ways.lost")
-    assert session.viewer.path_outcomes == ("won",)
+    assert session.viewer.ways.outcomes == ("won",)
     with_agent.click("evaluate.attempt.1")
     settle(with_agent)
     assert session.mode is Mode.REPLAY
@@ -430,7 +438,7 @@ def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):
     with_agent.frames(3)
     front(with_agent, "evaluate")
     with_agent.click("evaluate.ways")
-    assert session.viewer.paths is None
+    assert session.viewer.ways is None
 
 
 def test_an_episode_is_shared_as_a_page_with_both_players(with_agent, tmp_path):

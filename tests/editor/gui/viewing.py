@@ -9,7 +9,7 @@ from editor.gallery.results import Results
 from editor.play.second_player import Follower
 from editor.session import Session
 from editor.worker.jobs import Worker
-from editor.worker.requests import AgentView, CurriculumNews, ReadCurriculum, TracePaths, ViewTable
+from editor.worker.requests import AgentView, CurriculumNews, ReadCurriculum, ViewTable
 from tests.editor.core.helpers import FakeSimulator, a_level
 from tests.editor.core.test_viewer import Stage, a_summary
 
@@ -26,8 +26,6 @@ class ViewerStage(Stage):
             )
             picture = np.zeros((125, 125, 3), np.uint8)
             return AgentView(pixels=picture, observation="symbolic_entity", tables=(table,))
-        if isinstance(request, TracePaths):
-            return self.paths
         if isinstance(request, ReadCurriculum):
             return CurriculumNews(updates=(), page=None)
         return super().__call__(request, progress)

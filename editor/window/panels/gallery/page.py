@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
 from editor.toolkit.appearance import COLOURS
+from editor.toolkit.guarding import guarded
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window.panels.gallery.cards import CardGrid
@@ -66,7 +67,7 @@ class GalleryPage:
         if opened:
             if appearing and not session.prompts:
                 imgui.set_window_focus()
-            with session.guard():
+            with guarded(session):
                 self._page(session)
         imgui.end()
 
