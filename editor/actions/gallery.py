@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import agents, file, measure, outside
+from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
@@ -111,17 +112,22 @@ def evaluate(session: Session) -> None:
     if not who:
         agents.choose("a")(session)
         raise CommandError("Choose an agent first, then evaluate again.")
-    measure.start_evaluation(
-        session,
-        who,
-        tuple(card.path for card in chosen_cards(session)),
-        attempts=ATTEMPTS,
-        seed=0,
-        physics="",
-        deterministic=session.viewer.deterministic,
-    )
-    session.gallery.open = False
-    session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
+    levels = tuple(card.path for card in chosen_cards(session))
+
+    def start() -> None:
+        measure.start_evaluation(
+            session,
+            who,
+            levels,
+            attempts=ATTEMPTS,
+            seed=0,
+            physics="",
+            deterministic=session.viewer.deterministic,
+        )
+        session.gallery.open = False
+        session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
+
+    if_free(session, start)
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:

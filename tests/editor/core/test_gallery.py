@@ -12,6 +12,7 @@ import pytest
 from editor import actions
 from editor.actions import gallery as doing
 from editor.actions import level_sets
+from editor.agents.evaluation import Evaluation
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.base.state_file import write_state
 from editor.gallery import filing
@@ -623,6 +624,24 @@ def test_chosen_levels_are_evaluated_and_one_is_played_by_the_agent(session):
     actions.run(session, "gallery.play_agent")
     assert session.document.level.name == "Rocket"
     assert session.playback.player == "Tester"
+
+
+def test_an_evaluation_under_way_is_stopped_only_after_a_question(session, monkeypatch):
+    evaluation = session.viewer.evaluation
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    first = evaluation.plan
+    monkeypatch.setattr(Evaluation, "running", True)
+    for choice, kept in (("cancel", True), ("stop", False)):
+        session.gallery.open = True
+        choose(session, "Rocket")
+        actions.run(session, "gallery.evaluate")
+        (prompt,) = session.prompts
+        assert (prompt.default, prompt.cancel) == ("cancel", "cancel")
+        session.answer(prompt, choice)
+        assert (evaluation.plan is first) is kept
+        assert session.gallery.open is kept
 
 
 def test_folders_come_and_go(session, tmp_path):
