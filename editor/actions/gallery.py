@@ -15,8 +15,6 @@ from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.paths import levels_dir, user_levels_dir
 
-ATTEMPTS: Final = 20
-"""Per level and agent, where nothing else was said."""
 MAX_OPENED: Final = 12
 """Most levels that are opened at once: each is a tab."""
 
@@ -107,8 +105,8 @@ def play_agent(session: Session) -> None:
 
 
 def evaluate(session: Session) -> None:
-    """Measure the loaded agents on the chosen levels, as *Evaluate* does at first."""
-    who = tuple(dict.fromkeys((*session.viewer.agents, *session.viewer.contenders)))
+    """Measure agents on the chosen levels, as the fields of *Evaluate* say."""
+    who, form = session.viewer.measured, session.viewer.form
     if not who:
         agents.choose("a")(session)
         raise CommandError("Choose an agent first, then evaluate again.")
@@ -119,9 +117,9 @@ def evaluate(session: Session) -> None:
             session,
             who,
             levels,
-            attempts=ATTEMPTS,
-            seed=0,
-            physics="",
+            attempts=form.attempts,
+            seed=form.seed,
+            physics=form.physics,
             deterministic=session.viewer.deterministic,
         )
         session.gallery.open = False

@@ -626,6 +626,18 @@ def test_chosen_levels_are_evaluated_and_one_is_played_by_the_agent(session):
     assert session.playback.player == "Tester"
 
 
+def test_the_gallery_evaluates_as_the_form_says_that_is_shown_then(session):
+    form = session.viewer.form
+    form.attempts, form.seed, form.physics, form.scripted = 200, 5, "fast", ("noop",)
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    plan = session.viewer.evaluation.plan
+    session.viewer.evaluation.cancel()
+    assert (plan.attempts, plan.seed, plan.physics) == (200, 5, "fast")
+    assert [agent.name for agent in plan.agents] == ["Tester", "noop"]
+
+
 def test_an_evaluation_under_way_is_stopped_only_after_a_question(session, monkeypatch):
     evaluation = session.viewer.evaluation
     session.viewer.slots["a"].summary = a_summary()
