@@ -42,6 +42,10 @@ _FLAGS: Final = (
 class SetTray:
     """A list of levels with weights, and a dialog that writes it."""
 
+    def __init__(self) -> None:
+        self._list_open = False
+        """True if a list of the dialog was open in the last frame: Esc was that one's."""
+
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""
         tray = session.gallery.tray
@@ -113,7 +117,9 @@ class SetTray:
         if not opened:
             return
         done = self._questions(session, gallery.plan)
-        if done or imgui.is_key_pressed(imgui.Key.escape, False):
+        closed = imgui.is_key_pressed(imgui.Key.escape, False) and not self._list_open
+        self._list_open = imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id.value)
+        if done or closed:
             imgui.close_current_popup()
             if not done:
                 gallery.plan = None
