@@ -11,7 +11,7 @@ import pytest
 
 from editor import actions
 from editor.actions import gallery as doing
-from editor.actions import level_sets
+from editor.actions import level_sets, unsaved
 from editor.agents.evaluation import Evaluation
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.base.state_file import write_state
@@ -636,6 +636,23 @@ def test_the_gallery_evaluates_as_the_form_says_that_is_shown_then(session):
     session.viewer.evaluation.cancel()
     assert (plan.attempts, plan.seed, plan.physics) == (200, 5, "fast")
     assert [agent.name for agent in plan.agents] == ["Tester", "noop"]
+
+
+def test_unsaved_changes_that_a_set_or_an_evaluation_leaves_out_are_told(session):
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.open")
+    tray = [str(session.document.path), "/levels/other.json"]
+    assert unsaved.unsaved_among(session, tray) == []
+    session.document.mark_unsaved()
+    assert unsaved.unsaved_among(session, tray) == ["Rocket"]
+    assert unsaved.unsaved_among(session, tray[1:]) == []
+    assert unsaved.listed(["a", "b", "c", "d", "e", "f"]) == "a, b, c, d and 2 more"
+    actions.run(session, "level.gallery")
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    session.viewer.evaluation.cancel()
+    assert texts(session)[-1] == "Measured without their unsaved changes: Rocket"
 
 
 def test_an_evaluation_under_way_is_stopped_only_after_a_question(session, monkeypatch):

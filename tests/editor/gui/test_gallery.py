@@ -177,6 +177,19 @@ def test_a_set_is_exported_by_keys_and_buttons(gallery, mine):
     assert {each.split for each in loaded.levels} == {"train", "eval"}
 
 
+def test_the_export_says_what_is_not_saved_yet(gallery, mine):
+    session = gallery.session
+    gallery.open(mine / "rocket.json")
+    gallery.key("ctrl+g")
+    gallery.key("ctrl+a")
+    session.queue("level.export_set")
+    gallery.frames(6)
+    assert not gallery.shows("export.unsaved")
+    session.document.mark_unsaved()
+    gallery.frames(2)
+    assert gallery.shows("export.unsaved")
+
+
 def test_a_set_goes_into_a_folder_again_after_a_question(gallery, mine):
     gallery.key("ctrl+a")
     gallery.key("ctrl+shift+a")

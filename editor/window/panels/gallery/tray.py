@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import level_sets
+from editor.actions import level_sets, unsaved
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
 from editor.toolkit import widgets
-from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.appearance import COLOURS, FONTS, Icons, Rgba
 from editor.toolkit.widgets import px
 from kinetix.level.model import SizeName
 
@@ -37,6 +37,13 @@ _FLAGS: Final = (
     | imgui.WindowFlags_.no_docking.value
     | imgui.WindowFlags_.always_auto_resize.value
 )
+
+
+def _line(words: str, colour: Rgba) -> None:
+    """Draw a sentence, wrapped within the dialog."""
+    imgui.push_text_wrap_pos(px(430))
+    widgets.text(words, colour)
+    imgui.pop_text_wrap_pos()
 
 
 class SetTray:
@@ -140,16 +147,15 @@ class SetTray:
             gallery.plan = dataclasses.replace(plan, **changes)
         bad = level_sets.refused_in_set(session)
         if bad:
-            names = ", ".join(list(bad.values())[:4])
-            more = f" and {len(bad) - 4} more" if len(bad) > 4 else ""
-            imgui.push_text_wrap_pos(px(430))
-            widgets.text(
-                f"{Icons.error}  {names}{more}: with an error or gone, no set takes it.",
-                COLOURS.bad,
-            )
-            imgui.pop_text_wrap_pos()
+            names = unsaved.listed(list(bad.values()))
+            _line(f"{Icons.error}  {names}: with an error or gone, no set takes it.", COLOURS.bad)
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
                 session.queue(lambda: level_sets.leave_out_refused(session))
+        changed = unsaved.unsaved_among(session, gallery.tray)
+        if changed:
+            names = unsaved.listed(changed)
+            _line(f"{Icons.warning}  The set leaves unsaved changes out: {names}", COLOURS.warn)
+            widgets.probe(session, "export.unsaved")
         imgui.dummy((0, px(6)))
         width = px(110)
         gap = imgui.get_style().item_spacing.x
