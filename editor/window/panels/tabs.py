@@ -67,7 +67,7 @@ class DocumentTabs:
             opened, kept = imgui.begin_tab_item(name, True, flags)
             widgets.probe(session, f"tabs.{index}")
             if document.path is not None:
-                widgets.tooltip(document.title, str(document.path))
+                widgets.tooltip(document.title, str(document.path), own=True)
             if imgui.is_item_clicked(imgui.MouseButton_.right.value):
                 at = imgui.get_mouse_pos()
                 session.queue(lambda tab=tab, at=(at.x, at.y): open_tab_menu(session, tab, at))

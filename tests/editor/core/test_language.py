@@ -158,6 +158,28 @@ def test_nothing_is_in_it_that_the_app_never_says(code):
     assert stale == []
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "Made {}",
+        "Moved {} to the trash",
+        "{} was removed; the level is only here now.",
+        "{} has unsaved changes: save or close it first.",
+        "{}: newer parameters loaded.",
+        "{} is called {} now.",
+        "{} is open in another window",
+        "Handed back to {}.",
+        "3 levels of {}",
+        "The set leaves unsaved changes out: {} and 3 more",
+    ],
+)
+def test_names_in_sentences_are_left_as_they_are(words):
+    use("de")
+    for name in ("Circle", "Leap of faith"):
+        said = tr(words.replace("{}", name))
+        assert name in said and said != words.replace("{}", name)
+
+
 def test_reasons_of_the_system_are_no_negations():
     use("de")
     said = tr("/x: cannot be made: No such file or directory")

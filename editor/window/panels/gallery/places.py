@@ -48,7 +48,8 @@ def draw_places(session: "Session") -> None:
             if imgui.selectable(f"{Icons.level}  {name}###set-{path}", False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
             widgets.probe(session, f"gallery.set.{name}")
-            widgets.tooltip(path.name, f"{path}. A click puts its levels into the set.")
+            detail = tr(f"{path}. A click puts its levels into the set.")
+            widgets.tooltip(path.name, detail, own=True)
     tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
     if tags:
         imgui.dummy((0, px(8)))

@@ -92,8 +92,8 @@ class SetTray:
         gone = card is None and not os.path.isfile(path)
         bad = gone or (card is not None and bool(card.errors or card.fault))
         name = card.name if card is not None else Path(path).stem
-        widgets.text(name, COLOURS.bad if bad else COLOURS.text)
-        widgets.tooltip(name, path)
+        widgets.raw(name, COLOURS.bad if bad else COLOURS.text)
+        widgets.tooltip(name, path, own=True)
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         changed, weight = imgui.drag_float(
