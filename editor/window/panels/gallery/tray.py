@@ -15,6 +15,7 @@ from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons, Rgba
 from editor.toolkit.widgets import px
 from kinetix.level.model import SizeName
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -136,8 +137,7 @@ class SetTray:
         """Draw the form; whether it was answered."""
         gallery = session.gallery
         with widgets.font(FONTS.bold, 18):
-            count = len(gallery.tray)
-            widgets.text(f"Export {count} level{'' if count == 1 else 's'} as a set")
+            widgets.text(f"Export {plural(len(gallery.tray), 'level')} as a set")
         imgui.dummy((px(420), px(2)))
         changes: dict[str, object] = {}
         with widgets.property_table("export") as opened:
