@@ -123,6 +123,19 @@ def test_what_people_call_their_things_stays_as_it_is(make_gui):
     assert language.tr("Saved New cart.json") == "New cart.json gespeichert"
 
 
+def test_keys_are_found_by_the_words_on_the_screen_and_by_the_english_ones(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.settings.language = "de"
+    gui.session.view.keys = True
+    for typed in ("speichern", "save"):
+        gui.frames(4)
+        gui.click("keys.search")
+        gui.key("ctrl+a")
+        gui.text(typed)
+        gui.frames(2)
+        assert gui.shows("keys.file.save") and not gui.shows("keys.edit.delete"), typed
+
+
 def test_names_of_levels_and_players_are_shown_as_they_are(make_gui, tmp_path, monkeypatch):
     """ "Nob of Quint" would be a form with two unknown words if it were translated."""
     folder = tmp_path / "documents" / "Kinetix"
