@@ -78,9 +78,11 @@ def checkpoints_of(path: Path) -> list[Path]:
 
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
     """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
-    session.viewer.follow_run = False
     load_agent(session, path, slot)
-    if slot == "a" and agent_playing(session):
+    if slot != "a":
+        return
+    session.viewer.follow_run = False
+    if agent_playing(session):
         session.expected = session.viewer.slots["a"].job
 
 
