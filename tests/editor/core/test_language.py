@@ -144,6 +144,7 @@ SENTENCES = (
     "8 updates, 7 000 000 environment steps, newest agent at 7 000 000",
     "1 update, 100 environment steps",
     "10 parameters",
+    "Forget 1 recent file",
     "10 parameters, with memory",
     "It can play, but this level has 3 circles (it knows 2).",
     "Car: It cannot play this level: it sees one size only, and this level is of a size with "
