@@ -47,7 +47,8 @@ def draw_places(session: "Session") -> None:
         _heading("Level sets")
         for path in session.library.sets:
             name = level_sets.set_name(path)
-            if imgui.selectable(f"{Icons.level}  {name}###set-{path}", False)[0]:
+            label = widgets.labelled(f"{Icons.level}  {name}", f"set-{path}")
+            if imgui.selectable(label, False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
             widgets.probe(session, f"gallery.set.{name}")
             detail = tr(f"{path}. A click puts its levels into the set.")
