@@ -216,10 +216,11 @@ def _rehearse(session: Session) -> None:
 
 
 def clear_slot(session: Session, slot: SlotName) -> None:
-    """Take the agent out of a slot."""
+    """Take the agent out of a slot; without B nothing is compared with A."""
     session.viewer.slots[slot] = AgentSlot()
     if slot == "b":
         session.viewer.rival.stop()
+        session.viewer.compare = "off"
 
 
 def choose(slot: SlotName) -> Callable[[Session], None]:

@@ -33,6 +33,17 @@ def contexts(session: Session) -> tuple[Context, ...]:
     return (here, *((Context.LEVEL,) if here is not Context.GALLERY else ()), Context.GLOBAL)
 
 
+def reached(session: Session) -> tuple[Context, ...]:
+    """The contexts whose actions keys and a gamepad's buttons reach now, the narrowest first.
+
+    None while a question or the palette has the keyboard. Behind the help, the keys' window and
+    the preferences nobody sees what becomes of the level, so only what works everywhere counts.
+    """
+    if session.prompts or session.view.palette:
+        return ()
+    return (Context.GLOBAL,) if session.view.covered else contexts(session)
+
+
 def always(session: Session) -> bool:
     """An action that can always be done."""
     del session

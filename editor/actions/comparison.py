@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from editor.actions import file
+from editor.actions.evaluating import if_free
 from editor.agents.evaluation import Plan, bare_summary
 from editor.base.prompts import FileQuestion
 from editor.session import Session
@@ -47,7 +48,11 @@ def about_comparison(path: Path) -> str:
 
 
 def open_comparison(session: Session, path: Path) -> bool:
-    """Show a stored comparison in the table; whether it is shown, else a window says why."""
+    """Show a stored comparison in the table; asks first while an evaluation is under way.
+
+    Returns:
+        Whether it could be read; if not, a window says why.
+    """
     try:
         stored = read_comparison(path)
     except KinetixError as error:
@@ -66,10 +71,14 @@ def open_comparison(session: Session, path: Path) -> bool:
         deterministic=first.deterministic,
         sources=tuple(one.provenance for one in stored.contenders),
     )
-    session.gallery.open = False
-    session.viewer.evaluation.restore(plan, stored.contenders)
-    session.view.front = "evaluate"
-    session.toast(f"{path.name}: {_count(stored)}", "success")
+
+    def show() -> None:
+        session.gallery.open = False
+        session.viewer.evaluation.restore(plan, stored.contenders)
+        session.view.front = "evaluate"
+        session.toast(f"{path.name}: {_count(stored)}", "success")
+
+    if_free(session, show)
     return True
 
 

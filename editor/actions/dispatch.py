@@ -17,7 +17,7 @@ from editor.actions import (
     train,
     watch,
 )
-from editor.actions.base import Action, Context, context_of, contexts, selecting
+from editor.actions.base import Action, Context, contexts, reached, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
@@ -66,11 +66,11 @@ def chords(session: Session, action: Action) -> tuple[str, ...]:
 
 
 def find(session: Session, chord: str) -> Action | None:
-    """The action that a chord means now: of the mode's context first, then of all.
+    """The action that a chord means now: of the narrowest context that keys reach first.
 
     What a chord is by itself comes before what it is as another one with Shift or Alt.
     """
-    usable = [each for context in contexts(session) for each in ACTIONS if each.context is context]
+    usable = [each for context in reached(session) for each in ACTIONS if each.context is context]
     own = (action for action in usable if chord in chords(session, action))
     varied = (action for action in usable if chord in action.variants)
     return next(own, None) or next(varied, None)
@@ -130,7 +130,7 @@ def handle(session: Session, event: InputEvent) -> bool:
         case KeyEvent():
             return _key(session, event)
         case TextEvent(text=text):
-            return session.editing and session.driver.text(text)
+            return _drawing(session) and session.driver.text(text)
         case PointerEvent():
             with session.guard():
                 use_pointer(session, event, _table(session))
@@ -196,10 +196,9 @@ def _key(session: Session, event: KeyEvent) -> bool:
         if event.key not in MODIFIER_KEYS and not event.repeat:
             session.hands.capture(event.chord)
         return True
-    session.hands.held.add(event.key)
-    if session.prompts:
-        return False
-    if session.editing and session.driver.active:
+    if Context.LEVEL in reached(session):
+        session.hands.held.add(event.key)
+    if _drawing(session) and session.driver.active:
         if event.key == "backspace" and session.driver.backspace():
             return True
         if event.key in ("return", "enter") and session.driver.accept():
@@ -207,7 +206,7 @@ def _key(session: Session, event: KeyEvent) -> bool:
     action = find(session, event.chord)
     if action is None or (event.repeat and not _repeats(action)):
         return False
-    driving = context_of(session) is Context.PLAY and not event.modifiers.prefix
+    driving = Context.PLAY in reached(session) and not event.modifiers.prefix
     if driving and event.key in session.control_keys:
         return True
     return run(session, action.id)
@@ -218,13 +217,18 @@ def _pad(session: Session, event: PadEvent) -> bool:
     if not event.pressed:
         session.hands.held.discard(event.control)
         return True
-    if session.prompts or session.gallery.open:
+    if Context.LEVEL not in reached(session):
         return False
     action = PAD_ACTIONS.get(event.control)
     if action is None:
         session.hands.held.add(event.control)
         return event.control in PAD
     return run(session, "run.play_human" if session.editing and action == "run.pause" else action)
+
+
+def _drawing(session: Session) -> bool:
+    """Return whether keys and text reach a tool in Edit."""
+    return Context.EDIT in reached(session)
 
 
 def _repeats(action: Action) -> bool:

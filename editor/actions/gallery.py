@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import agents, file, measure, outside
+from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
@@ -14,8 +15,6 @@ from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.paths import levels_dir, user_levels_dir
 
-ATTEMPTS: Final = 20
-"""Per level and agent, where nothing else was said."""
 MAX_OPENED: Final = 12
 """Most levels that are opened at once: each is a tab."""
 
@@ -106,22 +105,27 @@ def play_agent(session: Session) -> None:
 
 
 def evaluate(session: Session) -> None:
-    """Measure the loaded agents on the chosen levels, as *Evaluate* does at first."""
-    who = tuple(dict.fromkeys((*session.viewer.agents, *session.viewer.contenders)))
+    """Measure agents on the chosen levels, as the fields of *Evaluate* say."""
+    who, form = session.viewer.measured, session.viewer.form
     if not who:
         agents.choose("a")(session)
         raise CommandError("Choose an agent first, then evaluate again.")
-    measure.start_evaluation(
-        session,
-        who,
-        tuple(card.path for card in chosen_cards(session)),
-        attempts=ATTEMPTS,
-        seed=0,
-        physics="",
-        deterministic=session.viewer.deterministic,
-    )
-    session.gallery.open = False
-    session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
+    levels = tuple(card.path for card in chosen_cards(session))
+
+    def start() -> None:
+        measure.start_evaluation(
+            session,
+            who,
+            levels,
+            attempts=form.attempts,
+            seed=form.seed,
+            physics=form.physics,
+            deterministic=session.viewer.deterministic,
+        )
+        session.gallery.open = False
+        session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
+
+    if_free(session, start)
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:

@@ -7,6 +7,7 @@ from typing import Final
 from editor.actions import file
 from editor.actions.agents import about_agent, known_agents
 from editor.actions.comparison import present
+from editor.actions.unsaved import tell_unsaved
 from editor.agents.evaluation import Plan
 from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
@@ -108,6 +109,7 @@ def start_evaluation(
         deterministic=deterministic,
     )
     session.viewer.evaluation.start(plan)
+    tell_unsaved(session, [level.source for level in plan.levels if isinstance(level.source, str)])
 
 
 def ask_contender(session: Session) -> None:

@@ -96,7 +96,7 @@ def stop_training(session: Session) -> None:
 
 
 def update_training(session: Session) -> None:
-    """Let a frame pass: say how a training ended."""
+    """Let a frame pass: say how a training ended, and take its agent where that is wanted."""
     training = session.training
     ended = training.ended()
     if ended is None or training.run is None:
@@ -109,8 +109,12 @@ def update_training(session: Session) -> None:
         _clear(training.run)
         session.toast(f"{name}: stopped before anything was learnt.")
         return
+    viewer = session.viewer
+    taken = viewer.follow_run or not viewer.slots["a"].path
+    how = "F6 lets it play." if taken else "Choose it as agent A to see it play."
     if training.stopping:
-        session.toast(f"{name}: stopped, with what it had learnt. F6 lets it play.", "success")
+        session.toast(f"{name}: stopped, with what it had learnt. {how}", "success")
     else:
-        session.toast(f"{name} is trained. F6 lets it play.", "success")
-    load_agent(session, training.run, "a")
+        session.toast(f"{name} is trained. {how}", "success")
+    if taken:
+        load_agent(session, training.run, "a")

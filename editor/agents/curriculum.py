@@ -69,8 +69,6 @@ class CurriculumWatch:
         due = now - self._asked >= POLL_SECONDS
         if not self.path or not self.open or self._pending or not due:
             return
-        if self.wanted is not None and self.wanted == shown:
-            return
         self._asked, self._pending = now, True
         self._worker.submit(
             ReadCurriculum(path=self.path, update=self.wanted, known=shown),
@@ -90,8 +88,9 @@ class CurriculumWatch:
             if news.page is not None:
                 self.page, self.thumbnails = news.page, []
                 self.stamp += 1
-            if self.wanted is not None and self.wanted not in news.updates:
-                self.wanted = None  # thinned out meanwhile
+            shown = None if self.page is None else self.page.head.update
+            if self.wanted is not None and self.wanted not in (*news.updates, shown):
+                self.wanted = None  # thinned out before it could be shown
 
 
 def lineage(level: ListedLevel) -> str:

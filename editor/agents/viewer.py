@@ -4,7 +4,8 @@ import dataclasses
 from typing import Final, Literal, TypeAlias
 
 from editor.agents.curriculum import CurriculumWatch
-from editor.agents.evaluation import Evaluation
+from editor.agents.evaluation import Evaluation, bare_summary
+from editor.agents.evaluation_form import EvaluationForm
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
 from editor.agents.ways import Ways
@@ -66,6 +67,7 @@ class Viewer:
         """Preset or solver under which the same is played beside; empty: nothing is."""
         self.rival = Follower(rival)
         self.evaluation = Evaluation(evaluator)
+        self.form = EvaluationForm()
         self.run = RunWatch(worker)
         self.curriculum = CurriculumWatch(worker)
         self.reasons = Reasons(worker)
@@ -131,6 +133,14 @@ class Viewer:
         """The agents that are loaded, each once."""
         found = [slot.summary for slot in self.slots.values() if slot.summary is not None]
         return tuple(dict.fromkeys(found))
+
+    @property
+    def measured(self) -> tuple[AgentSummary, ...]:
+        """The agents that an evaluation measures: those loaded, the contenders, the scripted."""
+        scripted = self.form.scripted
+        loaded = tuple(agent for agent in self.agents if agent.ref.path not in scripted)
+        others = tuple(agent for agent in self.contenders if agent not in loaded)
+        return (*loaded, *others, *map(bare_summary, scripted))
 
 
 def mismatch(summary: AgentSummary, level: Level) -> str:

@@ -118,7 +118,7 @@ def _parts(words: str) -> tuple[str, str, str]:
 
 
 def _pattern(form: str) -> re.Pattern[str]:
-    """Return what matches the words that a form stands for."""
+    """Return what matches the words that a form stands for: of one line, unless it has more."""
     parts = _HOLE.split(form)
     seen: set[str] = set()
     pattern = re.escape(parts[0])
@@ -126,7 +126,7 @@ def _pattern(form: str) -> re.Pattern[str]:
         pattern += f"(?P=p{number})" if number in seen else f"(?P<p{number}>.+?)"
         pattern += re.escape(literal)
         seen.add(number)
-    return re.compile(pattern, re.DOTALL)
+    return re.compile(pattern, re.DOTALL if "\n" in form else 0)
 
 
 class _Current:

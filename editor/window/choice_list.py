@@ -69,7 +69,7 @@ class ChoiceList:
         lit = number == self._row
         if not lit:
             imgui.push_style_color(imgui.Col_.header_hovered, (0.0, 0.0, 0.0, 0.0))
-        pressed = imgui.selectable(f"{label}###{choice.id}", lit, 0, (wide, 0.0))[0]
+        pressed = imgui.selectable(widgets.labelled(label, choice.id), lit, 0, (wide, 0.0))[0]
         if not lit:
             imgui.pop_style_color()
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()

@@ -29,6 +29,13 @@ _FLAGS: Final = (
 )
 _PICTURE: Final = 205.0
 """Side of a level's picture in a question [px at 100 %]."""
+_PADDING: Final = 20.0
+"""Room beside the words of a question [px at 100 %]."""
+
+
+def _width() -> float:
+    """Return where the words of a question end at the latest [px from its left edge]."""
+    return min(px(430), 0.96 * imgui.get_main_viewport().size.x - px(_PADDING))
 
 
 class Dialogs:
@@ -80,7 +87,7 @@ class Dialogs:
             # A panel that comes to the front takes the pop-ups away.
             imgui.open_popup(name)
         flags = _FLAGS | (0 if size else imgui.WindowFlags_.always_auto_resize.value)
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(20), px(16)))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(_PADDING), px(16)))
         opened = imgui.begin_popup_modal(name, None, flags)[0]
         imgui.pop_style_var()
         return opened
@@ -88,9 +95,8 @@ class Dialogs:
     def _question(self, session: "Session", prompt: Question, fresh: bool) -> None:
         if not self._modal("###question", None):
             return
-        with widgets.font(FONTS.bold, 18):
-            widgets.text(prompt.title)
-        imgui.push_text_wrap_pos(px(430))
+        self._title(prompt.title)
+        imgui.push_text_wrap_pos(_width())
         widgets.text(prompt.message, COLOURS.muted)
         imgui.pop_text_wrap_pos()
         self._pictures(session, prompt)
@@ -108,6 +114,12 @@ class Dialogs:
             chosen = answer
             session.queue(lambda: session.answer(prompt, chosen))
         imgui.end_popup()
+
+    def _title(self, words: str) -> None:
+        imgui.push_text_wrap_pos(_width())
+        with widgets.font(FONTS.bold, 18):
+            widgets.text(words)
+        imgui.pop_text_wrap_pos()
 
     def _pictures(self, session: "Session", prompt: Question) -> None:
         for index, (words, level) in enumerate(prompt.pictures):
@@ -149,9 +161,8 @@ class Dialogs:
             self._text = prompt.text
         if not self._modal("###line", None):
             return
-        with widgets.font(FONTS.bold, 18):
-            widgets.text(prompt.title)
-        imgui.set_next_item_width(px(360))
+        self._title(prompt.title)
+        imgui.set_next_item_width(min(px(360), _width() - px(_PADDING)))
         if imgui.is_window_appearing():
             imgui.set_keyboard_focus_here()
         flags = (

@@ -55,7 +55,7 @@ class FileChoice:
         """Show another folder, if it is there."""
         if self._can_show(folder):
             self.folder = folder
-            self.error = ""
+            self.error, self.overwrite = "", None
             self.to_name = True
 
     def entries(self) -> list[Path]:

@@ -168,7 +168,7 @@ def _progress(session: "Session", column: _Column, beside: bool) -> None:
         column.lines(words, COLOURS.text)
         return
     if playback.player:
-        column.lines(tr(playback.player), COLOURS.text, SMALL, FONTS.bold)
+        column.lines(playback.player, COLOURS.text, SMALL, FONTS.bold)
     column.lines(tr(f"step {playback.step_count} / {total}"), COLOURS.text)
     if beside and total and column.y < column.bottom:
         share = min(playback.step_count / total, 1.0)

@@ -15,7 +15,7 @@ from editor.toolkit.widgets.arrangement import (
     separator_gap,
     spinner,
 )
-from editor.toolkit.widgets.base import Probe, coloured, disabled, font, probe, px
+from editor.toolkit.widgets.base import Probe, coloured, disabled, font, labelled, probe, px
 from editor.toolkit.widgets.buttons import (
     button,
     checkbox,
@@ -70,6 +70,7 @@ __all__ = [
     "key_cap",
     "key_caps",
     "kind_colour",
+    "labelled",
     "muted",
     "own_words",
     "primary_button",

@@ -3,7 +3,7 @@
 import contextlib
 import dataclasses
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
@@ -11,6 +11,10 @@ from editor.toolkit.appearance import Rgba
 
 if TYPE_CHECKING:
     from editor.session import Session
+
+
+_APART: Final = "#\u200b"
+"""The sign with a space of no width behind it."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -34,6 +38,14 @@ def probe(session: "Session", name: str, *, enabled: bool = True) -> None:
     session.probe[name] = Probe(
         low=(low.x, low.y), high=(high.x, high.y), enabled=enabled, frame=imgui.get_frame_count()
     )
+
+
+def labelled(words: str, identity: str) -> str:
+    """Return words and an id as Dear ImGui takes them.
+
+    It cuts words at the first `##`, which names may have: a space of no width keeps signs apart.
+    """
+    return f"{words.replace('#', _APART)}###{identity}"
 
 
 def px(value: float) -> float:

@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, Icons, Rgba, alpha
-from editor.toolkit.widgets.base import coloured, disabled, probe, px
+from editor.toolkit.widgets.base import coloured, disabled, labelled, probe, px
 from editor.toolkit.widgets.words import MIXED, wrapped
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def icon_button(  # noqa: PLR0913 - one button has that many looks
             text=tint or (c.text if on or label else c.muted),
         ),
     ):
-        pressed = imgui.button(f"{words}###{name}", (width, height))
+        pressed = imgui.button(labelled(words, name), (width, height))
         low = imgui.get_item_rect_min()
         sign_at = (low.x + (width - size.x) / 2, low.y + (height - size.y) / 2)
         ink = imgui.get_color_u32(imgui.Col_.text)
@@ -104,14 +104,14 @@ def primary_button(session: "Session", name: str, label: str, *, width: float = 
         button_active=alpha(c.accent, 0.8),
         text=(1.0, 1.0, 1.0, 1.0),
     ):
-        pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
+        pressed = imgui.button(labelled(tr(label), name), (width, 0))
     probe(session, name)
     return pressed
 
 
 def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
     """An ordinary button."""
-    pressed = imgui.button(f"{tr(label)}###{name}", (width, 0))
+    pressed = imgui.button(labelled(tr(label), name), (width, 0))
     probe(session, name)
     return pressed
 
@@ -174,7 +174,7 @@ def choice(
     if opened:
         for value, label in options:
             # A value may be empty, an id may not.
-            if imgui.selectable(f"{tr(label)}###{name}.{value}", value == current)[0]:
+            if imgui.selectable(labelled(tr(label), f"{name}.{value}"), value == current)[0]:
                 picked = value
             probe(session, f"{name}.{value}")
         imgui.end_combo()

@@ -50,22 +50,29 @@ def small(words: str, colour: Rgba | None = None) -> None:
         wrapped(words, colour or COLOURS.muted)
 
 
-def tooltip(title: str, detail: str = "", keys: str = "") -> None:
-    """Explains the last widget while the mouse rests on it (or the keyboard is there)."""
+def tooltip(title: str, detail: str = "", keys: str = "", *, own: bool = False) -> None:
+    """Explains the last widget while the mouse rests on it (or the keyboard is there).
+
+    Args:
+        title: The first line.
+        detail: What stands below it.
+        keys: Chord shown beside the title.
+        own: True if both are as they are, in no other language: names and paths.
+    """
     if not imgui.is_item_hovered(
         imgui.HoveredFlags_.for_tooltip.value | imgui.HoveredFlags_.allow_when_disabled.value
     ):
         return
     imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(10), px(7)))
     if imgui.begin_tooltip():
-        text(title)
+        raw(title if own else tr(title))
         if keys:
             imgui.same_line(0, px(12))
             key_caps(keys)
         if detail:
             imgui.push_text_wrap_pos(px(320))
             with font(None, SMALL):
-                muted(detail)
+                raw(detail if own else tr(detail), COLOURS.muted)
             imgui.pop_text_wrap_pos()
         imgui.end_tooltip()
     imgui.pop_style_var()

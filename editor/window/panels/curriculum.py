@@ -1,5 +1,6 @@
 """The levels that a curriculum keeps, over time: pictures, scores, ages, ancestors, what left."""
 
+import bisect
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -80,10 +81,11 @@ class CurriculumPanel(Panel):
         if changed:
             watch.choose(None if on else head.update)
         imgui.same_line(0, px(10))
-        place = watch.updates.index(head.update) if head.update in watch.updates else 0
+        last = max(len(watch.updates) - 1, 0)
+        place = min(bisect.bisect_left(watch.updates, head.update), last)
         imgui.set_next_item_width(px(240))
         with widgets.disabled(len(watch.updates) < 2):
-            moved, place = imgui.slider_int("###page", place, 0, max(len(watch.updates) - 1, 1), "")
+            moved, place = imgui.slider_int("###page", place, 0, max(last, 1), "")
         widgets.probe(session, "curriculum.page")
         widgets.tooltip("Time", "Pages that the run wrote.")
         if moved and place < len(watch.updates):

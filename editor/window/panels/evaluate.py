@@ -1,6 +1,5 @@
 """The evaluation: which agents on which levels, how far it is, the table of solve rates."""
 
-import dataclasses
 import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -9,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
-from editor.agents.evaluation import bare_summary
+from editor.agents.evaluation_form import EvaluationForm
 from editor.agents.ways import Ways
 from editor.base.language import tr
 from editor.base.prompts import FileQuestion
@@ -44,20 +43,6 @@ _ATTEMPTS: Final = 250.0
 """Width of the attempts beside the table [px at 100 %]."""
 
 
-@dataclasses.dataclass(kw_only=True)
-class _Form:
-    """Content of the panel's fields."""
-
-    source: str = "this"
-    paths: tuple[str, ...] = ()
-    attempts: int = 20
-    seed: int = 0
-    physics: str = ""
-    """Empty: each agent's own, as `kinetix eval` does."""
-    scripted: tuple[str, ...] = ()
-    wanted: str = ""
-
-
 def _label(words: str) -> None:
     """Draw the label of the next field."""
     widgets.beside(170, gap=12)
@@ -74,11 +59,12 @@ class EvaluatePanel(Panel):
     measures = True
 
     def __init__(self) -> None:
-        self._form = _Form()
+        self._form = EvaluationForm()
         self._table = ResultsTable()
 
     def draw(self, session: "Session") -> None:
         """Draw the form, then what is known."""
+        self._form = session.viewer.form
         self._fields(session)
         self._run(session)
         evaluation = session.viewer.evaluation
@@ -114,10 +100,7 @@ class EvaluatePanel(Panel):
         self._summary(session)
 
     def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
-        scripted = tuple(bare_summary(name) for name in self._form.scripted)
-        loaded = tuple(a for a in session.viewer.agents if a.ref.path not in self._form.scripted)
-        others = tuple(a for a in session.viewer.contenders if a not in loaded)
-        return (*loaded, *others, *scripted)
+        return session.viewer.measured
 
     def _fields(self, session: "Session") -> None:
         form = self._form

@@ -117,7 +117,7 @@ class GuideCard:
         if step.action:
             key = key_of(session, step.action)
             if key:
-                widgets.beside(px(60))
+                widgets.beside(60)
                 widgets.key_caps(key)
         widgets.wrapped(step.words, COLOURS.muted)
         self._buttons(session, "Leave", ("Skip this step", guide.skip))
@@ -141,6 +141,6 @@ class GuideCard:
         kind = widgets.button if guide.current(session) else widgets.primary_button
         if kind(session, "guide.next", label):
             session.queue(lambda: run(session))
-        widgets.beside(px(80))
+        widgets.beside_words(leave, gap=14)
         if widgets.button(session, "guide.close", leave):
             session.queue(lambda: guide.close(session))

@@ -31,8 +31,8 @@ class HistoryPanel(Panel):
                 current = index == history.cursor
                 icon = Icons.open if index == 0 else (Icons.redo if ahead else Icons.good)
                 with widgets.coloured(text=COLOURS.faint if ahead else COLOURS.text):
-                    label = f"{icon}  {entry.label}###history-{index}"
-                    if imgui.selectable(tr(label), current)[0]:
+                    label = widgets.labelled(tr(f"{icon}  {entry.label}"), f"history-{index}")
+                    if imgui.selectable(label, current)[0]:
                         session.queue(lambda index=index: session.document.jump(index))
                 widgets.probe(session, f"history.{index}")
                 if current and moment != self._seen:

@@ -1,6 +1,7 @@
 """Every key of the app, to be changed: press the field, press the new key."""
 
 import dataclasses
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -19,6 +20,7 @@ from editor.window.panels.menu import MENUS
 if TYPE_CHECKING:
     from editor.session import Session
 
+_DRIVING: Final = "Driving in Play"
 _DRIVES: Final = tuple(
     Drive(channel=channel, value=value)
     for channel in range(CHANNELS)
@@ -109,7 +111,7 @@ class KeysWindow:
                 self._group(session, menu, rows)
         drives = [drive for drive in _DRIVES if self._drive_fits(session, drive)]
         if drives:
-            self._group(session, "Driving in Play", drives)
+            self._group(session, _DRIVING, drives)
 
     def _group(self, session: "Session", title: str, rows: list[Action] | list[Drive]) -> None:
         with widgets.font(FONTS.bold, SMALL):
@@ -200,12 +202,15 @@ class KeysWindow:
             rebinding.bind(session, target, chord)
 
     def _fits(self, session: "Session", action: Action) -> bool:
-        words = " ".join((action.label, *map(chord_label, actions.chords(session, action))))
-        return all(word in words.lower() for word in self._typed.lower().split())
+        return self._finds((action.label,), actions.chords(session, action))
 
     def _drive_fits(self, session: "Session", drive: Drive) -> bool:
-        keys = " ".join(map(chord_label, _driving(session, drive)))
-        words = f"{rebinding.drive_label(drive)} {keys} driving in play".lower()
+        return self._finds((rebinding.drive_label(drive), _DRIVING), _driving(session, drive))
+
+    def _finds(self, names: Iterable[str], chords: Iterable[str]) -> bool:
+        """Return whether all that is typed is in the keys, or in the English or shown names."""
+        shown = [part for name in names for part in (name, tr(name))]
+        words = " ".join((*shown, *map(chord_label, chords))).lower()
         return all(word in words for word in self._typed.lower().split())
 
 

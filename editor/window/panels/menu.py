@@ -93,7 +93,7 @@ class MenuBar:
         recents = session.settings.recents
         if imgui.begin_menu(tr("Open Recent"), bool(recents)):
             for number, path in enumerate(recents):
-                if imgui.menu_item_simple(f"{path}###recent-{number}"):
+                if imgui.menu_item_simple(widgets.labelled(path, f"recent-{number}")):
                     session.queue(lambda path=path: _open(session, path))
             imgui.end_menu()
 
@@ -157,13 +157,13 @@ class MenuBar:
         if not imgui.begin_menu(tr("Kept layouts"), bool(names)):
             return
         for name in names:
-            if imgui.menu_item_simple(f"{name}###layout-{name}"):
+            if imgui.menu_item_simple(widgets.labelled(name, f"layout-{name}")):
                 session.view.layout = name
             widgets.probe(session, f"menu.layout.{name}")
         imgui.separator()
         if imgui.begin_menu(tr("Forget")):
             for name in names:
-                if imgui.menu_item_simple(f"{name}###forget-{name}"):
+                if imgui.menu_item_simple(widgets.labelled(name, f"forget-{name}")):
                     session.queue(lambda name=name: view.forget_layout(session, name))
             imgui.end_menu()
         imgui.end_menu()

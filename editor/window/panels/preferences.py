@@ -16,6 +16,7 @@ from editor.toolkit.widgets import px
 from kinetix.engine.names import PHYSICS
 from kinetix.paths import user_levels_dir
 from kinetix.render.palette import PALETTES
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -214,7 +215,7 @@ def _files(session: "Session") -> None:
     imgui.dummy((0, px(6)))
     recent = session.settings.recents
     with widgets.disabled(not recent):
-        label = f"Forget {len(recent)} recent files" if recent else "No recent files"
+        label = f"Forget {plural(len(recent), 'recent file')}" if recent else "No recent files"
         if widgets.button(session, "preferences.forget_recent", label):
             session.settings.recents = []
 

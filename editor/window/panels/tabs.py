@@ -63,11 +63,11 @@ class DocumentTabs:
             flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
             if brought and index == session.tabs.index_in_front:
                 flags |= imgui.TabItemFlags_.set_selected.value
-            name = f"{document.title}###tab-{id(tab)}"
+            name = widgets.labelled(document.title, f"tab-{id(tab)}")
             opened, kept = imgui.begin_tab_item(name, True, flags)
             widgets.probe(session, f"tabs.{index}")
             if document.path is not None:
-                widgets.tooltip(document.title, str(document.path))
+                widgets.tooltip(document.title, str(document.path), own=True)
             if imgui.is_item_clicked(imgui.MouseButton_.right.value):
                 at = imgui.get_mouse_pos()
                 session.queue(lambda tab=tab, at=(at.x, at.y): open_tab_menu(session, tab, at))

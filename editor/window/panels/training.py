@@ -94,7 +94,7 @@ class TrainingPanel(Panel):
         if run.newest is not None:
             words += f", newest agent at {thousands(run.newest)}"
         widgets.wrapped(words)
-        widgets.tooltip(run.path)
+        widgets.tooltip(run.path, own=True)
         widgets.beside(190)
         changed, on = widgets.checkbox(
             session, "training.follow", "Take the newest agent", viewer.follow_run
@@ -157,11 +157,11 @@ class TrainingPanel(Panel):
         if others:
             widgets.beside(140)
             widgets.text(names[0], _colour(0))
-            widgets.tooltip(session.viewer.run.path)
+            widgets.tooltip(session.viewer.run.path, own=True)
         for index, other in enumerate(others, start=1):
             widgets.beside(140)
             widgets.text(names[index], _colour(index))
-            widgets.tooltip(other.path, other.error)
+            widgets.tooltip(other.path, tr(other.error), own=True)
             imgui.same_line(0, px(2))
             if widgets.icon_button(session, f"training.drop.{index}", Icons.close):
                 session.viewer.other_runs = tuple(run for run in others if run is not other)

@@ -9,7 +9,7 @@ import pytest
 from editor import actions
 from editor.actions import ACTIONS, BY_ID, Context, examples
 from editor.actions.fixes import fix_of
-from editor.base.events import DropEvent, FocusEvent, QuitEvent
+from editor.base.events import DropEvent, FocusEvent, PadEvent, QuitEvent
 from editor.documents.commands import clip
 from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.document import Document
@@ -163,6 +163,44 @@ def test_driving_keys_never_start_play(session, hand):
     for key in ("left", "right", "up", "down", "w", "a", "s", "d", "1", "2"):
         hand.key(key)
         assert session.mode is Mode.EDIT
+
+
+@pytest.mark.parametrize("window", ["help", "keys", "preferences", "palette"])
+def test_keys_and_buttons_leave_a_covered_level_alone(session, hand, window):
+    session.selection = (1,)
+    before = session.document.level
+    setattr(session.view, window, True)
+    for key in ("delete", "right", "space", "r", "f5"):
+        hand.key(key)
+    actions.handle(session, PadEvent(control="pad start", pressed=True))
+    assert session.document.level is before
+    assert (session.mode, session.selection, session.driver.active) == (Mode.EDIT, (1,), False)
+
+
+def test_keys_of_a_covered_window_drive_nothing_and_work_everywhere_else(session, hand):
+    actions.run(session, "run.play_human")
+    session.view.preferences = True
+    hand.down("left")
+    actions.handle(session, PadEvent(control="pad a", pressed=True))
+    hand.key("space")
+    assert (session.action, session.mode) == ((0,) * 6, Mode.PLAYING)
+    hand.key("f11")
+    assert session.view.fullscreen
+    hand.key("f1")
+    session.view.help = session.view.preferences = False
+    hand.down("left")
+    assert session.action != (0,) * 6
+
+
+def test_text_under_a_covering_window_is_no_size(session, hand):
+    hand.key("r")
+    hand.press((2.0, 2.0))
+    assert session.driver.active
+    session.view.help = True
+    hand.type("7")
+    hand.key("return")
+    assert session.driver.active
+    assert session.document.level.bodies == a_level().bodies
 
 
 def test_playing_changes_nothing_in_the_document(session, hand):

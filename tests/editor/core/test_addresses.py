@@ -10,6 +10,7 @@ import time
 import pytest
 
 from editor.actions import address
+from editor.agents.evaluation import Evaluation
 from editor.base.settings import Settings
 from editor.session import Session
 from kinetix.agents.compare import Contender
@@ -155,6 +156,20 @@ def test_an_address_may_end_in_what_no_file_can_be_called(monkeypatch, end, name
     address.open_address(session, f"https://example.org/{end}")
     _take(session)
     assert session.document.level == level
+
+
+def test_a_comparison_takes_the_place_of_a_running_evaluation_only_after_a_question(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "compared.json"
+    path.write_text(_comparison(load_level("s/goalkeeper")))
+    session = Session(settings=Settings())
+    monkeypatch.setattr(Evaluation, "running", True)
+    for choice in ("cancel", "stop"):
+        assert address.open_any(session, str(path))
+        assert session.viewer.evaluation.plan is None
+        session.answer(session.prompts[-1], choice)
+    assert session.viewer.evaluation.plan is not None
 
 
 def test_a_stored_comparison_is_a_table_again(tmp_path):

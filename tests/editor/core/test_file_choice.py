@@ -23,6 +23,17 @@ def test_a_name_gets_its_ending_and_what_is_there_is_replaced_at_the_second_answ
     assert chosen.overwrite is None
 
 
+def test_what_is_there_in_one_folder_is_not_warned_of_in_another(tmp_path):
+    (tmp_path / "car.json").write_text("{}")
+    (tmp_path / "other").mkdir()
+    chosen = choice(tmp_path)
+    chosen.enter("car")
+    chosen.accept()
+    chosen.go(tmp_path / "other")
+    assert (chosen.name, chosen.overwrite) == ("car", None)
+    assert chosen.accept() == (True, tmp_path / "other" / "car.json")
+
+
 @pytest.mark.parametrize(
     ("name", "error"), [(".json", "A name belongs before"), ("no/car", "There is no folder")]
 )

@@ -11,7 +11,8 @@ import pytest
 
 from editor import actions
 from editor.actions import gallery as doing
-from editor.actions import level_sets
+from editor.actions import level_sets, unsaved
+from editor.agents.evaluation import Evaluation
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.base.state_file import write_state
 from editor.gallery import filing
@@ -631,6 +632,53 @@ def test_no_agent_plays_behind_the_question_about_another_window(session, monkey
     actions.run(session, "gallery.play_agent")
     assert "another window" in session.prompts[-1].title
     assert session.gallery.open and session.expected is None
+
+
+def test_the_gallery_evaluates_as_the_form_says_that_is_shown_then(session):
+    form = session.viewer.form
+    form.attempts, form.seed, form.physics, form.scripted = 200, 5, "fast", ("noop",)
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    plan = session.viewer.evaluation.plan
+    session.viewer.evaluation.cancel()
+    assert (plan.attempts, plan.seed, plan.physics) == (200, 5, "fast")
+    assert [agent.name for agent in plan.agents] == ["Tester", "noop"]
+
+
+def test_unsaved_changes_that_a_set_or_an_evaluation_leaves_out_are_told(session):
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.open")
+    tray = [str(session.document.path), "/levels/other.json"]
+    assert unsaved.unsaved_among(session, tray) == []
+    session.document.mark_unsaved()
+    assert unsaved.unsaved_among(session, tray) == ["Rocket"]
+    assert unsaved.unsaved_among(session, tray[1:]) == []
+    assert unsaved.listed(["a", "b", "c", "d", "e", "f"]) == "a, b, c, d and 2 more"
+    actions.run(session, "level.gallery")
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    session.viewer.evaluation.cancel()
+    assert texts(session)[-1] == "Measured without their unsaved changes: Rocket"
+
+
+def test_an_evaluation_under_way_is_stopped_only_after_a_question(session, monkeypatch):
+    evaluation = session.viewer.evaluation
+    session.viewer.slots["a"].summary = a_summary()
+    choose(session, "Rocket")
+    actions.run(session, "gallery.evaluate")
+    first = evaluation.plan
+    monkeypatch.setattr(Evaluation, "running", True)
+    for choice, kept in (("cancel", True), ("stop", False)):
+        session.gallery.open = True
+        choose(session, "Rocket")
+        actions.run(session, "gallery.evaluate")
+        (prompt,) = session.prompts
+        assert (prompt.default, prompt.cancel) == ("cancel", "cancel")
+        session.answer(prompt, choice)
+        assert (evaluation.plan is first) is kept
+        assert session.gallery.open is kept
 
 
 def test_folders_come_and_go(session, tmp_path):

@@ -12,6 +12,7 @@ import kinetix
 from editor.actions import ACTIONS
 from editor.base import language
 from editor.base.language import Language, languages, read_words, tr, use
+from editor.toolkit.appearance import Icons
 
 HOLE = re.compile(r"\{\d\}")
 OWN = [code for code, _ in languages() if code != "en"]
@@ -55,6 +56,7 @@ def english():
         ("12.5", "12.5"),
         ("Save\nMy car\n\nStep 2", "Speichern\nMy car\n\nSchritt 2"),
         ("Name of 100 % (a+b)", "Name von 100 % (a+b)"),
+        ("Circle 1\nName of Circle 2", "Kreis 1\nName von Kreis 2"),
     ],
 )
 def test_words_are_found_whole_and_by_their_form(english, expected):
@@ -132,6 +134,40 @@ def test_every_command_is_in_it(code):
     assert sorted(spoken.missing) == []
 
 
+SENTENCES = (
+    "Export 1 level as a set",
+    "Export 3 levels as a set",
+    f"{Icons.warning}  Ctrl+S is taken: Save.",
+    f"{Icons.error}  Car: with an error or gone, no set takes it.",
+    f"{Icons.error}  Car, Bus and 3 more: with an error or gone, no set takes it.",
+    f"{Icons.close}  only one",
+    "8 updates, 7 000 000 environment steps, newest agent at 7 000 000",
+    "1 update, 100 environment steps",
+    "10 parameters",
+    "Forget 1 recent file",
+    "10 parameters, with memory",
+    "It can play, but this level has 3 circles (it knows 2).",
+    "Car: It cannot play this level: it sees one size only, and this level is of a size with "
+    "9 circles (it knows 8) and 1 joint (it knows 0). The planner plays instead.",
+    "Update 5, SFL, 1 000 environment steps: the best 3 of 10 levels; "
+    "2 came, 3 left since the page before",
+    "#3   Update 5: learnt; the buffer was filled anew. It was won 95% of the time by then.",
+    "#3   Update 5: #4 took its place with a better score, its own was 0.300.",
+    "score 0.1\nlearnability 0.100\nwon 50% of 3 episodes\ncame in at update 3, 2 ago\n"
+    "edited from #3, from #4, from #5\nClick: the newest agent plays it.",
+    "score unknown\nno episode ended on its last visit",
+)
+"""Texts that are composed, with the signs before them."""
+
+
+@pytest.mark.parametrize("code", OWN)
+@pytest.mark.parametrize("words", SENTENCES)
+def test_composed_sentences_are_in_it(code, words):
+    spoken = Language(read_words(code))
+    spoken.translate(words)
+    assert sorted(spoken.missing) == []
+
+
 @pytest.mark.parametrize("code", OWN)
 def test_every_form_has_the_holes_of_the_english_one(code):
     for english, other in read_words(code).items():
@@ -156,6 +192,28 @@ def test_nothing_is_in_it_that_the_app_never_says(code):
         if not all(word in said for word in re.findall(r"[a-zé]{4,}", english.lower()))
     ]
     assert stale == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "Made {}",
+        "Moved {} to the trash",
+        "{} was removed; the level is only here now.",
+        "{} has unsaved changes: save or close it first.",
+        "{}: newer parameters loaded.",
+        "{} is called {} now.",
+        "{} is open in another window",
+        "Handed back to {}.",
+        "3 levels of {}",
+        "The set leaves unsaved changes out: {} and 3 more",
+    ],
+)
+def test_names_in_sentences_are_left_as_they_are(words):
+    use("de")
+    for name in ("Circle", "Leap of faith"):
+        said = tr(words.replace("{}", name))
+        assert name in said and said != words.replace("{}", name)
 
 
 def test_reasons_of_the_system_are_no_negations():

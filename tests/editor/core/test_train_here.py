@@ -10,7 +10,7 @@ import time
 import pytest
 
 from editor import actions
-from editor.actions import train
+from editor.actions import agents, train
 from editor.agents.local_training import LocalTraining, start_process
 from editor.documents.document import Document
 from kinetix.errors import CommandError
@@ -161,6 +161,23 @@ def test_what_was_trained_is_taken_and_a_failure_is_told(session, stage: Stage, 
     began[1][1].status = 1
     settle(session)
     assert any("3/96  solved 0.4" in text for text in texts(session))
+
+
+@pytest.mark.parametrize(("chosen", "taken"), [("/agents/Tester", False), ("", True)])
+def test_an_agent_that_shall_stay_is_not_replaced_at_the_end(session, stage, began, chosen, taken):
+    stage.agents["/agents/Tester"] = a_summary()
+    actions.run(session, "agent.train_here")
+    run = session.training.run
+    stage.agents[str(run)] = a_summary("Specialist")
+    (run / "checkpoints" / "1").mkdir(parents=True)
+    session.viewer.follow_run = False
+    if chosen:
+        agents.load_agent(session, chosen)
+        settle(session)
+    began[0][1].status = 0
+    settle(session)
+    assert session.viewer.slots["a"].summary.name == ("Specialist" if taken else "Tester")
+    assert any("is trained" in text and ("F6" in text) is taken for text in texts(session))
 
 
 def test_what_cannot_be_learnt_is_said_before_anything_begins(session, began):

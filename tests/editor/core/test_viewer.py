@@ -548,6 +548,23 @@ def test_players_of_different_frame_skip_meet_in_time():
     assert follower.shown(24).step == 6
 
 
+def test_without_b_no_comparison_is_on(with_agent):
+    viewer = with_agent.viewer
+    viewer.slots["b"].summary, viewer.compare = a_summary("Other"), "ghost"
+    agents.clear_slot(with_agent, "a")
+    assert viewer.compare == "ghost"
+    agents.clear_slot(with_agent, "b")
+    assert viewer.compare == "off"
+
+
+@pytest.mark.parametrize(("slot", "follows"), [("a", False), ("b", True)])
+def test_a_checkpoint_that_is_chosen_stays_and_one_of_b_leaves_a_following(
+    with_agent, slot, follows
+):
+    agents.show_checkpoint(with_agent, slot, Path("/runs/car/checkpoints/100"))
+    assert with_agent.viewer.follow_run is follows
+
+
 def test_comparing_needs_a_second_agent(with_agent):
     actions.run(with_agent, "agent.compare_ghost")
     assert with_agent.viewer.compare == "off"

@@ -1,5 +1,7 @@
 """The history of a level buffer in its panel, and agents asked why."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from editor.actions import watch
 from editor.agents.curriculum import CurriculumWatch, lineage, why_gone
 from editor.base.settings import Settings
 from editor.session import Session
-from editor.worker.jobs import Worker
+from editor.worker.jobs import JobState, Worker
 from editor.worker.requests import CurriculumNews, Explain, Explained, ReadCurriculum, RunNews
 from kinetix.level.codec import load_level
 from kinetix.training.curricula.pages import BufferPage, GoneLevel, ListedLevel, PageHead
@@ -109,6 +111,31 @@ def test_words_say_where_levels_come_from_and_why_they_left() -> None:
     for rate, word in ((1.0, "learnt"), (0.0, "too hard"), (0.5, "filled anew"), (None, "anew")):
         told = GoneLevel(serial=1, update=4, reason="refilled", by=-1, score=0.1, solve_rate=rate)
         assert word in why_gone(told)
+
+
+def test_newer_pages_come_while_one_is_looked_at() -> None:
+    class Answering:
+        updates = (2, 5)
+
+        def submit(self, request, *, title, done):
+            there = request.update in self.updates and request.update != request.known
+            page = _page(request.update) if there else None
+            news = CurriculumNews(updates=self.updates, page=page)
+            done(SimpleNamespace(state=JobState.DONE, result=news))
+
+    worker = Answering()
+    watched = CurriculumWatch(worker)  # pyright: ignore[reportArgumentType]
+    watched.open = True
+    watched.watch("/run")
+    watched.choose(5)
+    watched.tick(0.0)
+    worker.updates = (2, 8)  # 5 was thinned out, but it is on show
+    watched.tick(10.0)
+    assert watched.updates == (2, 8)
+    assert (watched.wanted, watched.page.head.update) == (5, 5)
+    watched.choose(3)
+    watched.tick(20.0)
+    assert watched.wanted is None
 
 
 def test_a_watch_without_a_panel_reads_nothing() -> None:

@@ -3,6 +3,7 @@
 import pytest
 from imgui_bundle import imgui
 
+from editor.gallery.export import SetPlan
 from tests.editor.core.helpers import a_level
 
 
@@ -49,6 +50,20 @@ def test_esc_in_a_drop_down_of_the_gallery_leaves_the_gallery_open(gui):
     assert gui.session.gallery.open
     gui.key("escape")
     assert not gui.session.gallery.open
+
+
+def test_esc_in_a_drop_down_of_the_export_keeps_what_was_filled_in(gui):
+    gui.session.queue("level.gallery")
+    gui.frames(6)
+    gui.session.gallery.tray = {"/levels/rocket.json": 1.0}
+    gui.session.gallery.plan = SetPlan(name="My set")
+    gui.frames(4)
+    gui.click("export.form")
+    gui.key("escape")
+    assert gui.session.gallery.plan == SetPlan(name="My set")
+    assert gui.shows("export.form") and not gui.shows("export.form.folder")
+    gui.key("escape")
+    assert gui.session.gallery.plan is None and gui.session.gallery.open
 
 
 def test_esc_closes_the_list_under_the_pointer_and_keeps_the_selection(gui):

@@ -4,10 +4,12 @@ import dataclasses
 import statistics
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from editor.gallery.results import Record, Trial
+from editor.window.panels.gallery.places import _folder_counts
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
 from kinetix.level.sets import load_set
@@ -73,6 +75,15 @@ def test_all_filters_are_inside_a_small_window(make_gui, mine, language, scale):
     for name in ("thruster", "problems", "solution"):
         assert gui.probe(f"gallery.{name}").high[0] <= 1024 - 10, name
     assert gui.probe("gallery.order").high[0] + 8 <= gui.probe("gallery.close").low[0]
+
+
+def test_levels_are_counted_anew_for_another_list():
+    """A list that is gone may leave its place in memory to the next one."""
+    for folder in ("/a", "/b", "/c"):
+        assert _folder_counts((SimpleNamespace(file=Path(folder) / "x.json"),)) == {
+            folder: 1,
+            "/": 1,
+        }
 
 
 def test_search_cart(gallery):
@@ -175,6 +186,19 @@ def test_a_set_is_exported_by_keys_and_buttons(gallery, mine):
     loaded = load_set(mine / "levels.json")
     assert len(loaded.levels) == 3
     assert {each.split for each in loaded.levels} == {"train", "eval"}
+
+
+def test_the_export_says_what_is_not_saved_yet(gallery, mine):
+    session = gallery.session
+    gallery.open(mine / "rocket.json")
+    gallery.key("ctrl+g")
+    gallery.key("ctrl+a")
+    session.queue("level.export_set")
+    gallery.frames(6)
+    assert not gallery.shows("export.unsaved")
+    session.document.mark_unsaved()
+    gallery.frames(2)
+    assert gallery.shows("export.unsaved")
 
 
 def test_a_set_goes_into_a_folder_again_after_a_question(gallery, mine):

@@ -4,11 +4,13 @@ import re
 
 from imgui_bundle import imgui
 
+from editor import actions
 from editor.base import language
 from editor.toolkit.widgets import caps
 from editor.window.panels.preferences import PAGES
 from kinetix.agents.agent import load_agent
 from kinetix.bundled import agent_names
+from kinetix.level.codec import save_level
 from tests.editor.core.helpers import FakeSimulator, a_level
 
 PANELS = ("outliner", "inspector", "level", "problems", "history", "controls", "plots", "timeline")
@@ -119,3 +121,39 @@ def test_what_people_call_their_things_stays_as_it_is(make_gui):
     assert gui.session.document.spoken_name_of(1) == "Delete"
     assert gui.session.document.spoken_name_of("floor") == "Boden"
     assert language.tr("Saved New cart.json") == "New cart.json gespeichert"
+
+
+def test_keys_are_found_by_the_words_on_the_screen_and_by_the_english_ones(make_gui):
+    gui = make_gui(level=a_level())
+    gui.session.settings.language = "de"
+    gui.session.view.keys = True
+    for typed in ("speichern", "save"):
+        gui.frames(4)
+        gui.click("keys.search")
+        gui.key("ctrl+a")
+        gui.text(typed)
+        gui.frames(2)
+        assert gui.shows("keys.file.save") and not gui.shows("keys.edit.delete"), typed
+
+
+def test_names_of_levels_and_players_are_shown_as_they_are(make_gui, tmp_path, monkeypatch):
+    """ "Nob of Quint" would be a form with two unknown words if it were translated."""
+    folder = tmp_path / "documents" / "Kinetix"
+    folder.mkdir(parents=True)
+    save_level(a_level().replace(name="Nob of Quint"), folder / "nob of quint.json")
+    monkeypatch.setattr("editor.actions.gallery.levels_dir", lambda: tmp_path / "none")
+    gui = make_gui(level=a_level())
+    gui.session.playback.simulator = FakeSimulator()
+    gui.session.settings.language = "de"
+    gui.key("ctrl+g")
+    assert gui.session.library.wait(20)
+    gui.frames(4)
+    gui.key("ctrl+a")
+    gui.frames(2)
+    actions.run(gui.session, "gallery.add_to_set")
+    gui.click("gallery.tab.set")
+    gui.key("escape")
+    gui.session.playback.play(gui.level, player="Nob of Quint")
+    gui.frames(6)
+    missing = language.spoken().missing
+    assert not [words for words in missing if "Nob" in words or "nob" in words]

@@ -54,6 +54,23 @@ def test_a_question_asked_before_the_first_frame_is_seen_and_answered(
     assert session.tool.id == "circle"
 
 
+@pytest.mark.parametrize("name", ["line.accept", "question.restore"])
+def test_a_long_title_is_broken_into_lines(make_gui, name):
+    def below(title):
+        """Height at which the button stands: the more lines above it, the lower."""
+        session = a_session()
+        asks_text = name == "line.accept"
+        text = TextQuestion(title=title, answer=lambda _: None)
+        session.ask(text if asks_text else a_question([], title))
+        gui = make_gui(session=session, size=(800, 600), scale=2.0)
+        gui.frames(6)
+        assert gui.probe(name).high[0] <= 800
+        return gui.probe(name).low[1]
+
+    long = "Name of a level that somebody has called by sixty letters and more than that"
+    assert below(long) > below("Name")
+
+
 def test_two_questions_are_asked_one_after_the_other(make_gui):
     answers = []
     session = a_session()

@@ -3,6 +3,8 @@
 import pytest
 
 from editor.actions import file
+from editor.documents.document import Document
+from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
 
@@ -73,3 +75,16 @@ def test_a_right_click_on_a_tab_closes_the_others_or_copies_its_path(gui):
     gui.session.answer(gui.session.prompts[-1], "others")
     gui.frames(6)
     assert titles(gui) == ["cogs.json"]
+
+
+def test_signs_in_a_name_cut_no_words(make_gui):
+    """Dear ImGui takes what follows `##` for an id."""
+    names = ("Car", "Car ## long tail", "Car###long tail", "Car #")
+    gui = make_gui()
+    for name in names:
+        gui.session.document.mark_unsaved()
+        gui.session.open_tab(Document(Level(name=name)))
+    gui.session.document.mark_unsaved()
+    gui.frames(4)
+    widths = [gui.probe(f"tabs.{k}").high[0] - gui.probe(f"tabs.{k}").low[0] for k in range(1, 5)]
+    assert widths[1] > widths[0] + 40 and widths[2] > widths[0] + 40 and widths[3] > widths[0]

@@ -120,7 +120,7 @@ class CardGrid:
         shown = self._picture(session, card, corner, side)
         self._caption(session, card, (corner[0], corner[1] + side + px(5)), side)
         if card.fault and hovered:
-            widgets.tooltip(card.name, card.fault)
+            widgets.tooltip(card.name, tr(card.fault), own=True)
         return shown
 
     def _picture(
@@ -184,7 +184,7 @@ class CardGrid:
             gallery.focus = card.path
         imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
         count = len(gallery.selection)
-        widgets.text(card.name if count == 1 else f"{count} levels")
+        widgets.raw(card.name if count == 1 else tr(f"{count} levels"))
         imgui.end_drag_drop_source()
 
 

@@ -1,8 +1,10 @@
 """The left of the gallery: folders, level sets, tags."""
 
+import collections
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -45,10 +47,12 @@ def draw_places(session: "Session") -> None:
         _heading("Level sets")
         for path in session.library.sets:
             name = level_sets.set_name(path)
-            if imgui.selectable(f"{Icons.level}  {name}###set-{path}", False)[0]:
+            label = widgets.labelled(f"{Icons.level}  {name}", f"set-{path}")
+            if imgui.selectable(label, False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
             widgets.probe(session, f"gallery.set.{name}")
-            widgets.tooltip(path.name, f"{path}. A click puts its levels into the set.")
+            detail = tr(f"{path}. A click puts its levels into the set.")
+            widgets.tooltip(path.name, detail, own=True)
     tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
     if tags:
         imgui.dummy((0, px(8)))
@@ -121,23 +125,23 @@ def _below(card: Card, folder: Path) -> bool:
     return card.file.is_relative_to(folder)
 
 
-_COUNTS: Final[dict[int, dict[str, int]]] = {}
+class _Counted:
+    """The list of cards that was counted last, and the levels below each folder."""
+
+    cards: tuple[Card, ...] = ()
+    found: Mapping[str, int] = MappingProxyType({})
 
 
-def _folder_counts(cards: tuple[Card, ...]) -> dict[str, int]:
+def _folder_counts(cards: tuple[Card, ...]) -> Mapping[str, int]:
     """Count the levels below each folder; once for each list of cards."""
-    found = _COUNTS.get(id(cards))
-    if found is None:
-        found = {}
-        for card in cards:
-            for parent in card.file.parents:
-                found[str(parent)] = found.get(str(parent), 0) + 1
-        _COUNTS.clear()
-        _COUNTS[id(cards)] = found
-    return found
+    if _Counted.cards is not cards:
+        _Counted.cards = cards
+        parents = (str(parent) for card in cards for parent in card.file.parents)
+        _Counted.found = collections.Counter(parents)
+    return _Counted.found
 
 
-def _inner(folder: Path, counts: dict[str, int]) -> list[Path]:
+def _inner(folder: Path, counts: Mapping[str, int]) -> list[Path]:
     """The folders right below one that hold levels, small sizes first."""
     inner = [path for name in counts if (path := Path(name)).parent == folder]
     order = {name: number for number, name in enumerate(SIZE_ORDER)}

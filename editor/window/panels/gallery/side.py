@@ -11,7 +11,7 @@ from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
 from editor.toolkit import widgets
-from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.widgets import px
 from editor.window.browser import peek, thumbnail
 from editor.window.hints import key_of
@@ -111,7 +111,7 @@ class Side:
         if not isinstance(level, str):
             thumbnail(level, side)
         with widgets.font(FONTS.bold, 17):
-            widgets.wrapped(card.name)
+            widgets.own_words(card.name)
         if card.fault:
             widgets.small(card.fault, COLOURS.bad)
             return
@@ -129,8 +129,9 @@ class Side:
             words = f"{trial.words}: won {record.solved} of {record.attempts}"
             widgets.small(words, COLOURS.good if record.solved else COLOURS.muted)
         when = datetime.datetime.fromtimestamp(card.modified_ns / 1e9)
-        widgets.small(f"{card.file.name}   {when:%Y-%m-%d %H:%M}", COLOURS.faint)
-        widgets.tooltip(card.file.name, card.path)
+        with widgets.font(None, SMALL):
+            widgets.own_words(f"{card.file.name}   {when:%Y-%m-%d %H:%M}", COLOURS.faint)
+        widgets.tooltip(card.file.name, card.path, own=True)
 
 
 def _summary(card: Card) -> str:

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import level_sets
+from editor.actions import level_sets, unsaved
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
 from editor.toolkit import widgets
-from editor.toolkit.appearance import COLOURS, FONTS, Icons
+from editor.toolkit.appearance import COLOURS, FONTS, Icons, Rgba
 from editor.toolkit.widgets import px
 from kinetix.level.model import SizeName
+from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -39,8 +40,19 @@ _FLAGS: Final = (
 )
 
 
+def _line(words: str, colour: Rgba) -> None:
+    """Draw a sentence, wrapped within the dialog."""
+    imgui.push_text_wrap_pos(px(430))
+    widgets.text(words, colour)
+    imgui.pop_text_wrap_pos()
+
+
 class SetTray:
     """A list of levels with weights, and a dialog that writes it."""
+
+    def __init__(self) -> None:
+        self._list_open = False
+        """True if a list of the dialog was open in the last frame: Esc was that one's."""
 
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""
@@ -81,8 +93,8 @@ class SetTray:
         gone = card is None and not os.path.isfile(path)
         bad = gone or (card is not None and bool(card.errors or card.fault))
         name = card.name if card is not None else Path(path).stem
-        widgets.text(name, COLOURS.bad if bad else COLOURS.text)
-        widgets.tooltip(name, path)
+        widgets.raw(name, COLOURS.bad if bad else COLOURS.text)
+        widgets.tooltip(name, path, own=True)
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         changed, weight = imgui.drag_float(
@@ -113,7 +125,9 @@ class SetTray:
         if not opened:
             return
         done = self._questions(session, gallery.plan)
-        if done or imgui.is_key_pressed(imgui.Key.escape, False):
+        closed = imgui.is_key_pressed(imgui.Key.escape, False) and not self._list_open
+        self._list_open = imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id.value)
+        if done or closed:
             imgui.close_current_popup()
             if not done:
                 gallery.plan = None
@@ -123,8 +137,7 @@ class SetTray:
         """Draw the form; whether it was answered."""
         gallery = session.gallery
         with widgets.font(FONTS.bold, 18):
-            count = len(gallery.tray)
-            widgets.text(f"Export {count} level{'' if count == 1 else 's'} as a set")
+            widgets.text(f"Export {plural(len(gallery.tray), 'level')} as a set")
         imgui.dummy((px(420), px(2)))
         changes: dict[str, object] = {}
         with widgets.property_table("export") as opened:
@@ -134,16 +147,15 @@ class SetTray:
             gallery.plan = dataclasses.replace(plan, **changes)
         bad = level_sets.refused_in_set(session)
         if bad:
-            names = ", ".join(list(bad.values())[:4])
-            more = f" and {len(bad) - 4} more" if len(bad) > 4 else ""
-            imgui.push_text_wrap_pos(px(430))
-            widgets.text(
-                f"{Icons.error}  {names}{more}: with an error or gone, no set takes it.",
-                COLOURS.bad,
-            )
-            imgui.pop_text_wrap_pos()
+            names = unsaved.listed(list(bad.values()))
+            _line(f"{Icons.error}  {names}: with an error or gone, no set takes it.", COLOURS.bad)
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
                 session.queue(lambda: level_sets.leave_out_refused(session))
+        changed = unsaved.unsaved_among(session, gallery.tray)
+        if changed:
+            names = unsaved.listed(changed)
+            _line(f"{Icons.warning}  The set leaves unsaved changes out: {names}", COLOURS.warn)
+            widgets.probe(session, "export.unsaved")
         imgui.dummy((0, px(6)))
         width = px(110)
         gap = imgui.get_style().item_spacing.x

@@ -1,0 +1,39 @@
+"""Open levels with unsaved changes, where what happens is done with their files."""
+
+import os
+from collections.abc import Collection
+from typing import Final
+
+from editor.session import Session
+
+_NAMED: Final = 4
+"""So many levels are named in a message."""
+
+
+def unsaved_among(session: Session, paths: Collection[str]) -> list[str]:
+    """Return the names of the levels that are open with unsaved changes.
+
+    Args:
+        session: The app.
+        paths: The files that are asked about.
+    """
+    documents = [tab.document for tab in session.tabs if tab.document.dirty]
+    return [
+        document.level.name or document.title
+        for document in documents
+        if document.path is not None
+        and (os.path.abspath(document.path) in paths or os.path.realpath(document.path) in paths)
+    ]
+
+
+def listed(names: list[str]) -> str:
+    """Return the first names, and how many more there are."""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{', '.join(names[:_NAMED])}{more}"
+
+
+def tell_unsaved(session: Session, paths: Collection[str]) -> None:
+    """Say which levels are measured as their files have them, not as they are on the screen."""
+    names = unsaved_among(session, paths)
+    if names:
+        session.toast(f"Measured without their unsaved changes: {listed(names)}", "warning")
