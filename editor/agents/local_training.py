@@ -16,6 +16,8 @@ from typing import Final, Protocol
 
 from kinetix.errors import CommandError
 
+_TAIL: Final = 4096
+"""So much of the log is read for its last line, in every frame [bytes]."""
 _UPDATE: Final = re.compile(r"\d+/\d+ ")
 """Begin of the line of an update that was made."""
 NICENESS: Final = 5
@@ -132,14 +134,17 @@ class LocalTraining:
     @property
     def words(self) -> str:
         """Last line that it printed."""
-        return next((line for line in reversed(self._lines()) if line.strip()), "")
+        return next((line for line in reversed(self._lines(_TAIL)) if line.strip()), "")
 
-    def _lines(self) -> list[str]:
-        """Return the lines of its log; none where the log cannot be read."""
+    def _lines(self, most: int | None = None) -> list[str]:
+        """Return the lines of its log, or of its last bytes; none where it cannot be read."""
         if self._log is None:
             return []
         try:
-            return self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+            with self._log.open("rb") as log:
+                if most is not None:
+                    log.seek(max(log.seek(0, os.SEEK_END) - most, 0))
+                return log.read().decode("utf-8", errors="replace").splitlines()
         except OSError:
             return []
 

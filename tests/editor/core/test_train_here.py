@@ -180,6 +180,23 @@ def test_an_agent_that_shall_stay_is_not_replaced_at_the_end(session, stage, beg
     assert any("is trained" in text and ("F6" in text) is taken for text in texts(session))
 
 
+def test_of_a_long_log_only_the_end_is_read_for_its_last_words(session, began, monkeypatch):
+    actions.run(session, "agent.train_here")
+    log = session.training.run / "training.log"
+    log.write_text("first line\n" + "an update\n" * 5000 + "9/96  solved 0.5\n\n")
+    asked = []
+    lines = LocalTraining._lines
+
+    def noted(self, *most):
+        found = lines(self, *most)
+        asked.append(len(found))
+        return found
+
+    monkeypatch.setattr(LocalTraining, "_lines", noted)
+    assert session.training.words == "9/96  solved 0.5"
+    assert asked[-1] < 1000
+
+
 def test_what_cannot_be_learnt_is_said_before_anything_begins(session, began):
     level = _trainable()
     for broken, says in (
