@@ -143,7 +143,7 @@ class ResultsTable:
                     # The columns of an agent stand together: its name is over the first.
                     words = _name(label, "" if heat else words)
                 imgui.table_header(f"{words}###{label}{column}")
-                widgets.tooltip(label, tr(_HEADS[column]))
+                widgets.tooltip(label, tr(_HEADS[column]), own=True)
 
     def _means(self, session: "Session", count: int) -> None:
         """Draw each agent's mean over all levels, once it has played them."""
@@ -159,9 +159,8 @@ class ResultsTable:
             rate = summary["mean_solve_rate"]
             _tint(rate)
             widgets.text(f"{rate:.3f}")
-            widgets.tooltip(
-                summary["agent"], f"{plural(summary['levels'], 'level')} under {summary['physics']}"
-            )
+            told = tr(f"{plural(summary['levels'], 'level')} under {summary['physics']}")
+            widgets.tooltip(summary["agent"], told, own=True)
 
     def _take_sorting(self, shown: int) -> None:
         # In each frame: a table that comes back with its old order does not call that a change.
@@ -181,16 +180,16 @@ class ResultsTable:
         imgui.table_next_row()
         imgui.table_next_column()
         shown = end_of(row.name, imgui.get_content_region_avail().x)
-        widgets.text(shown)
+        widgets.raw(shown)
         if shown != row.name:
-            widgets.tooltip(row.name)
+            widgets.tooltip(row.name, own=True)
         winner, wide = best(row.results), len(row.results) <= MOST_WIDE
         for agent, result in enumerate(row.results[:MOST_AGENTS]):
             imgui.table_next_column()
             if result is None:
                 if row.errors[agent]:
                     widgets.text("cannot play", COLOURS.warn)
-                    widgets.tooltip(row.name, row.errors[agent])
+                    widgets.tooltip(row.name, tr(row.errors[agent]), own=True)
                 else:
                     widgets.text("…", COLOURS.faint)
                 if wide:
@@ -237,7 +236,8 @@ class ResultsTable:
         detail = f"{result.solved} of {result.attempts} won ({interval})"
         if result.failures:
             detail += f"; otherwise {result.failures}"
-        widgets.tooltip(row.name, f"{detail}. Double-click: watch the first attempt.")
+        told = tr(f"{detail}. Double-click: watch the first attempt.")
+        widgets.tooltip(row.name, told, own=True)
         if not pressed:
             return
         self._chosen = (plan, row.level, agent)
