@@ -18,11 +18,14 @@ def unsaved_among(session: Session, paths: Collection[str]) -> list[str]:
         paths: The files that are asked about.
     """
     documents = [tab.document for tab in session.tabs if tab.document.dirty]
+    if not documents:
+        return []
+    asked = {os.path.abspath(path) for path in paths}
     return [
         document.level.name or document.title
         for document in documents
         if document.path is not None
-        and (os.path.abspath(document.path) in paths or os.path.realpath(document.path) in paths)
+        and asked & {os.path.abspath(document.path), os.path.realpath(document.path)}
     ]
 
 

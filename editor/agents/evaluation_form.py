@@ -8,7 +8,9 @@ class EvaluationForm:
     """Content of the fields of *Evaluate*."""
 
     source: str = "this"
+    """Which levels: "this" one in front, a size ("s", "m", "l"), "chosen", "folder", or "set"."""
     paths: tuple[str, ...] = ()
+    """What is measured on where it is a folder or a file."""
     attempts: int = 20
     """Per level and agent."""
     seed: int = 0

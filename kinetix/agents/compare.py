@@ -160,7 +160,7 @@ def unlike(contenders: Sequence[Contender]) -> list[str]:
 
 
 _SETTINGS: Final = (
-    ("frame_skip", "frame skip", "their steps last for different times"),
+    ("frame_skip", "frame skip", "their steps are of different lengths"),
     (
         "dense_reward_scale",
         "weight of the distance reward",

@@ -63,17 +63,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: The command line without the program's name; by default the process's own.
 
     Returns:
-        The exit status: 0 done, 1 the input or the result is bad, 2 wrong usage.
+        The exit status: 0 done, 1 the input or the result is bad, 2 wrong usage; 130 after Ctrl+C,
+        143 after SIGTERM, 141 where nobody reads what is printed any more. After a signal the
+        process's own command line does not return: the process ends.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     status = guarded(lambda: _main(words), name="kinetix", words=words)
-    if arguments is None and status in (INTERRUPTED, TERMINATED):
+    if arguments is None and status in (INTERRUPTED, TERMINATED) and not _has_fellows():
         leave(status)
     return status
 
 
+def _has_fellows() -> bool:
+    """Return whether other processes train along, who wait for this one's farewell."""
+    jax = sys.modules.get("jax")
+    return jax is not None and jax.distributed.is_initialized()
+
+
 def _main(words: Sequence[str]) -> int:
-    if words[:1] == ["help"]:
+    while words[:1] == ["help"]:
         words = [*words[1:], "--help"]
     if not words or words[0] in ("-h", "--help"):
         print(_overview(), file=sys.stdout if words else sys.stderr)
@@ -150,7 +158,7 @@ def _overview() -> str:
             "",
             *lines,
             "",
-            "`kinetix COMMAND --help` tells the arguments; `kinetix-editor` opens the editor.",
+            "`kinetix help COMMAND` tells the arguments; `kinetix-editor` opens the editor.",
         ]
     )
 

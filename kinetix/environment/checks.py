@@ -221,7 +221,7 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
             if kind != jnp.float32:
                 raise KinetixError(
                     f"state: expected numbers in float32, got {kind}: "
-                    "jax.tree.map(lambda x, y: x.astype(y.dtype), state, a_state_of_reset)"
+                    "jax.tree.map(lambda x, y: x.astype(y.dtype), state, env.reset(key)[1])"
                 )
     if _form(state.physics.cache) != _cache_form(engine):
         raise KinetixError(

@@ -219,12 +219,12 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self.call(name)
 
     def _mask(self, mask: Any) -> np.ndarray | None:
-        if mask is not None and np.shape(mask) != (self.num_envs,):
+        if mask is None:
+            return None
+        if np.shape(mask) != (self.num_envs,):
             raise KinetixError(
                 f"reset_mask of shape {np.shape(mask)}: expected {self.num_envs} truth values"
             )
-        if mask is None:
-            return None
         truths = np.asarray(mask)
         if truths.dtype.kind not in "biuf" or not ((truths == 0) | (truths == 1)).all():
             raise KinetixError(f"reset_mask {mask!r}: expected truth values, True or False each")

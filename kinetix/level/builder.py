@@ -313,7 +313,7 @@ class LevelBuilder:
                 raise LevelError(
                     f"there is no body {reference!r}: expected an id or {', '.join(ARENA_NAMES)}"
                 )
-            if self._begun.arena is EMPTY_ARENA:
+            if self._begun.arena == EMPTY_ARENA:
                 raise LevelError(
                     f"there is no {reference}, as arena=False: add a body with fixed=True instead"
                 )

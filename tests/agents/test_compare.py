@@ -161,7 +161,7 @@ def test_settings_that_differ_are_told(capsys):
     )
     sentences = unlike([one, other, B])
     assert sentences == [
-        "frame skip: a 2, c 4, b not known; their steps last for different times",
+        "frame skip: a 2, c 4, b not known; their steps are of different lengths",
         "a and c have the same parameters, and cards that differ",
     ]
     assert not unlike([one, one, B])

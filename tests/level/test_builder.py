@@ -171,6 +171,12 @@ def test_a_level_can_be_added_to(tmp_path):
     assert (level.size, more.size) == ("s", None)
     kinetix.save_level(more, tmp_path / "more.json")
     assert kinetix.load_level(tmp_path / "more.json") == more
+    space = kinetix.LevelBuilder("Space", arena=False)
+    space.circle(1, 1, 0.1)
+    kinetix.save_level(space.build(), tmp_path / "space.json")
+    again = kinetix.LevelBuilder.from_level(kinetix.load_level(tmp_path / "space.json"))
+    with pytest.raises(LevelError, match="there is no floor"):
+        again.hinge(1, again.floor, (1, 1))
     with pytest.raises(LevelError, match=r"a kinetix\.Level, got str"):
         kinetix.LevelBuilder.from_level("s/first_flight")
 

@@ -8,7 +8,6 @@ from imgui_bundle import imgui
 
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
-from editor.agents.evaluation_form import EvaluationForm
 from editor.agents.ways import Ways
 from editor.base.language import tr
 from editor.base.prompts import FileQuestion
@@ -18,7 +17,7 @@ from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
 from editor.window.panels.results_table import MOST_AGENTS, MOST_WIDE, ResultsTable
-from editor.worker.requests import BUILT_IN, AgentSummary
+from editor.worker.requests import BUILT_IN
 from kinetix.agents.results import EpisodeResult
 from kinetix.engine.names import PHYSICS
 from kinetix.paths import levels_dir
@@ -59,12 +58,10 @@ class EvaluatePanel(Panel):
     measures = True
 
     def __init__(self) -> None:
-        self._form = EvaluationForm()
         self._table = ResultsTable()
 
     def draw(self, session: "Session") -> None:
         """Draw the form, then what is known."""
-        self._form = session.viewer.form
         self._fields(session)
         self._run(session)
         evaluation = session.viewer.evaluation
@@ -85,7 +82,7 @@ class EvaluatePanel(Panel):
         chosen = self._table.chosen(evaluation.plan)
         beside = min(px(_ATTEMPTS), 0.38 * space.x) if chosen is not None else 0.0
         size = (space.x - beside - (px(10) if beside else 0.0), max(space.y, px(64)))
-        self._table.draw(session, size, self._form.wanted)
+        self._table.draw(session, size, session.viewer.form.wanted)
         if chosen is not None:
             imgui.same_line(0, px(10))
             imgui.begin_child("attempts", (0.0, size[1]))
@@ -95,15 +92,13 @@ class EvaluatePanel(Panel):
     def _head(self, session: "Session") -> None:
         """Filter and means."""
         imgui.set_next_item_width(px(210))
-        _, self._form.wanted = widgets.input_line("wanted", "Filter levels", self._form.wanted)
+        form = session.viewer.form
+        _, form.wanted = widgets.input_line("wanted", "Filter levels", form.wanted)
         widgets.probe(session, "evaluate.filter")
         self._summary(session)
 
-    def _agents(self, session: "Session") -> tuple[AgentSummary, ...]:
-        return session.viewer.measured
-
     def _fields(self, session: "Session") -> None:
-        form = self._form
+        form = session.viewer.form
         if session.view.levels_to_measure:
             self._choose_source(session, session.view.levels_to_measure)
             session.view.levels_to_measure = ""
@@ -143,7 +138,7 @@ class EvaluatePanel(Panel):
     def _who(self, session: "Session") -> None:
         """The agents that are measured, and more of them."""
         viewer = session.viewer
-        names = [agent.name for agent in self._agents(session)]
+        names = [agent.name for agent in session.viewer.measured]
         words = f"Agents: {', '.join(names) or 'none loaded'}"
         shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
         widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)
@@ -161,7 +156,7 @@ class EvaluatePanel(Panel):
                 viewer.contenders = ()
 
     def _choose_source(self, session: "Session", picked: str) -> None:
-        form = self._form
+        form = session.viewer.form
         form.source, form.paths = picked, ()
         if picked in ("s", "m", "l"):
             form.paths = (str(levels_dir() / picked),)
@@ -176,9 +171,9 @@ class EvaluatePanel(Panel):
     def _ask(self, session: "Session", *, folder: bool) -> None:
         def answer(path: Path | None) -> None:
             if path is None:
-                self._form.source = "this"
+                session.viewer.form.source = "this"
             else:
-                self._form.paths = (str(path),)
+                session.viewer.form.paths = (str(path),)
 
         session.ask(
             FileQuestion(
@@ -190,8 +185,8 @@ class EvaluatePanel(Panel):
         )
 
     def _run(self, session: "Session") -> None:
-        form, evaluation = self._form, session.viewer.evaluation
-        who = self._agents(session)
+        form, evaluation = session.viewer.form, session.viewer.evaluation
+        who = session.viewer.measured
         widgets.beside(130, gap=16)
         if evaluation.running:
             if widgets.button(session, "evaluate.cancel", "Cancel"):

@@ -142,7 +142,7 @@ class ResultsTable:
                 if column == "solve_rate" and len(labels) > 1:
                     # The columns of an agent stand together: its name is over the first.
                     words = _name(label, "" if heat else words)
-                imgui.table_header(f"{words}###{label}{column}")
+                imgui.table_header(widgets.labelled(words, f"{label}{column}"))
                 widgets.tooltip(label, tr(_HEADS[column]), own=True)
 
     def _means(self, session: "Session", count: int) -> None:

@@ -654,6 +654,8 @@ def test_unsaved_changes_that_a_set_or_an_evaluation_leaves_out_are_told(session
     assert unsaved.unsaved_among(session, tray) == []
     session.document.mark_unsaved()
     assert unsaved.unsaved_among(session, tray) == ["Rocket"]
+    path = session.document.path
+    assert unsaved.unsaved_among(session, [f"{path.parent}/x/../{path.name}"]) == ["Rocket"]
     assert unsaved.unsaved_among(session, tray[1:]) == []
     assert unsaved.listed(["a", "b", "c", "d", "e", "f"]) == "a, b, c, d and 2 more"
     actions.run(session, "level.gallery")
