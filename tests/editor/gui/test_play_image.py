@@ -106,6 +106,8 @@ def test_a_picture_of_another_episode_is_not_shown(make_gui):
         trace = Trace(physics="balanced", perturbed=False, snapshots=moments, actions=(NOOP,))
         session.playback.replay(trace, LEVEL)
         assert images.picture(session) is None
-        settle(gui)
-        gui.frames(2)
+        for _ in range(200):  # the drawing is prepared first, then asked for
+            settle(gui)
+            if images.picture(session) is not None:
+                break
         assert images.picture(session) is not None
