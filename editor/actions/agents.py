@@ -137,7 +137,8 @@ def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     _loaded(session, slot, path, job)
     if session.take_expected(job):
         if job.state is JobState.DONE and not session.editing:
-            session.viewer.guest = None
+            if session.viewer.guest is not None:
+                session.viewer.guest.summary = None
             restart(session)
         elif job.state is JobState.DONE and not _busy(session):
             play_agent(session)
@@ -281,6 +282,8 @@ def play_agent(session: Session) -> None:
     Where there is none, or it sees one size only and that is not the level's, the planner does.
     """
     viewer, place = session.viewer, session.viewer.slots["a"]
+    if viewer.guest is not None:
+        session.leave_play()  # Whoever plays now has the viewer's own draws and physics.
     if place.loading:
         session.expected = place.job
         return
@@ -288,9 +291,9 @@ def play_agent(session: Session) -> None:
     if place.passed_over is not None and not _unfit(place.passed_over, level):
         _play_once_loaded(session, place.passed_over.ref.path)
         return
-    casting, summary = viewer.casting("a"), place.summary
+    summary = place.summary
     unfit = "" if summary is None else _unfit(summary, level)
-    if casting is None or summary is None or unfit:
+    if summary is None or unfit:
         if summary is not None:
             session.toast(f"{summary.name}: {unfit} The planner plays instead.")
         elif session.training.running:
@@ -302,8 +305,8 @@ def play_agent(session: Session) -> None:
     session.gallery.open = False
     session.messages.hush()
     session.autosaves.keep(session.document)
-    viewer.by_hand, viewer.guest = False, None
-    session.playback.play(level, casting, player=summary.name)
+    viewer.by_hand = False
+    session.playback.play(level, viewer.cast(summary), player=summary.name)
 
 
 def _play_once_loaded(session: Session, path: str) -> None:
@@ -315,7 +318,7 @@ def change_attempt(step: int) -> Callable[[Session], None]:
     """An action that goes to another attempt, which has other draws; what plays starts anew."""
 
     def run(session: Session) -> None:
-        set_draws(session, attempt=max(session.viewer.attempt + step, 0))
+        set_draws(session, attempt=max(session.viewer.draws.attempt + step, 0))
 
     return run
 
@@ -327,11 +330,14 @@ def set_draws(
     attempt: int | None = None,
     deterministic: bool | None = None,
 ) -> None:
-    """Give the agents other draws; an episode that an agent plays starts anew."""
-    viewer = session.viewer
-    viewer.seed = viewer.seed if seed is None else seed
-    viewer.attempt = viewer.attempt if attempt is None else attempt
-    viewer.deterministic = viewer.deterministic if deterministic is None else deterministic
+    """Give the agents other draws; an episode that an agent plays starts anew.
+
+    While an attempt of an evaluation is on show, it alone has them.
+    """
+    draws = session.viewer.draws
+    draws.seed = draws.seed if seed is None else seed
+    draws.attempt = draws.attempt if attempt is None else attempt
+    draws.deterministic = draws.deterministic if deterministic is None else deterministic
     restart(session)
 
 
@@ -346,21 +352,21 @@ def restart(session: Session) -> None:
 def refresh_cast(session: Session) -> None:
     """Let the next episode have the seed and attempt that the viewer is set to, and agent A.
 
-    An attempt that was opened from an evaluation keeps its own agent.
+    An attempt that was opened from an evaluation keeps its own agent and draws.
     """
     playback, viewer = session.playback, session.viewer
     if playback.casting is None:
         return
     summary, guest = viewer.slots["a"].summary, viewer.guest
-    if guest is not None and guest.ref == playback.casting.agent:
-        summary = guest
+    if guest is not None and guest.summary is not None:
+        summary = guest.summary
     if summary is not None:
         playback.cast(viewer.cast(summary), summary.name)
 
 
 def switch_deterministic(session: Session) -> None:
     """Take the likeliest actions, or draw them."""
-    set_draws(session, deterministic=not session.viewer.deterministic)
+    set_draws(session, deterministic=not session.viewer.draws.deterministic)
 
 
 def agent_playing(session: Session) -> bool:

@@ -77,7 +77,7 @@ AGENTS: Final = (
         menu="Agent",
         keys=("b",),
         context=PLAY,
-        enabled=lambda session: agents.agent_playing(session) and session.viewer.attempt > 0,
+        enabled=lambda session: agents.agent_playing(session) and session.viewer.draws.attempt > 0,
         refusal="This is an agent's first attempt, or no agent plays.",
         run=agents.change_attempt(-1),
     ),
@@ -86,7 +86,7 @@ AGENTS: Final = (
         label="Likeliest Actions",
         menu="Agent",
         tooltip="Take the likeliest action instead of drawing one.",
-        checked=lambda session: session.viewer.deterministic,
+        checked=lambda session: session.viewer.draws.deterministic,
         run=agents.switch_deterministic,
     ),
     *(
