@@ -76,6 +76,13 @@ def checkpoints_of(path: Path) -> list[Path]:
     return sorted(found, key=lambda one: int(one.name))
 
 
+def choose_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
+    """Load an agent that the person has chosen: it stays, unless it is a run's newest one."""
+    if slot == "a":
+        session.viewer.follow_run = is_run(Path(path))
+    load_agent(session, path, slot)
+
+
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
     """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
     load_agent(session, path, slot)
@@ -232,7 +239,7 @@ def choose(slot: SlotName) -> Callable[[Session], None]:
             if choice == "browse":
                 browse(session, slot)
             elif choice is not None:
-                load_agent(session, choice, slot)
+                choose_agent(session, choice, slot)
 
         known = known_agents(session)
         choices = tuple(Choice(id=path, label=label, detail=_where(path)) for path, label in known)
@@ -257,7 +264,7 @@ def browse(session: Session, slot: SlotName) -> None:
 
     def answer(path: Path | None) -> None:
         if path is not None:
-            load_agent(session, path, slot)
+            choose_agent(session, path, slot)
 
     session.ask(
         FileQuestion(

@@ -178,7 +178,7 @@ def _dropped(session: Session, path: Path) -> None:
     """An agent goes to the viewer, a folder to the gallery, a file is opened."""
     folder = agents.agent_folder(path)
     if folder is not None:
-        agents.load_agent(session, folder)
+        agents.choose_agent(session, folder)
         session.view.front = "agents"
     elif os.path.isdir(path):
         gallery.include_folder(session, path)
