@@ -174,8 +174,7 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         if before.ref != summary.ref:
             session.toast(f"{summary.name}: newer parameters loaded.", "success")
         return
-    same = before is not None and before.digest == summary.digest != ""
-    if slot == "a" and summary.ref.path not in BUILT_IN and not same:
+    if slot == "a" and summary.ref.path not in BUILT_IN and not _same(before, summary):
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
@@ -185,6 +184,14 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     session.toast(f"Loaded {summary.name}. {_use(session, summary, slot)}", "success")
     if session.editing and slot == "a":
         _rehearse(session)
+
+
+def _same(before: AgentSummary | None, after: AgentSummary) -> bool:
+    """Return whether an agent is one that was there, from elsewhere: parameters, card, physics."""
+    if before is None or not after.digest:
+        return False
+    known = before.digest, before.card_digest, before.physics
+    return known == (after.digest, after.card_digest, after.physics)
 
 
 def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:

@@ -269,6 +269,19 @@ def a_planner():
     return a_summary("planner", ref=AgentRef(path="planner"), capacity=None, physics="balanced")
 
 
+@pytest.mark.parametrize("other", [{"physics": "accurate"}, {"card_digest": "c2"}])
+def test_an_agent_of_equal_parameters_and_another_card_brings_its_physics(session, stage, other):
+    for name, changes in (("One", {}), ("Two", other)):
+        told = {"digest": "d", "card_digest": "c1", "physics": "fast", **changes}
+        stage.agents[f"/agents/{name}"] = a_summary(name, **told)
+    agents.load_agent(session, "/agents/One")
+    settle(session)
+    session.playback.physics = "jax2d"
+    agents.load_agent(session, "/agents/Two")
+    settle(session)
+    assert session.playback.physics == session.viewer.slots["a"].summary.physics
+
+
 def test_f6_without_an_agent_lets_the_planner_play(session, stage):
     stage.agents["planner"] = a_planner()
     session.playback.physics = "accurate"
