@@ -913,13 +913,6 @@ def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     assert session.playback.casting.agent.stamp == "b"
 
 
-def test_another_checkpoint_of_agent_b_leaves_agent_a_following_its_run(with_agent):
-    agents.show_checkpoint(with_agent, "b", Path("/runs/one/checkpoints/100"))
-    assert with_agent.viewer.follow_run
-    agents.show_checkpoint(with_agent, "a", Path("/runs/one/checkpoints/100"))
-    assert not with_agent.viewer.follow_run
-
-
 def test_a_run_that_was_set_back_is_read_anew(session, stage):
     stage.news = RunNews(rows=({"x": 1.0}, {"x": 2.0}), total=2, newest=None)
     watch.watch_run(session, "/runs/one")
