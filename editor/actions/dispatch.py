@@ -70,7 +70,8 @@ def find(session: Session, chord: str) -> Action | None:
 
     What a chord is by itself comes before what it is as another one with Shift or Alt.
     """
-    usable = [each for context in reached(session) for each in ACTIONS if each.context is context]
+    able = [each for each in ACTIONS if not (each.seen and session.view.covered)]
+    usable = [each for context in reached(session) for each in able if each.context is context]
     own = (action for action in usable if chord in chords(session, action))
     varied = (action for action in usable if chord in action.variants)
     return next(own, None) or next(varied, None)

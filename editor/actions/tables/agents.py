@@ -31,6 +31,7 @@ AGENTS: Final = (
         label="Let the Agent Play",
         menu="Agent",
         keys=("f6",),
+        seen=True,
         tooltip="Agent A plays the level as it was trained; where none fits, the planner plays.",
         run=agents.play_agent,
     ),
