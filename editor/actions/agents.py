@@ -76,6 +76,13 @@ def checkpoints_of(path: Path) -> list[Path]:
     return sorted(found, key=lambda one: int(one.name))
 
 
+def choose_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
+    """Load an agent that the person has chosen: it stays, unless it is a run's newest one."""
+    if slot == "a":
+        session.viewer.follow_run = is_run(Path(path))
+    load_agent(session, path, slot)
+
+
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
     """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
     load_agent(session, path, slot)
@@ -137,7 +144,8 @@ def _arrived(session: Session, slot: SlotName, path: str, job: Job) -> None:
     _loaded(session, slot, path, job)
     if session.take_expected(job):
         if job.state is JobState.DONE and not session.editing:
-            session.viewer.guest = None
+            if session.viewer.guest is not None:
+                session.viewer.guest.summary = None
             restart(session)
         elif job.state is JobState.DONE and not _busy(session):
             play_agent(session)
@@ -166,8 +174,7 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
         if before.ref != summary.ref:
             session.toast(f"{summary.name}: newer parameters loaded.", "success")
         return
-    same = before is not None and before.digest == summary.digest != ""
-    if slot == "a" and summary.ref.path not in BUILT_IN and not same:
+    if slot == "a" and summary.ref.path not in BUILT_IN and not _same(before, summary):
         session.playback.physics = summary.physics
     if slot == "a" and is_run(Path(path)) and session.viewer.run.path != path:
         session.viewer.run.watch(path)
@@ -177,6 +184,14 @@ def _loaded(session: Session, slot: SlotName, path: str, job: Job) -> None:
     session.toast(f"Loaded {summary.name}. {_use(session, summary, slot)}", "success")
     if session.editing and slot == "a":
         _rehearse(session)
+
+
+def _same(before: AgentSummary | None, after: AgentSummary) -> bool:
+    """Return whether an agent is one that was there, from elsewhere: parameters, card, physics."""
+    if before is None or not after.digest:
+        return False
+    known = before.digest, before.card_digest, before.physics
+    return known == (after.digest, after.card_digest, after.physics)
 
 
 def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
@@ -231,7 +246,7 @@ def choose(slot: SlotName) -> Callable[[Session], None]:
             if choice == "browse":
                 browse(session, slot)
             elif choice is not None:
-                load_agent(session, choice, slot)
+                choose_agent(session, choice, slot)
 
         known = known_agents(session)
         choices = tuple(Choice(id=path, label=label, detail=_where(path)) for path, label in known)
@@ -256,7 +271,7 @@ def browse(session: Session, slot: SlotName) -> None:
 
     def answer(path: Path | None) -> None:
         if path is not None:
-            load_agent(session, path, slot)
+            choose_agent(session, path, slot)
 
     session.ask(
         FileQuestion(
@@ -281,6 +296,8 @@ def play_agent(session: Session) -> None:
     Where there is none, or it sees one size only and that is not the level's, the planner does.
     """
     viewer, place = session.viewer, session.viewer.slots["a"]
+    if viewer.guest is not None:
+        session.leave_play()  # Whoever plays now has the viewer's own draws and physics.
     if place.loading:
         session.expected = place.job
         return
@@ -288,9 +305,9 @@ def play_agent(session: Session) -> None:
     if place.passed_over is not None and not _unfit(place.passed_over, level):
         _play_once_loaded(session, place.passed_over.ref.path)
         return
-    casting, summary = viewer.casting("a"), place.summary
+    summary = place.summary
     unfit = "" if summary is None else _unfit(summary, level)
-    if casting is None or summary is None or unfit:
+    if summary is None or unfit:
         if summary is not None:
             session.toast(f"{summary.name}: {unfit} The planner plays instead.")
         elif session.training.running:
@@ -302,8 +319,8 @@ def play_agent(session: Session) -> None:
     session.gallery.open = False
     session.messages.hush()
     session.autosaves.keep(session.document)
-    viewer.by_hand, viewer.guest = False, None
-    session.playback.play(level, casting, player=summary.name)
+    viewer.by_hand = False
+    session.playback.play(level, viewer.cast(summary), player=summary.name)
 
 
 def _play_once_loaded(session: Session, path: str) -> None:
@@ -315,7 +332,7 @@ def change_attempt(step: int) -> Callable[[Session], None]:
     """An action that goes to another attempt, which has other draws; what plays starts anew."""
 
     def run(session: Session) -> None:
-        set_draws(session, attempt=max(session.viewer.attempt + step, 0))
+        set_draws(session, attempt=max(session.viewer.draws.attempt + step, 0))
 
     return run
 
@@ -327,11 +344,14 @@ def set_draws(
     attempt: int | None = None,
     deterministic: bool | None = None,
 ) -> None:
-    """Give the agents other draws; an episode that an agent plays starts anew."""
-    viewer = session.viewer
-    viewer.seed = viewer.seed if seed is None else seed
-    viewer.attempt = viewer.attempt if attempt is None else attempt
-    viewer.deterministic = viewer.deterministic if deterministic is None else deterministic
+    """Give the agents other draws; an episode that an agent plays starts anew.
+
+    While an attempt of an evaluation is on show, it alone has them.
+    """
+    draws = session.viewer.draws
+    draws.seed = draws.seed if seed is None else seed
+    draws.attempt = draws.attempt if attempt is None else attempt
+    draws.deterministic = draws.deterministic if deterministic is None else deterministic
     restart(session)
 
 
@@ -346,21 +366,21 @@ def restart(session: Session) -> None:
 def refresh_cast(session: Session) -> None:
     """Let the next episode have the seed and attempt that the viewer is set to, and agent A.
 
-    An attempt that was opened from an evaluation keeps its own agent.
+    An attempt that was opened from an evaluation keeps its own agent and draws.
     """
     playback, viewer = session.playback, session.viewer
     if playback.casting is None:
         return
     summary, guest = viewer.slots["a"].summary, viewer.guest
-    if guest is not None and guest.ref == playback.casting.agent:
-        summary = guest
+    if guest is not None and guest.summary is not None:
+        summary = guest.summary
     if summary is not None:
         playback.cast(viewer.cast(summary), summary.name)
 
 
 def switch_deterministic(session: Session) -> None:
     """Take the likeliest actions, or draw them."""
-    set_draws(session, deterministic=not session.viewer.deterministic)
+    set_draws(session, deterministic=not session.viewer.draws.deterministic)
 
 
 def agent_playing(session: Session) -> bool:

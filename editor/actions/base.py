@@ -78,6 +78,8 @@ class Action:
     keys: tuple[str, ...] = ()
     """Default chords, as `KeyEvent.chord` writes them: `ctrl+shift+z`."""
     context: Context = Context.GLOBAL
+    seen: bool = False
+    """True if its keys do nothing while a window covers the level and the gallery."""
     tooltip: str = ""
     """A sentence more than the label."""
     variants: tuple[str, ...] = ()

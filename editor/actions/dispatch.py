@@ -70,7 +70,8 @@ def find(session: Session, chord: str) -> Action | None:
 
     What a chord is by itself comes before what it is as another one with Shift or Alt.
     """
-    usable = [each for context in reached(session) for each in ACTIONS if each.context is context]
+    able = [each for each in ACTIONS if not (each.seen and session.view.covered)]
+    usable = [each for context in reached(session) for each in able if each.context is context]
     own = (action for action in usable if chord in chords(session, action))
     varied = (action for action in usable if chord in action.variants)
     return next(own, None) or next(varied, None)
@@ -178,7 +179,7 @@ def _dropped(session: Session, path: Path) -> None:
     """An agent goes to the viewer, a folder to the gallery, a file is opened."""
     folder = agents.agent_folder(path)
     if folder is not None:
-        agents.load_agent(session, folder)
+        agents.choose_agent(session, folder)
         session.view.front = "agents"
     elif os.path.isdir(path):
         gallery.include_folder(session, path)

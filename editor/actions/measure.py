@@ -9,6 +9,7 @@ from editor.actions.agents import about_agent, known_agents
 from editor.actions.comparison import present
 from editor.actions.unsaved import tell_unsaved
 from editor.agents.evaluation import Plan
+from editor.agents.viewer import Guest
 from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
@@ -293,7 +294,6 @@ def _show(
         return
     session.leave_play()
     _go_on_with(session, summary, casting)
-    session.playback.physics = opened.trace.physics
     session.playback.replay(opened.trace, opened.level, casting, player=summary.name)
     session.playback.running = True
     session.view.front = "timeline"
@@ -303,9 +303,12 @@ def _go_on_with(session: Session, summary: AgentSummary, casting: Casting) -> No
     """Let Reset and another attempt go on from an attempt: its agent, its draws."""
     viewer = session.viewer
     own = viewer.slots["a"].summary
-    viewer.guest = None if own is not None and own.ref == summary.ref else summary
-    viewer.seed, viewer.attempt = casting.seed, casting.attempt
-    viewer.deterministic = casting.deterministic
+    viewer.guest = Guest(
+        summary=None if own is not None and own.ref == summary.ref else summary,
+        seed=casting.seed,
+        attempt=casting.attempt,
+        deterministic=casting.deterministic,
+    )
 
 
 def keep_results(session: Session) -> None:

@@ -10,7 +10,8 @@ NONE = "none"
 
 def choose(session: Session, name: str) -> None:
     """Use another preset from the next episode on; a running episode starts anew."""
-    session.playback.physics = session.settings.physics = name
+    session.settings.physics = name
+    session.playback.choose_physics(name)
     _again(session)
 
 
@@ -33,7 +34,7 @@ def ask_other(session: Session) -> None:
         if choice is not None:
             compare_with(session, "" if choice == NONE else choice)
 
-    own = session.playback.physics
+    own = session.playback.next_physics
     choices = [Choice(id=name, label=name) for name in PHYSICS if name != own]
     if comparing(session):
         choices.append(Choice(id=NONE, label="Only one physics"))

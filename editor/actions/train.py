@@ -13,6 +13,7 @@ from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
 from editor.agents.local_training import BUSY, LOG
 from editor.session import Session
+from editor.worker.requests import BUILT_IN
 from kinetix.errors import CommandError
 from kinetix.level.codec import save_level
 from kinetix.level.controls import channels_in_use
@@ -47,6 +48,7 @@ def train_here(session: Session) -> None:
     save_level(level, file)
     training.begin(file, run)
     watch_run(session, str(run))
+    session.viewer.follow_run = True
     session.toast(
         f"Training on {level.name}: its newest attempt plays with F6 as soon as there is one.",
         "success",
@@ -109,8 +111,7 @@ def update_training(session: Session) -> None:
         _clear(training.run)
         session.toast(f"{name}: stopped before anything was learnt.")
         return
-    viewer = session.viewer
-    taken = viewer.follow_run or not viewer.slots["a"].path
+    taken = _wanted(session, training.run)
     how = "F6 lets it play." if taken else "Choose it as agent A to see it play."
     if training.stopping:
         session.toast(f"{name}: stopped, with what it had learnt. {how}", "success")
@@ -118,3 +119,12 @@ def update_training(session: Session) -> None:
         session.toast(f"{name} is trained. {how}", "success")
     if taken:
         load_agent(session, training.run, "a")
+
+
+def _wanted(session: Session, run: Path) -> bool:
+    """Return whether slot A takes a run's agent: no other one was chosen to play."""
+    viewer, place = session.viewer, session.viewer.slots["a"]
+    if viewer.follow_run and viewer.run.path == str(run):
+        return True
+    path = place.path if place.passed_over is None else place.passed_over.ref.path
+    return not path or path in BUILT_IN or Path(path).is_relative_to(run)

@@ -94,6 +94,8 @@ def update_viewer(session: Session) -> None:
     _ask_why(session)
     if not playback.active:
         viewer.by_hand = False
+    if playback.current is None:
+        viewer.guest = None
 
 
 def _newer(session: Session, steps: int) -> None:

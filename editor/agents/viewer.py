@@ -44,6 +44,17 @@ class AgentSlot:
     """The agent in whose place the planner plays: it comes back where it can play."""
 
 
+@dataclasses.dataclass(kw_only=True)
+class Guest:
+    """An attempt that was opened from an evaluation: who plays it, and with which draws."""
+
+    summary: AgentSummary | None
+    """Its agent; None: it is agent A."""
+    seed: int
+    attempt: int
+    deterministic: bool
+
+
 class Viewer:
     """The agent viewer's state; panels and actions change it freely."""
 
@@ -55,8 +66,8 @@ class Viewer:
         """Agents that are evaluated besides those of the slots."""
         self.deleted: list[Trashed] = []
         """Agents that were trained here and are in the trash now, the last one last."""
-        self.guest: AgentSummary | None = None
-        """The agent of an attempt that was opened from an evaluation, where it is not agent A's."""
+        self.guest: Guest | None = None
+        """The attempt of an evaluation that is on show; None: none is."""
         self.seed = 0
         self.attempt = 0
         self.deterministic = False
@@ -99,14 +110,20 @@ class Viewer:
         return None if summary is None else self.cast(summary)
 
     def cast(self, summary: AgentSummary) -> Casting:
-        """Return an agent with the draws that are set."""
+        """Return an agent with the draws that hold now."""
+        draws = self.draws
         return Casting(
             agent=summary.ref,
-            seed=self.seed,
-            attempt=self.attempt,
-            deterministic=self.deterministic,
+            seed=draws.seed,
+            attempt=draws.attempt,
+            deterministic=draws.deterministic,
             digest=summary.digest,
         )
+
+    @property
+    def draws(self) -> "Viewer | Guest":
+        """Whose seed, attempt and choice of actions hold now: the guest's, or the viewer's own."""
+        return self.guest or self
 
     @property
     def ways(self) -> Ways | None:

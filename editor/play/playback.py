@@ -33,7 +33,7 @@ class Playback(Show):
         self.simulator = simulator
         self.state: State = Editing()
         self.physics = "balanced"
-        """Physics preset of the next episode."""
+        """Physics preset that the person has chosen; see `next_physics`."""
         self.speed = 1.0
         """Target, in multiples of real time."""
         self.restart_automatically = False
@@ -91,13 +91,26 @@ class Playback(Show):
             player: Name of the agent.
         """
         self._begin(
-            Episode(level=level, casting=casting, player=player, since=since, perturbed=True)
+            Episode(
+                level=level,
+                casting=casting,
+                player=player,
+                own_physics=self.current.own_physics if self.current else "",
+                since=since,
+                perturbed=True,
+            )
         )
 
     def cast(self, casting: Casting, player: str) -> None:
         """Let the next episode of this level have another agent, seed or attempt."""
         if self.current is not None:
             self.current.casting, self.current.player = casting, player
+
+    def choose_physics(self, physics: str) -> None:
+        """Play under another preset from the next episode on, an attempt on show too."""
+        self.physics = physics
+        if self.current is not None:
+            self.current.own_physics = ""
 
     def suspend(self) -> None:
         """Set a paused episode aside while its level is changed; `resume` brings it back."""
@@ -174,6 +187,7 @@ class Playback(Show):
                 level=last.level,
                 casting=last.casting,
                 player="" if last.casting is None else last.player,
+                own_physics=last.own_physics,
                 since=last.since,
                 perturbed=last.since is not None,
             ),
@@ -193,14 +207,19 @@ class Playback(Show):
         Args:
             trace: The episode.
             level: Its level.
-            casting: The agent that goes on when it is branched from; None: a person.
+            casting: The agent that goes on when it is branched from, or begun anew under the same
+                physics; None: a person.
             player: Name of the agent.
         """
         self.simulator.stop()
         self.episode += 1
         self.failure = ""
         episode = Episode(
-            level=level, casting=casting, player=player or trace.player, physics=trace.physics
+            level=level,
+            casting=casting,
+            player=player or trace.player,
+            physics=trace.physics,
+            own_physics="" if casting is None else trace.physics,
         )
         self.state = Replaying(episode=episode, trace=trace)
         self.scrub(0)
@@ -244,7 +263,8 @@ class Playback(Show):
             self.simulator.restore(shown)
         else:
             self.state = Starting(episode=episode, paused=True, moment=shown)
-            self.physics = episode.physics
+            if not episode.own_physics:
+                self.physics = episode.physics
             self.simulator.start(episode.level, episode.physics, episode.casting)
 
     def slower(self) -> None:
@@ -313,7 +333,7 @@ class Playback(Show):
         self.failure = ""
         # Until its first state comes, the last one stays on show, unless the level has changed.
         episode.snapshot = self.snapshot if self.level == episode.level else None
-        episode.physics = self.physics
+        episode.physics = episode.own_physics or self.physics
         self.state = Starting(episode=episode, paused=paused)
         since = () if episode.since is None else (episode.since,)
         self.simulator.start(episode.level, episode.physics, episode.casting, *since)

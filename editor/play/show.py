@@ -20,7 +20,7 @@ class Show:
 
     state: State
     physics: str
-    """Physics preset of the next episode."""
+    """Physics preset that the person has chosen."""
     speed: float
     episode: int
     """Rises with every episode that starts."""
@@ -75,6 +75,11 @@ class Show:
     def played_under(self) -> str:
         """Physics preset of the episode on show; of the next one while there is none."""
         return self.current.physics if self.current else self.physics
+
+    @property
+    def next_physics(self) -> str:
+        """Physics preset of the next episode: the chosen one, or that of the attempt on show."""
+        return (self.current.own_physics if self.current else "") or self.physics
 
     @property
     def perturbed(self) -> bool:

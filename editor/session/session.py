@@ -393,12 +393,13 @@ class Session:
                 simulator.quick = True
 
     def leave_play(self) -> None:
-        """Drop gestures, and what a field previews, and stop playing."""
+        """Drop gestures, and what a field previews, and stop playing, an opened attempt too."""
         self.driver.cancel()
         self.document.discard_preview()
         self.hands.pull = self.expected = None
         if self.playback.active or self.playback.suspended:
             self.playback.stop()
+        self.viewer.guest = None
         self.viewer.rival.stop()
 
     def take_expected(self, job: Job) -> bool:

@@ -123,8 +123,8 @@ class AgentsPanel(Panel):
         problem = mismatch(summary, level) if level is not None else ""
         if problem:
             widgets.small(problem, COLOURS.warn if summary.any_size else COLOURS.bad)
-        if slot == "a" and summary.parameters and playback.physics != summary.physics:
-            words = f"It plays under {playback.physics} now, and was trained under "
+        if slot == "a" and summary.parameters and playback.next_physics != summary.physics:
+            words = f"It plays under {playback.next_physics} now, and was trained under "
             widgets.small(f"{words}{summary.physics}.", COLOURS.warn)
         self._checkpoints(session, summary, slot)
         if widgets.button(session, f"agents.clear.{slot}", "Take out"):
@@ -173,23 +173,23 @@ class AgentsPanel(Panel):
         widgets.tooltip("Let the agent play", actions.BY_ID["run.play_agent"].tooltip, keys)
 
     def _draws(self, session: "Session") -> None:
-        viewer = session.viewer
+        draws = session.viewer.draws
         with widgets.property_table("draws") as opened:
             if not opened:
                 return
             widgets.row("Actions", "Drawn from the policy, as in training, or the likeliest ones.")
             options = [("drawn", "Drawn"), ("likeliest", "Likeliest")]
-            now = "likeliest" if viewer.deterministic else "drawn"
+            now = "likeliest" if draws.deterministic else "drawn"
             picked = widgets.choice(session, "agents.mode", now, options)
             if picked is not None and picked != now:
                 session.queue("agent.deterministic")
             widgets.row("Seed", "Equal seeds give equal draws, here and in kinetix eval.")
-            changed, seed = imgui.input_int("###seed", viewer.seed)
+            changed, seed = imgui.input_int("###seed", draws.seed)
             widgets.probe(session, "agents.seed")
             if changed:
                 session.queue(lambda: agents.set_draws(session, seed=max(seed, 0)))
             widgets.row("Attempt", "Each has draws of its own. N and B go on and back.")
-            changed, attempt = imgui.input_int("###attempt", viewer.attempt)
+            changed, attempt = imgui.input_int("###attempt", draws.attempt)
             widgets.probe(session, "agents.attempt")
             if changed:
                 session.queue(lambda: agents.set_draws(session, attempt=max(attempt, 0)))

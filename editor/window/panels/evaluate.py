@@ -290,8 +290,10 @@ class EvaluatePanel(Panel):
         clipper.end()
 
     def _ways(self, session: "Session", level: int, agent: int) -> None:
-        """Show where all attempts went, and which of them."""
+        """Show where all attempts went, and which of them; another result's are forgotten."""
         viewer = session.viewer
+        if viewer.ways_of(level, agent) is None:
+            viewer.ways = None
         if viewer.ways_pending:
             widgets.spinner(7)
             imgui.same_line(0, px(8))

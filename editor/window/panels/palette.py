@@ -203,7 +203,7 @@ def entries(session: "Session") -> list[Entry]:
             Entry(
                 label=name,
                 group="Agent A",
-                run=lambda path=path: agents.load_agent(session, path),
+                run=lambda path=path: agents.choose_agent(session, path),
             )
         )
     found.sort(key=lambda entry: bool(entry.refusal))

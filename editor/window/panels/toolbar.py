@@ -196,12 +196,12 @@ class Toolbar:
         imgui.set_next_item_width(self._combo_width(plan))
         options = [(name, f"{Icons.chip}  {name}") for name in self.physics]
         short = "" if plan.physics else Icons.chip
-        current = session.playback.physics
+        current = session.playback.next_physics
         picked = widgets.choice(session, "physics", current, options, preview=short)
         if picked is not None:
             session.queue(lambda: physics.choose(session, picked))
         widgets.tooltip(
-            f"Physics: {session.playback.physics}",
+            f"Physics: {current}",
             "Preset or solver of the next episode. It never changes the level.",
         )
         imgui.same_line(0, px(4))

@@ -170,8 +170,9 @@ def test_keys_and_buttons_leave_a_covered_level_alone(session, hand, window):
     session.selection = (1,)
     before = session.document.level
     setattr(session.view, window, True)
-    for key in ("delete", "right", "space", "r", "f5"):
+    for key in ("delete", "right", "space", "r", "f5", "f6"):
         hand.key(key)
+    assert session.expected is None
     actions.handle(session, PadEvent(control="pad start", pressed=True))
     assert session.document.level is before
     assert (session.mode, session.selection, session.driver.active) == (Mode.EDIT, (1,), False)

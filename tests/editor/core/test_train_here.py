@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ from editor import actions
 from editor.actions import agents, train
 from editor.agents.local_training import LocalTraining, start_process
 from editor.documents.document import Document
+from editor.worker.requests import AgentRef
 from kinetix.errors import CommandError
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level
@@ -178,6 +180,52 @@ def test_an_agent_that_shall_stay_is_not_replaced_at_the_end(session, stage, beg
     settle(session)
     assert session.viewer.slots["a"].summary.name == ("Specialist" if taken else "Tester")
     assert any("is trained" in text and ("F6" in text) is taken for text in texts(session))
+
+
+@pytest.mark.parametrize(
+    ("slot_a", "taken"),
+    [("planner", True), ("checkpoint", True), ("passed over", False), ("chosen", False)],
+)
+def test_a_training_hands_its_agent_over_unless_another_one_was_chosen(
+    session, stage, began, slot_a, taken
+):
+    session.viewer.follow_run = False  # The slider of another run was moved once.
+    actions.run(session, "agent.train_here")
+    assert session.viewer.follow_run
+    run = session.training.run
+    (run / "checkpoints" / "1").mkdir(parents=True)
+    (run / "metrics.jsonl").touch()
+    paths = {"planner": "planner", "checkpoint": str(run / "checkpoints" / "1")}
+    path = paths.get(slot_a, "/agents/Tester")
+    stage.agents[path] = a_summary("Tester", ref=AgentRef(path=path))
+    stage.agents[str(run)] = a_summary("Specialist", ref=AgentRef(path=str(run)))
+    if slot_a == "checkpoint":
+        agents.show_checkpoint(session, "a", Path(path))
+    else:
+        agents.choose_agent(session, path)
+    settle(session)
+    assert not session.viewer.follow_run
+    place = session.viewer.slots["a"]
+    if slot_a == "passed over":  # The planner plays in its place.
+        place.passed_over, place.path = place.summary, "planner"
+    began[0][1].status = 0
+    settle(session)
+    assert (place.summary.name == "Specialist") is taken
+
+
+def test_a_run_that_was_chosen_meanwhile_stays_and_is_followed(session, stage, began, tmp_path):
+    actions.run(session, "agent.train_here")
+    run, other = session.training.run, tmp_path / "other"
+    for each in (run, other):
+        (each / "checkpoints" / "1").mkdir(parents=True)
+        (each / "metrics.jsonl").touch()
+        stage.agents[str(each)] = a_summary(each.name, ref=AgentRef(path=str(each)))
+    agents.choose_agent(session, other)
+    settle(session)
+    assert (session.viewer.run.path, session.viewer.follow_run) == (str(other), True)
+    began[0][1].status = 0
+    settle(session)
+    assert session.viewer.slots["a"].summary.name == "other"
 
 
 def test_of_a_long_log_only_the_end_is_read_for_its_last_words(session, began, monkeypatch):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import agents, comparison, measure, watch
+from editor.actions import agents, comparison, measure, physics, watch
 from editor.actions.file import open_path
 from editor.agents.evaluation import Plan, best
 from editor.agents.run_watch import RunWatch
@@ -267,6 +267,19 @@ def test_agents_are_chosen_from_those_of_the_app_the_planner_and_the_scripted(se
 
 def a_planner():
     return a_summary("planner", ref=AgentRef(path="planner"), capacity=None, physics="balanced")
+
+
+@pytest.mark.parametrize("other", [{"physics": "accurate"}, {"card_digest": "c2"}])
+def test_an_agent_of_equal_parameters_and_another_card_brings_its_physics(session, stage, other):
+    for name, changes in (("One", {}), ("Two", other)):
+        told = {"digest": "d", "card_digest": "c1", "physics": "fast", **changes}
+        stage.agents[f"/agents/{name}"] = a_summary(name, **told)
+    agents.load_agent(session, "/agents/One")
+    settle(session)
+    session.playback.physics = "jax2d"
+    agents.load_agent(session, "/agents/Two")
+    settle(session)
+    assert session.playback.physics == session.viewer.slots["a"].summary.physics
 
 
 def test_f6_without_an_agent_lets_the_planner_play(session, stage):
@@ -761,6 +774,93 @@ def test_reset_and_the_next_attempt_go_on_from_the_attempt_that_was_opened(with_
     assert playback.player == "Tester"
 
 
+def an_opened_attempt(session):
+    """Open attempt 2 of seed 7 under jax2d, drawn; the viewer itself is set to other things."""
+    measure_the_level_in_front(session, a_summary(), seed=7)
+    session.viewer.seed, session.viewer.attempt, session.viewer.deterministic = 3, 1, True
+    session.playback.physics = "accurate"
+    measure.open_attempt(session, 0, 0, 2)
+    settle(session)
+    assert session.mode is Mode.REPLAY
+
+
+def draws_of(casting):
+    return casting.seed, casting.attempt, casting.deterministic
+
+
+@pytest.mark.parametrize("way", ["stop", "agent", "human", "failure", "loading"])
+def test_an_opened_attempt_leaves_the_viewers_own_settings_alone(with_agent, way):
+    viewer, playback = with_agent.viewer, with_agent.playback
+    an_opened_attempt(with_agent)
+    assert actions.run(with_agent, "agent.next_attempt")
+    assert (draws_of(playback.casting), playback.played_under) == ((7, 3, False), "jax2d")
+    measure.open_attempt(with_agent, 0, 0, 3)
+    settle(with_agent)
+    playback.branch()
+    assert actions.run(with_agent, "run.reset")
+    assert (draws_of(playback.casting), playback.played_under) == ((7, 3, False), "jax2d")
+    assert playback.next_physics == "jax2d"
+    # What is measured next, and what the person plays, has their own.
+    assert (draws_of(viewer), playback.physics) == ((3, 1, True), "accurate")
+    match way:
+        case "stop":
+            actions.run(with_agent, "run.stop")
+        case "human":
+            actions.run(with_agent, "run.stop")
+            assert actions.run(with_agent, "run.play_human")
+        case "failure":
+            playback.stop()
+            actions.update(with_agent, 1 / 60)
+        case "loading":
+            agents.load_agent(with_agent, "/agents/Tester")
+    if way != "human":
+        assert actions.run(with_agent, "run.play_agent")
+        settle(with_agent)
+        assert draws_of(playback.casting) == (3, 1, True)
+        assert draws_of(viewer.draws) == (3, 1, True)
+    assert playback.played_under == playback.next_physics == "accurate"
+
+
+def test_what_is_set_while_an_attempt_is_open_holds_for_it(with_agent):
+    viewer, playback = with_agent.viewer, with_agent.playback
+    an_opened_attempt(with_agent)
+    agents.set_draws(with_agent, seed=9)
+    assert draws_of(playback.casting) == (9, 2, False) and viewer.seed == 3
+    agents.switch_deterministic(with_agent)
+    assert draws_of(playback.casting) == (9, 2, True)
+    # A physics that is chosen meanwhile is the person's, for this episode too.
+    physics.choose(with_agent, "fast")
+    assert playback.played_under == playback.physics == playback.next_physics == "fast"
+
+
+def test_a_changed_moment_of_an_opened_attempt_goes_on_under_its_physics(with_agent):
+    playback = with_agent.playback
+    an_opened_attempt(with_agent)
+    actions.run(with_agent, "run.reset")
+    run(with_agent, 0.2)
+    actions.run(with_agent, "run.pause")
+    run(with_agent, 0.2)
+    actions.run(with_agent, "run.change")
+    assert with_agent.tab.moment is not None
+    changed = with_agent.document.level.replace(name="changed")
+    with_agent.execute(ReplaceLevel(level=changed, label="Change"))
+    actions.run(with_agent, "run.play_human")
+    assert playback.active and playback.played_under == "jax2d"
+    actions.run(with_agent, "run.reset")
+    assert (draws_of(playback.casting), playback.played_under) == ((7, 2, False), "jax2d")
+
+
+def test_a_checkpoint_that_is_chosen_plays_the_same_draws_of_an_opened_attempt(with_agent, stage):
+    path = "/runs/one/checkpoints/100"
+    an_opened_attempt(with_agent)
+    stage.agents[path] = a_summary("Older", ref=AgentRef(path=path, stamp="1"))
+    agents.show_checkpoint(with_agent, "a", Path(path))
+    settle(with_agent)
+    playback = with_agent.playback
+    assert (playback.player, draws_of(playback.casting)) == ("Older", (7, 2, False))
+    assert playback.played_under == "jax2d"
+
+
 @pytest.mark.parametrize("fails", [False, True])
 def test_an_attempt_that_comes_too_late_leaves_the_game_alone(with_agent, stage, fails):
     evaluation_of(with_agent, "s/a")
@@ -811,13 +911,6 @@ def test_a_training_run_is_read_and_its_newest_agent_taken(session, stage):
     assert session.playback.casting.agent.stamp == "a"
     actions.run(session, "run.reset")
     assert session.playback.casting.agent.stamp == "b"
-
-
-def test_another_checkpoint_of_agent_b_leaves_agent_a_following_its_run(with_agent):
-    agents.show_checkpoint(with_agent, "b", Path("/runs/one/checkpoints/100"))
-    assert with_agent.viewer.follow_run
-    agents.show_checkpoint(with_agent, "a", Path("/runs/one/checkpoints/100"))
-    assert not with_agent.viewer.follow_run
 
 
 def test_a_run_that_was_set_back_is_read_anew(session, stage):

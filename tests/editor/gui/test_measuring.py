@@ -256,6 +256,32 @@ def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     assert session.viewer.ways is None and not gui.shows("evaluate.attempt.1")
 
 
+def test_ways_are_forgotten_where_another_result_is_chosen(with_agent):
+    gui, session = with_agent, with_agent.session
+    with_results(gui, "Tester", "Other", level=session.document.level)
+    gui.stage.paths = AttemptPaths(
+        level_hash=session.document.hash,
+        step=np.arange(3),
+        position=np.zeros((2, 3, 2), np.float32),
+        outcomes=("won", "lost"),
+        parting=2,
+    )
+    gui.click("evaluate.s/a.0")
+    gui.click("evaluate.ways")
+    settle(gui)
+    gui.frames(2)
+    assert session.viewer.ways_of(0, 0) is not None
+    gui.click("evaluate.s/a.1")
+    gui.frames(2)
+    assert session.viewer.ways is None
+    # Ways that come when another result is chosen already are not drawn over it.
+    gui.click("evaluate.ways")
+    gui.click("evaluate.s/a.0")
+    settle(gui)
+    gui.frames(2)
+    assert session.viewer.ways is None
+
+
 def compared(gui, suffix, path):
     """The file of an episode of two players, attempt 2 under seed 7, the likeliest actions."""
     session = gui.session
