@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from kinetix.errors import LevelError
 from kinetix.level.body_fields import BodyFields, check_fields, pair, real, size
-from kinetix.level.geometry import arena_body, centre_of_mass, polygon_fault, to_local
+from kinetix.level.geometry import arena_body, centre_of_corners, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
     MAX_ENTITIES,
@@ -158,7 +158,7 @@ class LevelBuilder:
         fault = polygon_fault(corners)
         if fault is not None:
             raise LevelError(f"polygon {_short(corners)}: {fault}")
-        x, y = centre_of_mass(Polygon(vertices=corners), self._begun.inertia_model)
+        x, y = centre_of_corners(corners, self._begun.inertia_model)
         local = tuple((px - x, py - y) for px, py in corners)
         return self.body(Polygon(vertices=local), x, y, **more)
 

@@ -159,7 +159,12 @@ def centre_of_mass(shape: Shape, inertia_model: InertiaModel) -> Point:
     """Centre of mass in the frame of the shape, by the level's inertia model."""
     if isinstance(shape, Circle):
         return 0.0, 0.0
-    return (area_centroid if inertia_model == "exact" else vertex_mean)(shape.vertices)
+    return centre_of_corners(shape.vertices, inertia_model)
+
+
+def centre_of_corners(corners: Sequence[Point], inertia_model: InertiaModel) -> Point:
+    """Centre of mass of a polygon, by the level's inertia model."""
+    return (area_centroid if inertia_model == "exact" else vertex_mean)(corners)
 
 
 def _second_moment(edges: Sequence[tuple[Point, Point]]) -> float:
