@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from editor.agents.folders import about_agent, agents_in, is_agent_folder, is_run, run_of
 from editor.agents.viewer import AgentSlot, Compare, SlotName, mismatch
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.play.mode import Mode
@@ -19,61 +20,14 @@ from editor.worker.requests import (
     LoadAgent,
     Rehearse,
 )
-from kinetix.agents.card import read_card
 from kinetix.bundled import named_agent
-from kinetix.errors import CheckpointError, CommandError
+from kinetix.errors import CommandError
 from kinetix.level.model import Level
 from kinetix.paths import checkpoints_dir, user_agents_dir
 
 RECENT_AGENTS: Final = 8
 LONGEST_NAME: Final = 60
 """Characters of the name of an agent that is trained here."""
-_AGENT_FILES: Final = ("agent.json", "params.safetensors", "config.toml")
-"""A folder with one of these is an agent or a training run."""
-
-
-def is_agent_folder(path: Path) -> bool:
-    """Return whether a folder looks like an agent or a training run."""
-    return os.path.isdir(path) and any(os.path.isfile(path / name) for name in _AGENT_FILES)
-
-
-def about_agent(path: Path) -> str:
-    """Return what is known of the agent in a folder, unloaded; empty where there is none."""
-    if not is_agent_folder(path):
-        return ""
-    if is_run(path):
-        return f"{path.name}: a training run; its newest agent is taken."
-    try:
-        card = read_card(path / _AGENT_FILES[0])[0]
-    except CheckpointError:
-        return path.name
-    words = [card.name, card.description, f"Trained under {card.environment.physics}."]
-    return "\n".join(word for word in words if word)
-
-
-def is_run(path: Path) -> bool:
-    """Return whether a folder is a training run's; choosing its agent watches the run too."""
-    return os.path.isdir(path / "checkpoints") and os.path.isfile(path / "metrics.jsonl")
-
-
-def run_of(path: Path) -> Path | None:
-    """Return the training run that a checkpoint's folder belongs to; None where it is of none."""
-    run = path.parent.parent
-    return run if path.parent.name == "checkpoints" and is_run(run) else None
-
-
-def checkpoints_of(path: Path) -> list[Path]:
-    """Return the folders of all checkpoints of a run, oldest first.
-
-    Args:
-        path: The run, or one of its checkpoints.
-    """
-    run = path if is_run(path) else run_of(path)
-    if run is None:
-        return []
-    folder = run / "checkpoints"
-    found = [one for one in folder.glob("*") if one.name.isdecimal() and is_agent_folder(one)]
-    return sorted(found, key=lambda one: int(one.name))
 
 
 def choose_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
@@ -91,20 +45,6 @@ def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
     session.viewer.follow_run = False  # The newest agent of a run is slot A's.
     if agent_playing(session):
         session.expected = session.viewer.slots["a"].job
-
-
-def agent_folder(path: Path) -> Path | None:
-    """The agent that a dropped or chosen path means: itself, or the folder that a file is in."""
-    if is_agent_folder(path):
-        return path
-    if path.name in _AGENT_FILES and os.path.isfile(path):
-        return path.parent
-    return None
-
-
-def agents_in(folder: Path) -> list[Path]:
-    """Return the folders of agents and training runs in a folder, by name."""
-    return sorted(path for path in folder.glob("*") if is_agent_folder(path))
 
 
 def known_agents(session: Session) -> list[tuple[str, str]]:

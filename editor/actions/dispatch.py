@@ -21,6 +21,7 @@ from editor.actions.base import Action, Context, contexts, reached, selecting
 from editor.actions.context import Table
 from editor.actions.pointer import move_wheel, pinch, use_pointer
 from editor.actions.table import ACTIONS, BY_ID
+from editor.agents.folders import agent_folder
 from editor.base.camera import Point
 from editor.base.controls import PAD, PAD_ACTIONS
 from editor.base.events import (
@@ -177,7 +178,7 @@ def _words(session: Session, action_id: str) -> tuple[str, str]:
 
 def _dropped(session: Session, path: Path) -> None:
     """An agent goes to the viewer, a folder to the gallery, a file is opened."""
-    folder = agents.agent_folder(path)
+    folder = agent_folder(path)
     if folder is not None:
         agents.choose_agent(session, folder)
         session.view.front = "agents"

@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import file
-from editor.actions.agents import about_agent, known_agents
+from editor.actions.agents import known_agents
 from editor.actions.comparison import present
 from editor.actions.unsaved import tell_unsaved
 from editor.agents.evaluation import Plan
+from editor.agents.folders import about_agent
 from editor.agents.viewer import Guest
 from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion

@@ -12,13 +12,12 @@ from typing import Any, Final
 from editor.actions.agents import (
     LONGEST_NAME,
     RECENT_AGENTS,
-    agents_in,
-    checkpoints_of,
     clear_slot,
     load_agent,
 )
 from editor.actions.measure import add_contender
 from editor.actions.watch import watch_run
+from editor.agents.folders import agents_in, checkpoints_of
 from editor.agents.local_training import BUSY
 from editor.base.prompts import Choice, MenuQuestion, TextQuestion
 from editor.gallery import filing

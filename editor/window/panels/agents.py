@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import agents
+from editor.agents.folders import checkpoints_of
 from editor.agents.viewer import COMPARE_LABELS, SlotName, mismatch
 from editor.base.language import tr
 from editor.toolkit import widgets
@@ -155,7 +156,7 @@ class AgentsPanel(Panel):
         key, now = summary.ref.path, session.time
         known = self._listed.get(key)
         if known is None or now - known[0] > _LOOK_SECONDS:
-            known = self._listed[key] = (now, agents.checkpoints_of(Path(key)))
+            known = self._listed[key] = (now, checkpoints_of(Path(key)))
         return known[1]
 
     def _play(self, session: "Session") -> None:
