@@ -1,6 +1,7 @@
 """Words for numbers of things and for values that do not fit, as messages say them."""
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 _KINDS: Final = {
@@ -34,6 +35,12 @@ def plural(count: int, noun: str, many: str = "") -> str:
         many: Several of them, where that is not the noun with an s.
     """
     return f"{count} {noun if count == 1 else many or f'{noun}s'}"
+
+
+def listed(words: Sequence[object], most: int) -> str:
+    """Return the first words, and how many more there are: `a, b and 3 more`."""
+    shown = ", ".join(map(str, words[:most]))
+    return f"{shown} and {len(words) - most} more" if len(words) > most else shown
 
 
 def thousands(number: int) -> str:

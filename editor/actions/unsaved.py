@@ -5,6 +5,7 @@ from collections.abc import Collection
 from typing import Final
 
 from editor.session import Session
+from kinetix import wording
 
 _NAMED: Final = 4
 """So many levels are named in a message."""
@@ -31,8 +32,7 @@ def unsaved_among(session: Session, paths: Collection[str]) -> list[str]:
 
 def listed(names: list[str]) -> str:
     """Return the first names, and how many more there are."""
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"{', '.join(names[:_NAMED])}{more}"
+    return wording.listed(names, _NAMED)
 
 
 def tell_unsaved(session: Session, paths: Collection[str]) -> None:

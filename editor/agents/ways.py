@@ -8,7 +8,7 @@ from editor.worker.requests import AttemptPaths
 
 @dataclasses.dataclass(kw_only=True)
 class Ways:
-    """Where the attempts of one agent on one level went, in one evaluation."""
+    """The paths of one agent's attempts on one level of an evaluation."""
 
     plan: Plan
     level: int

@@ -1,4 +1,4 @@
-"""What the lines of a script have under their keys; whatever it is not gets one sentence."""
+"""Reads the fields of a script's events; a wrong value gets one sentence."""
 
 from collections.abc import Collection
 from typing import Any, Final

@@ -10,6 +10,16 @@ from typing import Any, Final
 
 from kinetix.agents.results import WILSON_Z, LevelFailure, LevelResult, Provenance, summarise
 
+_SETTINGS: Final = (
+    ("frame_skip", "frame skip", "their steps are of different lengths"),
+    (
+        "dense_reward_scale",
+        "weight of the distance reward",
+        "their mean returns cannot be compared",
+    ),
+)
+"""Settings of policies: the field of the provenance, what it is called, what follows."""
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Contender:
@@ -157,17 +167,6 @@ def unlike(contenders: Sequence[Contender]) -> list[str]:
         and one.provenance.card_digest != other.provenance.card_digest
     ]
     return sentences
-
-
-_SETTINGS: Final = (
-    ("frame_skip", "frame skip", "their steps are of different lengths"),
-    (
-        "dense_reward_scale",
-        "weight of the distance reward",
-        "their mean returns cannot be compared",
-    ),
-)
-"""Settings of policies: the field of the provenance, what it is called, what follows."""
 
 
 def as_document(

@@ -214,15 +214,14 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
             f"circles, joints, thrusters), got {describe_capacity(have)}: "
             "kinetix.environment.rearrange.expand_state makes a level larger"
         )
-    for leaf in jax.tree.leaves(state):
-        kind = getattr(leaf, "dtype", None)
-        if kind is not None and jnp.issubdtype(kind, jnp.floating):
-            kind = jax.dtypes.canonicalize_dtype(kind)
-            if kind != jnp.float32:
-                raise KinetixError(
-                    f"state: expected numbers in float32, got {kind}: "
-                    "jax.tree.map(lambda x, y: x.astype(y.dtype), state, env.reset(key)[1])"
-                )
+    kinds = {leaf.dtype for leaf in jax.tree.leaves(state) if hasattr(leaf, "dtype")}
+    reals = {kind for kind in kinds if jnp.issubdtype(kind, jnp.floating)}
+    others = {jax.dtypes.canonicalize_dtype(kind) for kind in reals} - {jnp.dtype(jnp.float32)}
+    if others:
+        raise KinetixError(
+            f"state: expected numbers in float32, got {', '.join(sorted(map(str, others)))}: "
+            "jax.tree.map(lambda x, y: x.astype(y.dtype), state, env.reset(key)[1])"
+        )
     if _form(state.physics.cache) != _cache_form(engine):
         raise KinetixError(
             "state: it was made for another physics than the environment's: start from "

@@ -58,12 +58,12 @@ class LevelBuilder:
         """
         if not isinstance(name, str):
             raise LevelError(f"name {name!r:.60}: expected a string")
-        self._begun = Level(
+        begun = Level(
             name=name or "Untitled",
             gravity=pair("gravity", gravity),
             arena=arena if isinstance(arena, Arena) else Arena() if arena else EMPTY_ARENA,
         )
-        self._take(self._begun)
+        self._take(begun)
 
     @classmethod
     def from_level(cls, level: Level) -> "LevelBuilder":

@@ -281,8 +281,8 @@ class SflConfig(PpoConfig):
     buffer_update_frequency: int = 50
     """Updates between two scorings."""
     learnability_mode: LearnabilityMode = "timesteps"
-    """How long a level is played: `timesteps`: for `rollout_steps`; `episodes`: for its
-    `rollout_episodes` first episodes."""
+    """A level is played for `rollout_steps` (`timesteps`), or for its first `rollout_episodes`
+    episodes (`episodes`)."""
     rollout_episodes: int = 10
     """Episodes a level in the mode `episodes`."""
     learnability_correction: bool = True

@@ -98,9 +98,10 @@ def _steps(run: Path) -> list[int]:
 def _file_names(levels: Sequence[NamedLevel]) -> list[str]:
     """Return a file name per level, each another one, also where capitals are not told apart."""
     names: list[str] = []
+    taken: set[str] = set()
     for level in levels:
         plain = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in level.name)
         tried = itertools.chain([plain], (f"{plain}_{number}" for number in itertools.count(2)))
-        taken = {name.casefold() for name in names}
         names.append(next(name for name in tried if name.casefold() not in taken))
+        taken.add(names[-1].casefold())
     return names

@@ -21,7 +21,7 @@ from editor.worker.requests import BUILT_IN
 from kinetix.agents.results import EpisodeResult
 from kinetix.engine.names import PHYSICS
 from kinetix.paths import levels_dir
-from kinetix.wording import plural
+from kinetix.wording import listed, plural
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -38,6 +38,8 @@ _SOURCES: Final = (
 MOST_ATTEMPTS: Final = 1000
 _MOST_WORDS: Final = 60
 """Letters of the names of agents that are shown; the rest is told by the tooltip."""
+_NAMED: Final = 12
+"""So many attempts of an ending are named."""
 _ATTEMPTS: Final = 250.0
 """Width of the attempts beside the table [px at 100 %]."""
 
@@ -330,7 +332,8 @@ class EvaluatePanel(Panel):
             with widgets.coloured(text=COLOURS.of(name)):
                 pressed = imgui.selectable(f"{words}###ending{number}", shown)[0]
             widgets.probe(session, f"evaluate.ending.{number}")
-            told = f"About {plural(ending.length, 'step')}. Attempts {_listed(ending.attempts)}."
+            which = listed(ending.attempts, _NAMED)
+            told = f"About {plural(ending.length, 'step')}. Attempts {which}."
             if ending.parting is not None:
                 told += f"\nIt leaves the way of the wins at step {ending.parting}."
             widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
@@ -366,9 +369,3 @@ class EvaluatePanel(Panel):
         if pressed:
             at = None if ways is None else ways.parting(which[2])
             session.queue(lambda: measure.open_attempt(session, *which, at=at))
-
-
-def _listed(numbers: tuple[int, ...]) -> str:
-    """Return numbers as words, the first dozen of them."""
-    shown = ", ".join(map(str, numbers[:12]))
-    return f"{shown} and {len(numbers) - 12} more" if len(numbers) > 12 else shown
