@@ -321,7 +321,7 @@ def test_the_help_of_a_choice_says_what_each_word_means(capsys):
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())
     said = told.partition("--learnability-mode")[2].partition("--rollout-episodes")[0]
     assert "True" not in said
-    assert "timesteps: for rollout_steps" in said.replace("`", "")
+    assert "for rollout_steps (timesteps)" in said.replace("`", "")
 
 
 def test_an_interrupt_waits_for_imports():
