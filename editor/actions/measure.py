@@ -335,5 +335,6 @@ def keep_results(session: Session) -> None:
             physics=plan.physics_of(number),
             deterministic=plan.deterministic,
             seed=plan.seed,
+            card=agent.card_digest,
         )
         session.results.record(trial, records)

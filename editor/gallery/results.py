@@ -17,6 +17,10 @@ HUMAN: Final = "you"
 """The name under which the user's own episodes are kept."""
 MAX_LEVELS: Final = 20_000
 """Of more levels the oldest are forgotten."""
+_ROW: Final = (str, str, str, bool, int, str, int, int)
+"""Kinds of the entries of a trial's row in the file: the trial, attempts, solved ones."""
+_ROW_WITHOUT_CARD: Final = (str, str, str, bool, int, int, int)
+"""Likewise of an older version."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -45,11 +49,15 @@ class Trial:
     deterministic: bool = False
     """True if the agent took its likeliest actions."""
     seed: int = 0
+    card: str = ""
+    """Digest of how the agent plays, its parameters aside; empty where an older version noted
+    none: a trial with a card replaces the one without."""
 
     @property
     def words(self) -> str:
-        """The trial in words: `general 3fa2b1, balanced, likeliest, seed 7`."""
-        parts = [f"{self.player} {self.digest[:6]}".strip(), self.physics]
+        """The trial in words: `general 3fa2b1·9c0d, balanced, likeliest, seed 7`."""
+        digests = "·".join(filter(None, (self.digest[:6], self.card[:4])))
+        parts = [f"{self.player} {digests}".strip(), self.physics]
         parts += ["likeliest"] if self.deterministic else []
         parts += [f"seed {self.seed}"] if self.seed else []
         return ", ".join(part for part in parts if part)
@@ -146,8 +154,11 @@ class Results:
     def _merge(self, records: Mapping[str, dict[Trial, Record]]) -> None:
         levels = self._read()
         for sha256, trials in records.items():
-            # Moved to the end: the file is in the order of the last change.
-            levels[sha256] = levels.pop(sha256, {}) | trials
+            replaced = {dataclasses.replace(trial, card="") for trial in trials if trial.card}
+            before = levels.pop(sha256, {}).items()
+            kept = {trial: record for trial, record in before if trial not in replaced}
+            # At the end: the file is in the order of the last change.
+            levels[sha256] = kept | trials
         while len(levels) > MAX_LEVELS:
             del levels[next(iter(levels))]
 
@@ -195,13 +206,10 @@ def _rows(told: Any) -> list[Any] | None:
 
 
 def _row(row: Any) -> tuple[Trial, Record] | None:
-    kinds = (str, str, str, bool, int, int, int)
-    if not isinstance(row, list) or tuple(map(type, row)) != kinds:
+    if not isinstance(row, list) or tuple(map(type, row)) not in (_ROW, _ROW_WITHOUT_CARD):
         return None
-    player, digest, physics, deterministic, seed, attempts, solved = row
+    *trial, attempts, solved = row
     if not 0 <= solved <= attempts:
         return None
-    trial = Trial(
-        player=player, digest=digest, physics=physics, deterministic=deterministic, seed=seed
-    )
-    return trial, Record(attempts=attempts, solved=solved)
+    names = [field.name for field in dataclasses.fields(Trial)]
+    return Trial(**dict(zip(names, trial, strict=False))), Record(attempts=attempts, solved=solved)

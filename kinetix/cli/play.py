@@ -42,12 +42,14 @@ class Play:
 def run(command: Play) -> int:
     """Play, print `steps`, `outcome` (won, lost, timeout, broken) and `return`; always 0."""
     # Imported here, so that a wrong command line fails before JAX loads.
+    from kinetix.agents.named import SOLUTION, load_player
     from kinetix.level.codec import load_document
 
     check_attempt(command.attempt, [command.agent])
     document = load_document(command.level)
+    player = None if command.agent == SOLUTION else load_player(command.agent)
     with announced("compiling the player and the step"):
-        episode = _played(command, document)
+        episode = _played(command, document, player)
     row = {
         "steps": episode.steps,
         "outcome": episode.outcome,
@@ -71,15 +73,13 @@ def run(command: Play) -> int:
     return 0
 
 
-def _played(command: Play, document: "LoadedLevel") -> "Episode":
-    """Play the recorded solution, an attempt of an evaluation, or an episode of its own."""
-    from kinetix.agents.named import SOLUTION, load_player
+def _played(command: Play, document: "LoadedLevel", player: "Player | None") -> "Episode":
+    """Play the recorded solution (no player), an attempt of an evaluation, or another episode."""
     from kinetix.environment.replay import play_solution, solution_physics
 
-    if command.agent == SOLUTION:
+    if player is None:
         physics = command.physics or solution_physics(document.level, command.level)
         return play_solution(document.level, physics)
-    player = load_player(command.agent)
     if command.attempt is not None:
         return _attempt(command, player, command.attempt)
     return _alone(command, player, document)

@@ -334,14 +334,28 @@ def test_results_of_other_parameters_physics_modes_and_seeds_stand_beside_each_o
         Trial(player="run@40960", digest="2" * 64, physics="jax2d"),
         Trial(player="run@40960", digest="2" * 64, physics="jax2d", deterministic=True),
         Trial(player="run@40960", digest="2" * 64, physics="jax2d", seed=1),
+        Trial(player="run@40960", digest="2" * 64, physics="jax2d", card="3" * 16),
+        Trial(player="run@40960", digest="2" * 64, physics="jax2d", card="4" * 16),
     ]
     results = Results(path)
     for k, trial in enumerate(trials):
         results.record(trial, {level: Record(attempts=20, solved=k)})
     again = Results(path)
-    assert [again.of(level)[trial].solved for trial in trials] == [0, 1, 2, 3, 4]
+    replaced = trials.pop(2)
+    assert replaced not in again.of(level)
+    assert [again.of(level)[trial].solved for trial in trials] == [0, 1, 3, 4, 5, 6]
     assert again.players == ("run@40960",)
-    assert len({trial.words for trial in trials}) == 5
+    assert len({trial.words for trial in trials}) == 6
+
+
+def test_results_of_a_version_without_cards_are_read_and_replaced(tmp_path):
+    path, level = tmp_path / "results.json", "a" * 64
+    path.write_text(json.dumps({level: [["walker", "1" * 64, "balanced", False, 0, 20, 3]]}))
+    old = Trial(player="walker", digest="1" * 64, physics="balanced")
+    assert Results(path).of(level) == {old: Record(attempts=20, solved=3)}
+    new = dataclasses.replace(old, card="2" * 16)
+    Results(path).record(new, {level: Record(attempts=20, solved=5)})
+    assert Results(path).of(level) == {new: Record(attempts=20, solved=5)}
 
 
 def test_results_of_the_first_version_are_read(tmp_path):
