@@ -1,8 +1,4 @@
-"""All hyper-parameters, as plain frozen values free of JAX.
-
-The names are those of the published configurations; the defaults are those of kinetix-env 3.0.0,
-except that `parity` is off (see `presets/kinetix-3.toml`).
-"""
+"""Hyper-parameters of PPO, which every other algorithm has too."""
 
 import dataclasses
 import math
@@ -16,17 +12,30 @@ from kinetix.wording import thousands
 _MOST_UPDATES: Final = 2_000_000_000
 """More cannot be counted in 32 bits."""
 
-Algorithm = Literal["ppo", "sfl", "plr", "accel", "dr", "bc"]
 LevelMode = Literal["random", "random_all", "locomotion", "empty", "list"]
 ObservationName = Literal[
     "symbolic_entity", "symbolic_flat", "symbolic_flat_padded", "pixels", "blind"
 ]
 ActionName = Literal["multi_discrete", "discrete", "continuous"]
-ScoreFunction = Literal["MaxMC", "pvl", "learnability"]
-Prioritization = Literal["rank", "topk"]
-LearnabilityMode = Literal["timesteps", "episodes"]
 
 _NETWORK = NetworkConfig()
+
+RESUMABLE = frozenset(
+    {
+        "total_timesteps",
+        "eval_freq",
+        "eval_levels",
+        "eval_num_attempts",
+        "eval_sampled_levels",
+        "checkpoint_save_freq",
+        "video_frequency",
+        "wandb_project",
+        "wandb_entity",
+        "wandb_group",
+        "wandb_tags",
+    }
+)
+"""Fields that may change when a run goes on: they do not alter what has been learnt so far."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -260,232 +269,6 @@ class PpoConfig:
         """
         shuffled = self.permute_state_during_training
         return self.level_mode == "list" and not shuffled and self.parity is None
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class SflConfig(PpoConfig):
-    """Sampling for learnability: train on levels that are sometimes solved."""
-
-    num_steps: int = 256
-    """Environment steps of a rollout."""
-    sampled_envs_ratio: float = 0.5
-    """Share of the environments that play levels of the buffer; 0 is domain randomisation."""
-    batch_size: int = 16_384
-    """Random levels that are scored at once."""
-    num_batches: int = 16
-    """Number of such batches in a scoring."""
-    rollout_steps: int = 512
-    """Length of each of their rollouts [environment steps]."""
-    num_to_save: int = 8192
-    """Size of the buffer."""
-    buffer_update_frequency: int = 50
-    """Updates between two scorings."""
-    learnability_mode: LearnabilityMode = "timesteps"
-    """A level is played for `rollout_steps` (`timesteps`), or for its first `rollout_episodes`
-    episodes (`episodes`)."""
-    rollout_episodes: int = 10
-    """Episodes a level in the mode `episodes`."""
-    learnability_correction: bool = True
-    """p(1 − p)·n/(n + 1) instead of p(1 − p), for n finished episodes."""
-    train_on_buffer: bool = False
-    """Take all levels from a fixed set of random ones instead of drawing ever new ones."""
-    train_buffer_size: int = 8192
-    """Size of that set."""
-    put_eval_levels_in_buffer: bool = False
-    """Let the evaluation levels take the last places of the buffer; results on them are then no
-    longer those of unseen levels."""
-    log_learnability_before_after: bool = False
-    """Play the buffer's levels once more before and after they are trained on, for the metrics."""
-
-    def uneven(self, devices: int) -> str:
-        """See `PpoConfig`; levels are scored on all devices too."""
-        odd = super().uneven(devices)
-        if not self.drawn_envs:
-            return odd
-        odd = odd or self._no_multiple("batch_size", devices)
-        if self.log_learnability_before_after:
-            odd = odd or self._no_multiple("num_to_save", devices)
-        return odd
-
-    def check(self) -> None:
-        """See `PpoConfig.check`."""
-        super().check()
-        if self.num_to_save > self.batch_size * self.num_batches:
-            raise KinetixError(
-                f"num_to_save = {self.num_to_save} is more than the batch_size × num_batches = "
-                f"{self.batch_size * self.num_batches} levels that are scored"
-            )
-        if self.sampled_envs_ratio and not self.drawn_envs:
-            raise KinetixError(
-                f"sampled_envs_ratio = {self.sampled_envs_ratio:g} of num_train_envs = "
-                f"{self.num_train_envs} is less than one environment: none would play levels that "
-                "were scored; expected more of either, or 0 for domain randomisation"
-            )
-
-    @property
-    def drawn_envs(self) -> int:
-        """Environments that play levels of the buffer."""
-        return int(self.sampled_envs_ratio * self.num_train_envs)
-
-    @property
-    def only_listed(self) -> bool:
-        """See `PpoConfig`; evaluation levels in the buffer are played too."""
-        return super().only_listed and not self.put_eval_levels_in_buffer
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class ReplayConfig(PpoConfig):
-    """Prioritised level replay; with `replay_prob` 0 it is domain randomisation (DR)."""
-
-    size: str = "s"
-    """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
-    outer_rollout_steps: int = 4
-    """Rollouts (and updates) on the same levels before they are scored."""
-    use_accel: bool = False
-    """Mutate the levels of every replay."""
-    num_edits: int = 2
-    """Edits of a mutation."""
-    score_function: ScoreFunction = "MaxMC"
-    """Score that makes a level worth replaying."""
-    level_buffer_capacity: int = 4000
-    """Size of the buffer."""
-    replay_prob: float = 0.5
-    """Probability of a replay, once the buffer is full enough."""
-    staleness_coeff: float = 0.3
-    """Weight of not having been replayed for long."""
-    prioritization: Prioritization = "rank"
-    """Mapping from scores to weights."""
-    temperature: float = 1.0
-    """Weights are proportional to (1/rank) to the power 1/temperature."""
-    topk_k: int = 8
-    """Number of the best levels, which share the weight under `topk`."""
-    minimum_fill_ratio: float = 0.5
-    """Share of the buffer that must be filled before the first replay."""
-    exploratory_grad_updates: bool = True
-    """Learn on new and mutated levels too (else only on replayed ones)."""
-    buffer_duplicate_check: bool = False
-    """Keep no level twice."""
-    accel_start_from_empty: bool = True
-    """Let ACCEL's new levels be nearly empty ones (false where `levels` or `level_mode` name
-    others)."""
-
-    eval_freq: int = 50
-    """Updates between two evaluations; 0: none."""
-
-    update_size: ClassVar[tuple[str, ...]] = (*PpoConfig.update_size, "outer_rollout_steps")
-
-    @property
-    def only_listed(self) -> bool:
-        """See `PpoConfig`; mutations make levels that have other things."""
-        return super().only_listed and not self.use_accel
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class BcConfig(PpoConfig):
-    """Behavioural cloning: learn what was done in wins."""
-
-    data: tuple[str, ...] = ()
-    """Data sets of `kinetix teach` or `kinetix dataset`, `.npz` files, levels with a solution."""
-    learning_rate: float = 5e-4
-    """Step size of Adam, where it is constant or falls linearly."""
-    minibatch_size: int = 1024
-    """Moments of a gradient step."""
-    label_smoothing: float = 0.05
-    """Share of the target that is spread over all choices."""
-    held_out: float = 0.05
-    """Share of the episodes that is measured and not learnt from."""
-    total_timesteps: int = 8_388_608
-    """Moments in all, repetitions included."""
-
-    update_size: ClassVar[tuple[str, ...]] = ("minibatch_size", "num_minibatches")
-
-    def uneven(self, devices: int) -> str:
-        """Nothing is shared out, so that no number of devices is refused."""
-        return ""
-
-    def fits_devices(self, devices: int) -> bool:
-        """One device learns; others would have nothing to do."""
-        return devices == 1
-
-    @property
-    def only_listed(self) -> bool:
-        """See `PpoConfig`; demonstrations may be of other levels."""
-        return False
-
-    def _check_minibatches(self) -> None:
-        """Nothing is played, so `minibatch_size` alone counts."""
-
-    def check(self) -> None:
-        """See `PpoConfig.check`."""
-        super().check()
-        if not self.data:
-            raise KinetixError(
-                "data: expected demonstrations: data of `kinetix teach` or `kinetix dataset`, "
-                "episodes that the editor saved, or levels with a recorded solution"
-            )
-        if self.dummy_env:
-            raise KinetixError(
-                "dummy_env: imitation plays its demonstrations again, and must win: leave it out"
-            )
-        if self.action_type != "multi_discrete":
-            raise KinetixError(
-                f"action_type: demonstrations are multi_discrete, got {self.action_type!r}"
-            )
-        if self.network.recurrent_model:
-            raise KinetixError("recurrent_model: imitation learns from single moments")
-        if self.minibatch_size < 1:
-            raise KinetixError(f"minibatch_size: expected at least 1, got {self.minibatch_size}")
-        for name in ("label_smoothing", "held_out"):
-            if not 0 <= getattr(self, name) < 1:
-                raise KinetixError(f"{name}: expected 0 … below 1, got {getattr(self, name)}")
-
-
-CONFIGS: dict[str, type[PpoConfig]] = {
-    "bc": BcConfig,
-    "ppo": PpoConfig,
-    "sfl": SflConfig,
-    "plr": ReplayConfig,
-    "accel": ReplayConfig,
-    "dr": ReplayConfig,
-}
-"""The kind of configuration that each algorithm takes."""
-
-ALGORITHM_DEFAULTS: dict[str, dict[str, object]] = {
-    "accel": {"use_accel": True, "num_edits": 5},
-    "dr": {"replay_prob": 0.0},
-}
-"""Settings in which algorithms that share a kind of configuration differ."""
-
-
-def algorithm_of(config: PpoConfig) -> str:
-    """Return the name of the algorithm that a configuration is for."""
-    if isinstance(config, SflConfig):
-        return "sfl"
-    if isinstance(config, BcConfig):
-        return "bc"
-    if isinstance(config, ReplayConfig):
-        if config.use_accel:
-            return "accel"
-        return "plr" if config.replay_prob else "dr"
-    return "ppo"
-
-
-RESUMABLE = frozenset(
-    {
-        "total_timesteps",
-        "eval_freq",
-        "eval_levels",
-        "eval_num_attempts",
-        "eval_sampled_levels",
-        "checkpoint_save_freq",
-        "video_frequency",
-        "wandb_project",
-        "wandb_entity",
-        "wandb_group",
-        "wandb_tags",
-    }
-)
-"""Fields that may change when a run goes on: they do not alter what has been learnt so far."""
 
 
 def _check_choice(field: "dataclasses.Field[object]", value: object) -> None:
