@@ -9,11 +9,11 @@ from editor.actions import (
     address,
     agents,
     context,
-    export,
     gallery,
     leave,
     outside,
     play,
+    recording,
     train,
     watch,
 )
@@ -298,7 +298,7 @@ def advance(session: Session, seconds: float) -> None:
         audible = session.settings.sound
         session.sound.listen(session.playback, session.time, audible=audible)
     with session.guard():
-        export.update_recording(session)
+        recording.follow(session)
         leave.update_leaving(session)
         watch.update_viewer(session)
         train.update_training(session)

@@ -11,7 +11,6 @@ from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
 from editor.documents.files import lost_on_save
 from editor.play.mode import Mode
-from editor.play.recording import Recording
 from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
@@ -19,7 +18,7 @@ from editor.worker.recording import Trace, channels_of
 from editor.worker.requests import ExportFilm, ExportPicture
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
-from kinetix.errors import CommandError, KinetixError, LevelError
+from kinetix.errors import CommandError, KinetixError
 from kinetix.files.atomic import check_target, write_atomically, write_with_backup
 from kinetix.level.codec import dumps
 from kinetix.level.model import Level
@@ -346,85 +345,6 @@ def _rest(session: Session) -> None:
 def screenshot(session: Session) -> None:
     """Ask the host for a picture of the window."""
     session.screenshot = free_name(session, ".png")
-
-
-def record(session: Session) -> None:
-    """Start filming what is played; again: write the film."""
-    if session.recording is None:
-        session.recording = Recording.of(session.playback)
-        session.toast("Recording: play, then press Ctrl+Shift+R again.")
-        return
-    try:
-        end_recording(session)
-    except LevelError as error:
-        ask_to_drop(
-            session,
-            error,
-            title="Drop the film?",
-            drop=Choice(id="drop", label="Drop the Film"),
-            keep=Choice(id="go_on", label="Go On Recording"),
-        )
-
-
-def end_recording(session: Session) -> None:
-    """Write the films of what was recorded.
-
-    Raises:
-        CommandError: Nothing was played; the recording has ended.
-        LevelError: Nothing can be written there; the recording goes on.
-    """
-    recording = session.recording
-    films = [] if recording is None else recording.films()
-    if films:
-        check_target(free_name(session, ".gif"))
-    session.recording = None
-    if not films:
-        raise CommandError("Nothing was played while recording.")
-    for level, trace in films:
-        film(session, level, trace, free_name(session, ".gif"))
-
-
-def ask_to_drop(
-    session: Session,
-    error: LevelError,
-    *,
-    title: str,
-    drop: Choice,
-    keep: Choice,
-    then: Callable[[], None] = lambda: None,
-) -> None:
-    """Ask whether to drop a recording that cannot be written.
-
-    Args:
-        session: Whose recording.
-        error: Why it cannot be written.
-        title: Of the question.
-        drop: The answer that drops it.
-        keep: The answer that changes nothing.
-        then: Called once it is dropped.
-    """
-
-    def answer(choice: str) -> None:
-        if choice == drop.id:
-            session.recording = None
-            then()
-
-    session.ask(
-        Question(
-            title=title,
-            message=f"{error}\nTo keep the film, save the level in another folder.",
-            choices=(drop, keep),
-            default=keep.id,
-            cancel=keep.id,
-            answer=answer,
-        )
-    )
-
-
-def update_recording(session: Session) -> None:
-    """Let a frame pass: what is on show comes into the film."""
-    if session.recording is not None:
-        session.recording.follow(session.playback)
 
 
 def free_name(session: Session, suffix: str) -> Path:

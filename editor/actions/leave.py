@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Final
 
-from editor.actions import export
+from editor.actions import export, recording
 from editor.actions.file import ask_moment, if_settled, save
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
@@ -113,9 +113,9 @@ def _quit(session: Session) -> None:
 def _finish(session: Session) -> None:
     if session.recording is not None and session.recording.films():
         try:
-            export.end_recording(session)
+            recording.end(session)
         except LevelError as error:
-            export.ask_to_drop(
+            recording.ask_to_drop(
                 session,
                 error,
                 title="Close without the film?",

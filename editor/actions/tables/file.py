@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import address, comparison, export, file, leave, outside
+from editor.actions import address, comparison, export, file, leave, outside, recording
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -95,7 +95,7 @@ FILE: Final = (
         keys=("ctrl+shift+r",),
         tooltip="Start and stop recording what is played as a GIF.",
         checked=lambda session: session.recording is not None,
-        run=export.record,
+        run=recording.start_or_end,
     ),
     Action(id="file.quit", label="Quit", menu="File", keys=("ctrl+q",), run=leave.quit_app),
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import export
+from editor.actions import export, recording
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
@@ -254,7 +254,7 @@ def unwritable(session, films, monkeypatch):
     actions.run(session, "file.record")
     actions.run(session, "run.play_human")
     play(session, 0.3)
-    monkeypatch.setattr(export, "check_target", refuse)
+    monkeypatch.setattr(recording, "check_target", refuse)
     return session
 
 
