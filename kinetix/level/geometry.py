@@ -359,8 +359,8 @@ def touches_box(body: Body, box: tuple[float, float, float, float]) -> bool:
 def overlap_depth(a: Body, b: Body) -> float:
     """Return the depth by which two bodies overlap [m]; 0 when they touch, negative when apart.
 
-    The depth is the least shift that parts them; apart, its negative is a lower bound of the
-    distance. Source: separating axis theorem (Ericson, Real-Time Collision Detection, 5.2.1).
+    The depth is the least shift that parts them; apart, its negative is the distance.
+    Source: separating axis theorem (Ericson, Real-Time Collision Detection, 5.2.1).
     """
     if isinstance(a.shape, Circle):
         if isinstance(b.shape, Circle):
@@ -372,7 +372,13 @@ def overlap_depth(a: Body, b: Body) -> float:
 
 
 def _polygon_overlap(a: Points, b: Points) -> float:
-    return min(_least_overlap(a, b), _least_overlap(b, a))
+    depth = min(_least_overlap(a, b), _least_overlap(b, a))
+    return depth if depth >= 0 else -min(_least_distance(a, b), _least_distance(b, a))
+
+
+def _least_distance(a: Points, b: Points) -> float:
+    """Return the least distance of a corner of one polygon from an edge of another [m]."""
+    return min(segment_distance(corner, *edge) for corner in a for edge in _edges(b))
 
 
 def _least_overlap(a: Points, b: Points) -> float:

@@ -1,6 +1,7 @@
 """Faces that bodies meet, and room for contacts, against plane geometry."""
 
 import functools
+import math
 
 import jax
 import jax.numpy as jnp
@@ -22,6 +23,8 @@ from kinetix.engine.pairs import may_push, pair_counts
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.spec import Capacity, SceneSpec
 from kinetix.engine.store import Store
+from kinetix.level.geometry import overlap_depth, world_vertices
+from kinetix.level.model import Body, Polygon
 
 DT = jnp.asarray([1 / 60])
 STORE = Store.beside(DT)
@@ -37,7 +40,11 @@ def at(x: float, y: float) -> Vec:
 
 def box(centre, velocity=(0.0, 0.0), size=(1.0, 1.0), spin=0.0) -> MovingPolygon:
     w, h = size[0] / 2, size[1] / 2
-    corners = np.array([(-w, -h), (-w, h), (w, h), (w, -h)], np.float32)  # clockwise
+    return polygon([(-w, -h), (-w, h), (w, h), (w, -h)], centre, velocity, spin)
+
+
+def polygon(clockwise, centre, velocity=(0.0, 0.0), spin=0.0) -> MovingPolygon:
+    corners = np.array(clockwise, np.float32)
     edge = np.roll(corners, -1, axis=0) - corners
     normals = np.stack([-edge[:, 1], edge[:, 0]], 1) / np.hypot(*edge.T)[:, None]
 
@@ -114,6 +121,31 @@ def test_a_step_of_five_centimetres_stops(speed):
     ):
         found = contacts(kernels, a, tile)
         assert any(closing(normal, (speed, 0.0)) * DT[0] > gap for normal, gap in found)
+
+
+def bodies_of(centre, angle, size, rng):
+    """Return a random triangle or quadrilateral for the kernels, and as a body of a level."""
+    turns = np.sort(rng.uniform(0, 0.5, 4) + np.arange(4) * 0.5)[: rng.integers(3, 5)] * np.pi
+    corners = size * np.stack([np.cos(turns + angle), np.sin(turns + angle) * 0.2], 1)
+    corners -= corners.mean(0)
+    shape = Polygon(vertices=tuple(map(tuple, corners.tolist())))
+    body = Body(id=1, shape=shape, position=tuple(centre))
+    return polygon(corners[::-1], centre), body
+
+
+def test_the_separation_is_the_distance():
+    """Also of sharp corners that point at each other, which no face's normal measures."""
+    rng, nearest_at_corners = np.random.default_rng(0), 0
+    approach = jax.jit(polygon_polygon.approach)
+    for _ in range(300):
+        a, body_a = bodies_of(rng.normal(size=2), rng.uniform(0, 6), rng.uniform(0.1, 1), rng)
+        b, body_b = bodies_of(rng.normal(size=2) * 2, rng.uniform(0, 6), rng.uniform(0.1, 1), rng)
+        distance = -overlap_depth(body_a, body_b)
+        found = float(approach(a, b, DT).separation[0, 0])
+        assert found == pytest.approx(distance, abs=1e-5)
+        corners = [math.dist(p, q) for p in world_vertices(body_a) for q in world_vertices(body_b)]
+        nearest_at_corners += min(corners) == pytest.approx(distance, abs=1e-6)
+    assert nearest_at_corners > 50
 
 
 def test_a_fast_body_is_seen_by_a_thin_wall_that_it_would_cross_in_one_step():

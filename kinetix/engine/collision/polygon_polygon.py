@@ -1,6 +1,7 @@
 """Contacts between two convex polygons. Worlds on the last axis."""
 
 import functools
+import itertools
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -16,21 +17,22 @@ from kinetix.engine.collision.moving import (
     turned,
 )
 from kinetix.engine.collision.points import Approach, Spot
-from kinetix.engine.maths import Vec, cross, dot, length
+from kinetix.engine.maths import Vec, cross, dot, length, nonzero
 from kinetix.engine.shapes import FAR
 from kinetix.engine.store import Store
 
 
 def approach(a: MovingPolygon, b: MovingPolygon, dt: Float[Array, " n"]) -> Approach:
-    """Return the largest gap over all edge normals, and the face along which they meet."""
+    """Return the signed distance of the surfaces, and the face along which they meet."""
     apart, motion = b.centre - a.centre, b.velocity - a.velocity
     gaps = [*_gaps(a, b, apart), *_gaps(b, a, -apart)]
     normals = [*columns(a.normals), *columns(-b.normals)]
     closings = [-dot(normal[:, 0], motion) for normal in normals]
     time, face, meets = meeting(gaps, closings, dt)
     corners = a.offsets.shape[1]
+    widest = functools.reduce(jnp.maximum, gaps)
     return Approach(
-        separation=functools.reduce(jnp.maximum, gaps),
+        separation=jnp.where(widest > 0, jnp.maximum(widest, _corner_gap(a, b, apart)), widest),
         face=jnp.where(face >= corners, face + 4 - corners, face),
         time=time,
         meets=meets,
@@ -44,6 +46,25 @@ def _gaps(a: MovingPolygon, b: MovingPolygon, apart: Vec) -> list[Float[Array, "
     )
     gaps = dot(a.normals, apart[:, None]) + nearest - a.offsets
     return [column[:, 0] for column in jnp.split(gaps, gaps.shape[1], axis=1)]
+
+
+def _corner_gap(a: MovingPolygon, b: MovingPolygon, apart: Vec) -> Float[Array, "q n"]:
+    """Return the gap along the line of the two nearest corners.
+
+    No gap along a line is more than the distance. Where no face has as much, two corners are what
+    is nearest, and this is it.
+    """
+    own, other = columns(a.corners), [apart[:, None] + corner for corner in columns(b.corners)]
+    between = [there - here for here, there in itertools.product(own, other)]
+    nearest, least = between[0], dot(between[0], between[0])
+    for offset in between[1:]:
+        squared = dot(offset, offset)
+        nearest = maths.where(squared < least, offset, nearest)
+        least = jnp.minimum(least, squared)
+    line = nearest / nonzero(length(nearest))
+    first = functools.reduce(jnp.minimum, [dot(line, corner) for corner in other])
+    last = functools.reduce(jnp.maximum, [dot(line, corner) for corner in own])
+    return (first - last)[:, 0]
 
 
 def points(
