@@ -201,7 +201,8 @@ def _key(session: Session, event: KeyEvent) -> bool:
     if Context.LEVEL in reached(session):
         session.hands.held.add(event.key)
     if _drawing(session) and session.driver.active:
-        if event.key == "backspace" and session.driver.backspace():
+        if event.key == "backspace":
+            session.driver.backspace()
             return True
         if event.key in ("return", "enter") and session.driver.accept():
             return True
