@@ -66,7 +66,12 @@ def cut(session: Session) -> None:
     if not found.bodies:
         raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
     session.clipboard.set(clip.dumps(found))
-    session.execute(Remove(ids=ids))
+    session.execute(Remove(ids=tuple(body.id for body in found.bodies)))
+    staying = sum(entity.id in ids for entity in session.document.level.entities())
+    if staying == 1:
+        session.complain("1 thing stays: it hangs on what was not cut.")
+    elif staying:
+        session.complain(f"{staying} things stay: they hang on what was not cut.")
 
 
 def paste(session: Session) -> None:
