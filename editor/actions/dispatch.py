@@ -305,7 +305,7 @@ def advance(session: Session, seconds: float) -> None:
         train.update_training(session)
         play.note_end(session)
     with session.guard():
-        session.autosaves.follow(tab.document for tab in session.tabs)
+        session.autosaves.follow(session.tabs.documents)
     with session.guard():
         paths = (tab.document.path for tab in session.tabs)
         session.autosaves.open_files(path for path in paths if path is not None)

@@ -63,6 +63,7 @@ def keep(session: Session) -> None:
         ReplaceLevel(level=level.replace(name=document.level.name), label=label),
         time=session.time,
     )
+    session.autosaves.keep(document)
     session.toast(f"The level starts from {moment.begin} now.", "success", action="edit.undo")
 
 

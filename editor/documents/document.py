@@ -135,6 +135,8 @@ class Document:
         """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
         self.given_up: Level | None = None
         """The level that the user chose not to save; None: there was no such choice."""
+        self.passing = False
+        """True for a moment of an episode: when it is no longer open, no copy of it is kept."""
         self.drawn = False
         """True if it was drawn at random: until it is changed, the next one may take its tab."""
         self.saves = 0
