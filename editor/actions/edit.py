@@ -123,10 +123,20 @@ def rename(session: Session) -> None:
 
 
 def named(level: Level, entity: int, name: str) -> SetField:
-    """Return the edit that gives an entity a name; nothing, or what it is, takes its name away."""
+    """Return the edit that gives an entity a name; nothing, or what it is, takes its name away.
+
+    Raises:
+        CommandError: The entity has been deleted meanwhile.
+    """
     name = name.strip()[:MAX_NAME].rstrip()
-    plain = not name or name == plain_name(level.entity(entity))
-    return SetField(ids=(entity,), field="name", value=None if plain else name, shown=name)
+    record = next((each for each in level.entities() if each.id == entity), None)
+    if record is None:
+        raise CommandError(f"What was to be called {name} is gone.")
+    plain = plain_name(record)
+    shown = name or plain
+    return SetField(
+        ids=(entity,), field="name", value=None if shown == plain else shown, shown=shown
+    )
 
 
 def can_rename(session: Session) -> bool:
