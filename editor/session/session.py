@@ -292,8 +292,6 @@ class Session:
         with self.guard():
             if document is self.document and not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
-            if document is self.document:
-                self.driver.cancel()  # It has begun with another level.
             outcome = document.commit(command, time=self.time)
             if outcome.created:
                 bodies = {body.id for body in document.level.bodies}

@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from editor import actions
-from editor.documents.commands.fields import SetField
+from editor.documents.commands.group import Remove
 from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.worker.jobs import Worker
@@ -71,18 +71,17 @@ def test_a_mutation_comes_after_a_gesture_that_was_left():
     assert texts(mutating.session) == []
 
 
-def test_any_other_edit_ends_the_gesture_first():
+def test_a_joint_that_goes_away_while_it_is_dragged_is_told():
     session = a_session()
     hand = Hand(session)
-    session.selection = (3,)
-    hand.press((4.0, 3.0))
-    hand.hold((4.3, 3.0))
-    session.execute(SetField(ids=(3,), field="friction", value=0.5))
-    hand.hold((4.5, 3.0))
-    hand.release((4.5, 3.0))
+    session.selection = (5,)
+    hand.press((2.2, 2.0))
+    hand.hold((2.25, 2.1))
+    session.execute(Remove(ids=(5,)))
+    hand.hold((2.3, 2.1))
+    hand.release((2.3, 2.1))
     assert not session.driver.active and not session.document.previewing
-    assert session.document.level.body(3).position == (4.0, 3.0)
-    assert session.document.level.body(3).friction == 0.5
+    assert texts(session) == ["The joint that was dragged is gone."]
 
 
 def test_a_mutation_reaches_its_level_behind_another_tab():

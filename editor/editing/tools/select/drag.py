@@ -14,6 +14,7 @@ from editor.editing.snapping import measured, snap_point, snap_shift
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.joint import pair_marks
 from editor.editing.tools.thruster import NO_BODY
+from kinetix.errors import CommandError
 
 _ON_THE_EDGE: Final = 1e-4
 """A thruster that was snapped to an edge may lie this far outside by rounding [m]."""
@@ -87,9 +88,15 @@ def drag_joint(session: ToolContext, press: PointerEvent, joint: int) -> Gesture
 
 
 def _joint_at(session: ToolContext, joint_id: int, point: Point) -> MoveJoint | RehangJoint:
-    """Return the edit that puts a joint at a point: on its bodies while they reach there."""
+    """Return the edit that puts a joint at a point: on its bodies while they reach there.
+
+    Raises:
+        CommandError: The joint has been deleted meanwhile.
+    """
     level = session.document.level
-    joint = next(joint for joint in level.joints if joint.id == joint_id)
+    joint = next((joint for joint in level.joints if joint.id == joint_id), None)
+    if joint is None:
+        raise CommandError("The joint that was dragged is gone.")
     hidden = session.document.hidden
     under = [body for body in bodies_at(level, point) if body not in hidden]
     kept = [end for end in (joint.a, joint.b) if end in under]
