@@ -59,10 +59,12 @@ def keep(session: Session) -> None:
     session.leave_moment()
     document = session.document
     label = f"Start from {moment.begin}"
-    document.commit(
+    outcome = document.commit(
         ReplaceLevel(level=level.replace(name=document.level.name), label=label),
         time=session.time,
     )
+    for notice in outcome.notices:
+        session.toast(notice)
     session.autosaves.keep(document)
     session.toast(f"The level starts from {moment.begin} now.", "success", action="edit.undo")
 

@@ -279,8 +279,8 @@ class Document:
             return Outcome(changed=False)
         _refuse_unwritable(after, before)
         notices = []
-        kept = after.solution is not None and after.solution is before.solution
-        if kept and not same_simulation(after, before):
+        new = after.solution is not None and after.solution is not before.solution
+        if before.solution and not (new or same_simulation(after, before)):
             after = after.replace(solution=None)
             notices.append("The recorded solution was dropped: the level changed.")
         notices += self._mass_notices(before, after)

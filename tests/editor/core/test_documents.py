@@ -102,6 +102,17 @@ def test_what_does_not_exist_cannot_be_selected():
     assert document.selection == (3, "floor")
 
 
+def test_another_level_in_its_place_says_that_the_solution_is_dropped():
+    document = Document(a_level().replace(solution=SOLVED))
+    other = a_level().replace(thrusters=())
+    (notice,) = document.commit(ReplaceLevel(level=other, label="Mutate")).notices
+    assert "solution" in notice
+    document.undo()
+    assert document.level.solution == SOLVED
+    alone = document.level.replace(solution=None)
+    assert not document.commit(ReplaceLevel(level=alone, label="Forget it")).notices
+
+
 def test_a_change_drops_the_recorded_solution_and_says_so():
     document = Document(a_level().replace(solution=SOLVED))
     assert document.commit(SetLevelField(field="name", value="Other")).notices == ()

@@ -5,6 +5,9 @@ import pytest
 from editor.actions import run, update
 from editor.documents import recovery
 from editor.documents.commands.group import Move
+from editor.documents.commands.level import KeepSolution
+from kinetix.level.model import Solution
+from tests.editor.core.helpers import texts
 
 MOVE = Move(ids=(3,), shift=(0.3, 0.0))
 
@@ -53,3 +56,12 @@ def test_the_copy_goes_with_the_moment(changed, way):
         update(changed, 0.1)
     kept = [changed.tab.document.level.bodies] if way == "keep" else []
     assert [copy.level.bodies for copy in copies(changed)] == kept
+
+
+def test_a_start_that_is_kept_says_that_the_solution_is_dropped(changed):
+    document = changed.tab.document
+    solution = Solution(physics="kinetix-v2", frame_skip=1, actions=((5, (0, 0, 0, 0, 0, 0)),))
+    document.commit(KeepSolution(solution=solution))
+    assert run(changed, "run.keep_moment")
+    assert document.level.solution is None
+    assert "The recorded solution was dropped: the level changed." in texts(changed)
