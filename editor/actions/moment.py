@@ -24,7 +24,10 @@ def change(session: Session) -> None:
     selection = session.selection
     before = session.tab.moment
     if before is None:
-        session.tab.moment = moment_of(level, snapshot, playback.casting, player=playback.player)
+        started = moment_of(level, snapshot, playback.casting, player=playback.player)
+        started.document.locked = session.document.locked
+        started.document.hidden = session.document.hidden
+        session.tab.moment = started
     else:
         before.document.commit(TakePoses(poses=snapshot, label="Play on"), time=session.time)
         before.document.mark_saved()
