@@ -265,9 +265,8 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
             step *= NUDGE_FINE
         elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
+        _unlocked(session)
         ids = moving_ids(session)
-        if not ids:
-            _unlocked(session)
         shift = (x * step, y * step)
         session.execute(Move(ids=ids, shift=shift, merge_key=("nudge", ids)))
 
@@ -277,7 +276,7 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
 def moving_ids(session: Session) -> Selection:
     """The selected bodies with those that hang on them, unless that is switched off."""
     level, document = session.document.level, session.document
-    ids = {body.id for body in level.bodies if body.id in session.selection}
+    ids = {body.id for body in level.bodies if body.id in document.unlocked}
     if session.settings.move_jointed:
         ids = component(level, ids)
     return tuple(b.id for b in level.bodies if b.id in ids and b.id not in document.locked)

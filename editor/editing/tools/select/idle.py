@@ -157,7 +157,7 @@ def begin_drag(session: ToolContext, press: PointerEvent, taken: EntityId) -> Ge
         return drag_joint(session, press, int(taken))
     if alone and any(thruster.id == taken for thruster in level.thrusters):
         return drag_thruster(session, press, int(taken))
-    ids = {body.id for body in level.bodies if body.id in session.selection}
+    ids = {body.id for body in level.bodies if body.id in session.document.unlocked}
     if session.settings.move_jointed and not press.modifiers.alt:
         ids = component(level, ids)
     ids -= {i for i in session.document.locked if isinstance(i, int)}

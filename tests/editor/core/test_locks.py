@@ -1,0 +1,24 @@
+"""What is locked leaves what hangs on it where it is too."""
+
+from editor import actions
+from tests.editor.core.helpers import texts
+
+
+def test_a_nudge_of_a_locked_shape_moves_nothing_that_hangs_on_it(session, hand):
+    session.selection = (1,)
+    actions.run(session, "edit.lock")
+    before = session.document.level
+    hand.key("right")
+    assert session.document.level == before
+    assert texts(session) == ["What is selected is locked: unlock it first."]
+
+
+def test_what_hangs_on_a_locked_shape_stays_while_others_move(session, hand):
+    session.document.locked = frozenset({1})
+    session.selection = (1, 3)
+    before = session.document.level
+    hand.drag((4.0, 3.0), (4.5, 3.2))
+    hand.key("right")
+    after = session.document.level
+    assert [b.id for b, old in zip(after.bodies, before.bodies, strict=True) if b != old] == [3]
+    assert texts(session) == ["1 locked thing stays as it is."]
