@@ -336,7 +336,7 @@ class Document:
 
     def _show(self, entry: Entry[Level, Selection] | None) -> None:
         if entry is not None:
-            self._selection = entry.selection
+            self._selection = tuple(each for each in entry.selection if each not in self.hidden)
 
     def _surviving(self, level: Level) -> Selection:
         known = self._known_ids(level)

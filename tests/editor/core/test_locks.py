@@ -22,3 +22,16 @@ def test_what_hangs_on_a_locked_shape_stays_while_others_move(session, hand):
     after = session.document.level
     assert [b.id for b, old in zip(after.bodies, before.bodies, strict=True) if b != old] == [3]
     assert texts(session) == ["1 locked thing stays as it is."]
+
+
+def test_undo_selects_nothing_that_is_hidden(session, hand):
+    session.selection = (3, 4)
+    hand.key("right")
+    session.time += 5.0
+    hand.key("right")
+    session.selection = (3,)
+    hand.key("h", ctrl=True)
+    hand.key("z", ctrl=True)
+    assert session.selection == (4,)
+    hand.key("z", ctrl=True, shift=True)
+    assert 3 not in session.selection
