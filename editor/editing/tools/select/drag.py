@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from editor.base.events import Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Mark
+from editor.documents.commands.base import EntityId
 from editor.documents.commands.bodies import PLACE_DECIMALS
 from editor.documents.commands.group import Move
 from editor.documents.commands.joints import MoveJoint, RehangJoint
@@ -20,18 +21,20 @@ _ON_THE_EDGE: Final = 1e-4
 """A thruster that was snapped to an edge may lie this far outside by rounding [m]."""
 
 
-def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
+def drag_bodies(
+    session: ToolContext, press: PointerEvent, ids: tuple[int, ...], *, leader: EntityId
+) -> Gesture:
     """Move bodies: Shift keeps to one axis, Ctrl inverts snapping, typed numbers are the shift.
 
     Args:
         session: The app.
         press: Where the drag began.
         ids: The bodies that move.
+        leader: What was grabbed; its centre is what the grid takes.
     """
     level = session.document.level
     bodies = [body for body in level.bodies if body.id in ids]
-    # The grabbed body leads: its centre is what the grid takes.
-    bodies.sort(key=lambda body: body.id not in session.selection)
+    bodies.sort(key=lambda body: (body.id != leader, body.id not in session.selection))
     available = session.targets(ids)
     snapped, command = None, None
     feedback = Feedback(cursor=Cursor.MOVE)
