@@ -103,8 +103,14 @@ def drop(part: str) -> Callable[[Session], None]:
 
 
 def duplicate(session: Session) -> None:
-    """Copy and paste beside the original, without the clipboard."""
+    """Copy and paste beside the original, without the clipboard.
+
+    Raises:
+        CommandError: No shape is selected.
+    """
     found = clip.copied(session.document.level, session.selection)
+    if not found.bodies:
+        raise CommandError("Only shapes can be duplicated, with what hangs on them.")
     session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
 
 
@@ -227,8 +233,17 @@ def toggle_lock(session: Session) -> None:
 
 
 def toggle_hide(session: Session) -> None:
-    """Hide the selection in Edit; with nothing selected show everything again."""
-    document, chosen = session.document, frozenset(session.selection)
+    """Hide the selection in Edit; with nothing selected show everything again.
+
+    Raises:
+        CommandError: Only parts of the arena are selected.
+    """
+    document, chosen = (
+        session.document,
+        frozenset(i for i in session.selection if isinstance(i, int)),
+    )
+    if session.selection and not chosen:
+        raise CommandError("Floor, walls and ceiling cannot be hidden.")
     if not chosen:
         document.hidden = frozenset()
     elif chosen <= document.hidden:

@@ -300,7 +300,11 @@ class Document:
             # Steps there and back, which are one entry.
             entry = dataclasses.replace(entry, value=after.replace(solution=first.solution))
             notices.append("The recorded solution is back: the level plays as before.")
-        self._history.push(entry)
+        if first is not before and same_content(entry.value, first):
+            self._history.drop()  # There and back: nothing is left to undo.
+            self._history.select(self._selection)
+        else:
+            self._history.push(entry)
         return Outcome(changed=True, created=created, notices=tuple(notices))
 
     def undo(self) -> str | None:

@@ -1,5 +1,7 @@
 """What Cut and Duplicate take, and what they leave."""
 
+import pytest
+
 from editor.documents.commands import clip
 from tests.editor.core.helpers import texts
 
@@ -18,3 +20,10 @@ def test_cut_leaves_what_is_not_put_on_the_clipboard(session, hand):
     assert len(texts(session)) == told
     hand.key("v", ctrl=True)
     assert len(list(session.document.level.entities())) == 6
+
+
+@pytest.mark.parametrize("chosen", [(5,), (6,), ("floor",)])
+def test_what_cannot_be_duplicated_says_so(session, hand, chosen):
+    session.selection = chosen
+    hand.key("d", ctrl=True)
+    assert texts(session) == ["Only shapes can be duplicated, with what hangs on them."]

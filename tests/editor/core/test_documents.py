@@ -230,3 +230,14 @@ def test_undoing_everything_gives_the_first_level_and_redoing_everything_the_las
     ids = [entity.id for entity in document.level.entities()]
     assert len(ids) == len(set(ids))
     assert document.level.next_id > max(ids, default=0)
+
+
+def test_steps_there_and_back_at_once_leave_nothing_to_undo():
+    document = Document(a_level())
+    document.commit(Move(ids=(3,), shift=(0.1, 0.0)), time=0.0)
+    for number, role in enumerate(("green", "blue", "none")):
+        document.commit(SetField(ids=(1,), field="role", value=role), time=5.0 + number / 10)
+    assert document.history.undo_label == "Move shape"
+    assert document.history.redo_label is None
+    document.undo()
+    assert document.level.bodies == a_level().bodies

@@ -35,3 +35,13 @@ def test_undo_selects_nothing_that_is_hidden(session, hand):
     assert session.selection == (4,)
     hand.key("z", ctrl=True, shift=True)
     assert 3 not in session.selection
+
+
+def test_the_arena_cannot_be_hidden(session, hand):
+    session.selection = ("floor",)
+    hand.key("h", ctrl=True)
+    assert session.document.hidden == frozenset() and session.selection == ("floor",)
+    assert texts(session) == ["Floor, walls and ceiling cannot be hidden."]
+    session.selection = ("floor", 3)
+    hand.key("h", ctrl=True)
+    assert session.document.hidden == {3}
