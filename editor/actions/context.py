@@ -166,10 +166,10 @@ def _target(session: Session, under: Selection) -> Selection:
 
 
 def _names(target: Selection) -> tuple[str, ...]:
-    """Return the actions for things; the arena's parts can neither be moved nor deleted."""
+    """Return the actions for things: the arena's parts stay, and several have no one name."""
     if all(isinstance(entity, str) for entity in target):
         return ("view.frame_selection",)
-    return _ARRANGING
+    return tuple(name for name in _ARRANGING if name != "edit.rename" or len(target) == 1)
 
 
 def _changes(session: Session, target: Selection) -> list[tuple[str, Command]]:

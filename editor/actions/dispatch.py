@@ -201,7 +201,8 @@ def _key(session: Session, event: KeyEvent) -> bool:
     if Context.LEVEL in reached(session):
         session.hands.held.add(event.key)
     if _drawing(session) and session.driver.active:
-        if event.key == "backspace" and session.driver.backspace():
+        if event.key == "backspace":
+            session.driver.backspace()
             return True
         if event.key in ("return", "enter") and session.driver.accept():
             return True
@@ -304,7 +305,7 @@ def advance(session: Session, seconds: float) -> None:
         train.update_training(session)
         play.note_end(session)
     with session.guard():
-        session.autosaves.follow(tab.document for tab in session.tabs)
+        session.autosaves.follow(session.tabs.documents)
     with session.guard():
         paths = (tab.document.path for tab in session.tabs)
         session.autosaves.open_files(path for path in paths if path is not None)

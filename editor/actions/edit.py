@@ -66,7 +66,12 @@ def cut(session: Session) -> None:
     if not found.bodies:
         raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
     session.clipboard.set(clip.dumps(found))
-    session.execute(Remove(ids=ids))
+    session.execute(Remove(ids=tuple(body.id for body in found.bodies)))
+    staying = sum(entity.id in ids for entity in session.document.level.entities())
+    if staying == 1:
+        session.complain("1 thing stays: it hangs on what was not cut.")
+    elif staying:
+        session.complain(f"{staying} things stay: they hang on what was not cut.")
 
 
 def paste(session: Session) -> None:
@@ -98,8 +103,14 @@ def drop(part: str) -> Callable[[Session], None]:
 
 
 def duplicate(session: Session) -> None:
-    """Copy and paste beside the original, without the clipboard."""
+    """Copy and paste beside the original, without the clipboard.
+
+    Raises:
+        CommandError: No shape is selected.
+    """
     found = clip.copied(session.document.level, session.selection)
+    if not found.bodies:
+        raise CommandError("Only shapes can be duplicated, with what hangs on them.")
     session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
 
 
@@ -118,10 +129,20 @@ def rename(session: Session) -> None:
 
 
 def named(level: Level, entity: int, name: str) -> SetField:
-    """Return the edit that gives an entity a name; nothing, or what it is, takes its name away."""
+    """Return the edit that gives an entity a name; nothing, or what it is, takes its name away.
+
+    Raises:
+        CommandError: The entity has been deleted meanwhile.
+    """
     name = name.strip()[:MAX_NAME].rstrip()
-    plain = not name or name == plain_name(level.entity(entity))
-    return SetField(ids=(entity,), field="name", value=None if plain else name, shown=name)
+    record = next((each for each in level.entities() if each.id == entity), None)
+    if record is None:
+        raise CommandError(f"What was to be called {name} is gone.")
+    plain = plain_name(record)
+    shown = name or plain
+    return SetField(
+        ids=(entity,), field="name", value=None if shown == plain else shown, shown=shown
+    )
 
 
 def can_rename(session: Session) -> bool:
@@ -212,8 +233,17 @@ def toggle_lock(session: Session) -> None:
 
 
 def toggle_hide(session: Session) -> None:
-    """Hide the selection in Edit; with nothing selected show everything again."""
-    document, chosen = session.document, frozenset(session.selection)
+    """Hide the selection in Edit; with nothing selected show everything again.
+
+    Raises:
+        CommandError: Only parts of the arena are selected.
+    """
+    document, chosen = (
+        session.document,
+        frozenset(i for i in session.selection if isinstance(i, int)),
+    )
+    if session.selection and not chosen:
+        raise CommandError("Floor, walls and ceiling cannot be hidden.")
     if not chosen:
         document.hidden = frozenset()
     elif chosen <= document.hidden:
@@ -250,9 +280,8 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
             step *= NUDGE_FINE
         elif session.hands.modifiers.shift:
             step *= NUDGE_COARSE
+        _unlocked(session)
         ids = moving_ids(session)
-        if not ids:
-            _unlocked(session)
         shift = (x * step, y * step)
         session.execute(Move(ids=ids, shift=shift, merge_key=("nudge", ids)))
 
@@ -262,7 +291,7 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
 def moving_ids(session: Session) -> Selection:
     """The selected bodies with those that hang on them, unless that is switched off."""
     level, document = session.document.level, session.document
-    ids = {body.id for body in level.bodies if body.id in session.selection}
+    ids = {body.id for body in level.bodies if body.id in document.unlocked}
     if session.settings.move_jointed:
         ids = component(level, ids)
     return tuple(b.id for b in level.bodies if b.id in ids and b.id not in document.locked)

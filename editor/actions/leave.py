@@ -166,6 +166,8 @@ def _going_on(session: Session) -> list[str]:
 
 
 def _leave(session: Session) -> None:
+    with session.guard():
+        session.autosaves.follow(session.tabs.documents)
     for tab in session.tabs:
         document = tab.document
         # While the app asked and waited, what is not to be saved was copied again.

@@ -9,7 +9,7 @@ from editor.actions.file import open_in_front
 from editor.base.prompts import Choice, MenuQuestion
 from editor.documents.commands.base import Command
 from editor.documents.commands.level import Permute, ReplaceLevel
-from editor.documents.document import Document
+from editor.documents.document import Document, same_simulation
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import MUTATIONS, Mutate, RandomLevel, Request
@@ -103,17 +103,31 @@ def mutate_menu(session: Session) -> None:
 def replace_later(
     session: Session, request: Request, *, title: str, command: Callable[[Level], Command]
 ) -> None:
-    """Ask the worker for a level and put it in when it comes, unless the document has changed."""
+    """Ask the worker for a level and put it in when it comes, unless the document has changed.
+
+    It waits for the end of a gesture, and of play: what is seen there stays as it is.
+    """
     document, before = session.document, session.document.level
+
+    def put_in(level: Level, *, waited: bool = False) -> None:
+        here = document is session.document
+        if here and (session.driver.active or not session.editing):
+            later = waited or not session.editing
+            session.queue(lambda: put_in(level, waited=later))
+        elif document not in session.tabs.documents:
+            return
+        elif document.level != before:
+            session.complain(f"{title}: the level has changed meanwhile; try again.")
+        elif same_simulation(level, before):
+            session.complain(f"{title}: nothing was changed; try again.")
+        elif session.execute(command(level), on=document).changed and (waited or not here):
+            session.toast(f"{title}: {document.level.name} was changed.")
 
     def done(job: Job) -> None:
         if job.state is JobState.FAILED:
             session.toast(job.error, "error")
         elif job.state is JobState.DONE:
-            if document is not session.document or document.level != before:
-                session.complain(f"{title}: the level has changed meanwhile; try again.")
-            else:
-                session.execute(command(job.result))
+            put_in(job.result)
 
     session.worker.submit(request, title=title, urgent=True, done=done)
 

@@ -24,7 +24,10 @@ def change(session: Session) -> None:
     selection = session.selection
     before = session.tab.moment
     if before is None:
-        session.tab.moment = moment_of(level, snapshot, playback.casting, player=playback.player)
+        started = moment_of(level, snapshot, playback.casting, player=playback.player)
+        started.document.locked = session.document.locked
+        started.document.hidden = session.document.hidden
+        session.tab.moment = started
     else:
         before.document.commit(TakePoses(poses=snapshot, label="Play on"), time=session.time)
         before.document.mark_saved()
@@ -59,10 +62,13 @@ def keep(session: Session) -> None:
     session.leave_moment()
     document = session.document
     label = f"Start from {moment.begin}"
-    document.commit(
+    outcome = document.commit(
         ReplaceLevel(level=level.replace(name=document.level.name), label=label),
         time=session.time,
     )
+    for notice in outcome.notices:
+        session.toast(notice)
+    session.autosaves.keep(document)
     session.toast(f"The level starts from {moment.begin} now.", "success", action="edit.undo")
 
 

@@ -124,6 +124,10 @@ class Autosaves:
 
     def _drop_closed(self, followed: set[int]) -> None:
         """Let go of documents that are not open any more, once the thread has done with them."""
+        for number in self._watched.keys() - followed:
+            document = self._watched[number].document
+            if document.passing and document.autosaved_at is not None:
+                self._remove(self._watched[number], with_origin=True)
         with self._wake:
             for number in self._watched.keys() - followed:
                 watched = self._watched[number]

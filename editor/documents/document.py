@@ -135,6 +135,8 @@ class Document:
         """Copies of earlier runs that it was restored from: kept until it is saved or closed."""
         self.given_up: Level | None = None
         """The level that the user chose not to save; None: there was no such choice."""
+        self.passing = False
+        """True for a moment of an episode: when it is no longer open, no copy of it is kept."""
         self.drawn = False
         """True if it was drawn at random: until it is changed, the next one may take its tab."""
         self.saves = 0
@@ -277,8 +279,8 @@ class Document:
             return Outcome(changed=False)
         _refuse_unwritable(after, before)
         notices = []
-        kept = after.solution is not None and after.solution is before.solution
-        if kept and not same_simulation(after, before):
+        new = after.solution is not None and after.solution is not before.solution
+        if before.solution and not (new or same_simulation(after, before)):
             after = after.replace(solution=None)
             notices.append("The recorded solution was dropped: the level changed.")
         notices += self._mass_notices(before, after)
@@ -298,7 +300,11 @@ class Document:
             # Steps there and back, which are one entry.
             entry = dataclasses.replace(entry, value=after.replace(solution=first.solution))
             notices.append("The recorded solution is back: the level plays as before.")
-        self._history.push(entry)
+        if first is not before and same_content(entry.value, first):
+            self._history.drop()  # There and back: nothing is left to undo.
+            self._history.select(self._selection)
+        else:
+            self._history.push(entry)
         return Outcome(changed=True, created=created, notices=tuple(notices))
 
     def undo(self) -> str | None:
@@ -334,7 +340,7 @@ class Document:
 
     def _show(self, entry: Entry[Level, Selection] | None) -> None:
         if entry is not None:
-            self._selection = entry.selection
+            self._selection = tuple(each for each in entry.selection if each not in self.hidden)
 
     def _surviving(self, level: Level) -> Selection:
         known = self._known_ids(level)

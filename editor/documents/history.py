@@ -69,6 +69,11 @@ class History(Generic[T, S]):
             del self._entries[0]
         self._cursor = len(self._entries) - 1
 
+    def drop(self) -> None:
+        """Forget the snapshot at the cursor, which is not the first, and what follows it."""
+        del self._entries[self._cursor :]
+        self._cursor -= 1
+
     def before(self, entry: Entry[T, S]) -> T:
         """Return the snapshot that undo would show after such a push."""
         return self._entries[self._cursor - (1 if self._merges(entry) else 0)].value

@@ -79,12 +79,16 @@ def power_of(length: float, metres: float) -> float:
 def handles_of(level: Level, selection: Selection, metres: float) -> tuple[Handle, ...]:
     """Return the handles of the quantities of one selected thing; of gravity when there is none.
 
+    Gravity has one only where there is something that it pulls.
+
     Args:
         level: Where it is.
         selection: What is selected.
         metres: Width of a pixel at 100 % [m].
     """
     if not selection:
+        if not level.bodies:
+            return ()
         gx, gy = level.gravity
         tip = (GRAVITY_AT[0] + gx * GRAVITY_METRES, GRAVITY_AT[1] + gy * GRAVITY_METRES)
         return (Handle(kind=HandleKind.GRAVITY, at=tip),)

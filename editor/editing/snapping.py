@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Final
 
 from editor.base.overlay import Label, Line, Style
+from editor.editing.flush import flush
 from kinetix.level.geometry import FLOOR_TOP, bounds, world_vertices
 from kinetix.level.model import Body, Circle, Level, Point
 
@@ -243,7 +244,7 @@ def _snap(
             catch = _spaced(box, axis, available.boxes, rules)
         catches.append(catch)
     if rules.smart and catches == [None, None]:
-        slide = _flush(points, available.segments, rules.catch)
+        slide = flush(points, available.segments, rules.catch)
         if slide is not None:
             return Snapped(point=(anchor[0] + slide[0], anchor[1] + slide[1]))
     if rules.grid is not None:
@@ -338,23 +339,6 @@ def _gaps(
     ends = [((p, height), (q, height)) for p, q in equal]
     flipped = [tuple((y, x) for x, y in pair) for pair in ends] if axis else ends
     return tuple(Line(a=pair[0], b=pair[1], style=Style.GUIDE, arrow=True) for pair in flipped)
-
-
-def _flush(
-    points: tuple[Point, ...], segments: tuple[tuple[Point, Point], ...], catch: float
-) -> Point | None:
-    """The least shift that puts one of the points on a slanted edge, or None."""
-    best: tuple[float, Point] | None = None
-    for (px, py), (qx, qy) in segments:
-        dx, dy = qx - px, qy - py
-        squared = dx * dx + dy * dy
-        for x, y in points:
-            along = min(max(((x - px) * dx + (y - py) * dy) / squared, 0.0), 1.0)
-            shift = (px + along * dx - x, py + along * dy - y)
-            distance = math.hypot(*shift)
-            if distance <= catch and (best is None or distance < best[0]):
-                best = (distance, shift)
-    return best[1] if best else None
 
 
 def _gridded(

@@ -43,4 +43,6 @@ def moment_of(
         player: What the agent is called.
     """
     taken = TakePoses(poses=snapshot).apply(level.replace(solution=None))
-    return Moment(document=Document(taken), snapshot=snapshot, casting=casting, player=player)
+    document = Document(taken)
+    document.passing = True
+    return Moment(document=document, snapshot=snapshot, casting=casting, player=player)

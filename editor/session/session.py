@@ -305,8 +305,8 @@ class Session:
     def save_aside(self) -> None:
         """Copy every unsaved level now: what comes next may end the app."""
         try:
-            for tab in self.tabs:
-                self.autosaves.keep(tab.document)
+            for document in self.tabs.documents:
+                self.autosaves.keep(document)
             self.autosaves.flush()
         except Exception as error:
             self.toast(str(error), "error")

@@ -53,6 +53,16 @@ class Tabs(Sequence[Tab]):
         """The tab in front."""
         return self._tabs[self.index_in_front]
 
+    @property
+    def documents(self) -> tuple[Document, ...]:
+        """The levels of the tabs, and after each the moment of its episode that is changed."""
+        return tuple(
+            document
+            for tab in self._tabs
+            for document in (tab.document, tab.moment and tab.moment.document)
+            if document is not None
+        )
+
     def open(self, document: Document) -> None:
         """Show a document in a new tab in front; an untouched empty one is replaced."""
         camera = dataclasses.replace(self.front.camera, centre=(2.5, 2.5))

@@ -174,9 +174,8 @@ class Canvas:
         if session.tool.id == "select" and not session.driver.active:
             level, metres = session.document.shown, session.metres
             loose = session.document.unlocked
-            if session.selection or level.bodies:
-                marker.marks(gauges.marks_of(level, loose, metres))
-                marker.marks(gauges.handles_of(level, loose, metres))
+            marker.marks(gauges.marks_of(level, loose, metres))
+            marker.marks(gauges.handles_of(level, loose, metres))
             marker.marks(picking.handles(level, loose, metres))
 
     def _players(

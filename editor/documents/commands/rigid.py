@@ -47,6 +47,8 @@ def with_parts(level: Level, ids: Collection[EntityId], change: Callable[[Point]
             anchor_a=change(joint.anchor_a) if joint.a in ids else joint.anchor_a,
             anchor_b=change(joint.anchor_b) if joint.b in ids else joint.anchor_b,
         )
+        if joint.a in ids or joint.b in ids
+        else joint
         for joint in level.joints
     )
     thrusters = tuple(

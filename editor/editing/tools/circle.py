@@ -48,7 +48,7 @@ class CircleTool(Tool):
             if event.modifiers.shift:
                 radius = max(round(radius / RADIUS_STEP), 1) * RADIUS_STEP
             if event.typed:
-                radius = event.typed[0]
+                radius = min(max(event.typed[0], RADIUS_MIN), RADIUS_MAX)
             command = None
             if RADIUS_MIN <= radius <= RADIUS_MAX:
                 body = Body(id=1, shape=Circle(radius=radius), position=centre)

@@ -1,5 +1,6 @@
 """Draws rectangles: from corner to corner, or from the centre with Alt; Shift makes a square."""
 
+import math
 from typing import Final
 
 from editor.base.events import Pointer, PointerEvent
@@ -28,8 +29,8 @@ def dragged_box(
         side = max(abs(dx), abs(dy))
         dx, dy = (side if dx >= 0 else -side), (side if dy >= 0 else -side)
     if typed:
-        width = typed[0]
-        height = typed[1] if len(typed) > 1 else width if square else None
+        width, *others = (math.copysign(max(abs(side), SIDE_MIN), side) for side in typed)
+        height = others[0] if others else width if square else None
         factor = 0.5 if centred else 1.0
         dx = (width if dx >= 0 else -width) * factor
         if height is not None:
@@ -58,6 +59,8 @@ class RectangleTool(Tool):
         while True:
             event = yield feedback
             if event.kind is Pointer.RELEASE:
+                if command is None and event.typed:
+                    session.complain("Type width and height, as in 1x0.5.")
                 return command
             rules = session.rules(event.modifiers)
             snapped = snap_point(event.world, rules, available, snapped)

@@ -99,8 +99,7 @@ class Inspector(Panel):
         only = document.level.entity(entity)
 
         def commit(name: str) -> None:
-            command = named(document.level, entity, name)
-            session.queue(lambda: session.execute(command, on=document))
+            session.queue(lambda: session.execute(named(document.level, entity, name), on=document))
 
         hint, shown = "Name, seen in lists and plots", only.name or ""
         self._texts.line(session, "inspector.name", shown, commit, hint=hint, longest=MAX_NAME)

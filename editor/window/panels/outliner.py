@@ -199,9 +199,10 @@ class Outliner(Panel):
         if not widgets.section("Arena", opened=False):
             return
         for name, label in ARENA_LABELS.items():
-            if self._shows(label):
+            called = tr(label)
+            if self._shows(f"{label} {called}"):
                 role = getattr(level.arena, name).role
-                self._row(session, name, Icons.arena, tr(label), _role_colour(role), False)
+                self._row(session, name, Icons.arena, called, _role_colour(role), False)
 
 
 @dataclasses.dataclass(kw_only=True)

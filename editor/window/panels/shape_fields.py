@@ -24,7 +24,7 @@ from editor.toolkit import widgets
 from editor.window.panels.fields import Editor
 from editor.window.panels.number_field import NumberField
 from editor.window.panels.number_info import FieldInfo
-from kinetix.level.geometry import body_mass, world_vertices
+from kinetix.level.geometry import body_mass, referenced_body, to_world, world_vertices
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Joint, Polygon
 
 if TYPE_CHECKING:
@@ -162,7 +162,8 @@ def joint_rows(session: "Session", editor: Editor, joint: Joint) -> None:
             session.queue(ReassignJoint(joint=joint.id, end=end, body=chosen))
     x, y = joint_position(level, joint)
     widgets.row("Position")
-    with editor.resettable(session, ("anchor_a", "anchor_b")) as room:
+    back = _former_place(session, joint)
+    with editor.arrow(session, "anchor_a", back, "Reset to what is saved") as room:
         width = (room - imgui.get_style().item_spacing.x) / 2
         for axis, letter in _AXES:
             if axis:
@@ -177,3 +178,18 @@ def joint_rows(session: "Session", editor: Editor, joint: Joint) -> None:
                 name=f"inspector.joint.{letter}", values=(place,), info=_PLACE, command=command
             )
             editor.number(session, field, width=width, prefix=f"{letter}  ")
+
+
+def _former_place(session: "Session", joint: Joint) -> MoveJoint | None:
+    """Return the edit that puts a joint back to its saved place on body A; None where it is there.
+
+    Bodies may have moved since: both anchors go there, so that the joint stays in one piece.
+    """
+    level, saved = session.document.shown, session.document.saved
+    former = next((each for each in saved.joints if each.id == joint.id), None) if saved else None
+    if former is None or (former.a, former.b) != (joint.a, joint.b):
+        return None
+    if all(map(alike, joint.anchor_a, former.anchor_a)):
+        return None
+    point = to_world(referenced_body(level, joint.a), former.anchor_a)
+    return MoveJoint(joint=joint.id, point=point)

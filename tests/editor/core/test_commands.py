@@ -36,6 +36,7 @@ from editor.documents.commands.joints import (
     RehangJoint,
 )
 from editor.documents.commands.level import Permute
+from editor.documents.commands.rigid import with_parts
 from editor.documents.commands.sizes import ResetCorners
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
@@ -565,3 +566,13 @@ def test_joints_alone_can_be_copied_for_their_properties():
     joints = a_level().joints
     whole = clip.copied(a_level(), (joints[0].id,))
     assert clip.loads(clip.dumps(whole)) == whole
+
+
+def test_parts_on_other_bodies_are_left_as_they_are():
+    level = a_level()
+    other = level.joints[0].replace(id=9, a=3, b=4)
+    level = level.replace(joints=(*level.joints, other), next_id=10)
+    after = with_parts(level, (1,), lambda at: (2 * at[0], 2 * at[1]))
+    assert after.entity(9) is level.entity(9)  # a thousand of them would take seconds
+    assert after.entity(5).anchor_a == pytest.approx((0.4, 0.0))
+    assert after.entity(6).position == pytest.approx((-0.3, 0.2))

@@ -102,6 +102,17 @@ def test_what_does_not_exist_cannot_be_selected():
     assert document.selection == (3, "floor")
 
 
+def test_another_level_in_its_place_says_that_the_solution_is_dropped():
+    document = Document(a_level().replace(solution=SOLVED))
+    other = a_level().replace(thrusters=())
+    (notice,) = document.commit(ReplaceLevel(level=other, label="Mutate")).notices
+    assert "solution" in notice
+    document.undo()
+    assert document.level.solution == SOLVED
+    alone = document.level.replace(solution=None)
+    assert not document.commit(ReplaceLevel(level=alone, label="Forget it")).notices
+
+
 def test_a_change_drops_the_recorded_solution_and_says_so():
     document = Document(a_level().replace(solution=SOLVED))
     assert document.commit(SetLevelField(field="name", value="Other")).notices == ()
@@ -219,3 +230,14 @@ def test_undoing_everything_gives_the_first_level_and_redoing_everything_the_las
     ids = [entity.id for entity in document.level.entities()]
     assert len(ids) == len(set(ids))
     assert document.level.next_id > max(ids, default=0)
+
+
+def test_steps_there_and_back_at_once_leave_nothing_to_undo():
+    document = Document(a_level())
+    document.commit(Move(ids=(3,), shift=(0.1, 0.0)), time=0.0)
+    for number, role in enumerate(("green", "blue", "none")):
+        document.commit(SetField(ids=(1,), field="role", value=role), time=5.0 + number / 10)
+    assert document.history.undo_label == "Move shape"
+    assert document.history.redo_label is None
+    document.undo()
+    assert document.level.bodies == a_level().bodies

@@ -246,3 +246,14 @@ def test_a_file_that_is_opened_takes_no_tab_with_changes(paused, tmp_path):
     assert len(paused.tabs) == 2
     paused.show_tab(0)
     assert paused.tab.moment is moment
+
+
+def test_what_is_locked_or_hidden_stays_so_in_a_paused_episode(paused, hand):
+    paused.document.locked, paused.document.hidden = frozenset({1}), frozenset({3})
+    run(paused, "run.change")
+    assert (paused.document.locked, paused.document.hidden) == ({1}, {3})
+    before = paused.document.level
+    paused.selection = (1, 2)
+    hand.key("delete")
+    assert [body.id for body in paused.document.level.bodies] == [1, 3, 4]
+    assert before.body(1) == paused.document.level.body(1)

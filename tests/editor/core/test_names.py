@@ -80,7 +80,9 @@ def test_a_name_goes_to_the_level_that_it_was_asked_for(session):
 def test_its_plain_name_or_nothing_takes_a_name_away(session, path, nothing):
     file.open_path(session, path)
     rename(session, 5, "Rear axle")
+    session.time += 5.0
     rename(session, 5, nothing)
+    assert session.document.history.undo_label == "Name → Joint 5"
     assert session.document.level.entity(5).name is None
     assert not session.document.dirty
 

@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 from editor.base.events import QuitEvent
 from editor.base.settings import Settings
 from editor.documents.commands.fields import SetField, read_field
+from editor.documents.commands.group import Remove
 from editor.documents.commands.sizes import extent
 from editor.documents.document import Document
 from editor.editing.picking import joint_position
@@ -116,6 +117,16 @@ def test_a_name_that_was_typed_is_kept_when_the_selection_goes(make_gui):
     assert gui.session.selection == ()
     assert gui.level.body(1).name == "Chassis"
     assert gui.level.body(2).name is None
+
+
+def test_a_name_for_what_is_gone_says_so(make_gui):
+    gui = make_gui(level=a_level())
+    gui.click("outliner.3")
+    gui.click("inspector.name")
+    gui.text("Hero")
+    gui.session.execute(Remove(ids=(3,)))
+    gui.frames(4)
+    assert gui.session.toasts[-1].text == "What was to be called Hero is gone."
 
 
 def test_names_are_written_on_the_canvas_when_asked_for(make_gui):

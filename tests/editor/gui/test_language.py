@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.base import language
 from editor.toolkit.widgets import caps
+from editor.window.panels import outliner
 from editor.window.panels.preferences import PAGES
 from kinetix.agents.agent import load_agent
 from kinetix.bundled import agent_names
@@ -157,3 +158,15 @@ def test_names_of_levels_and_players_are_shown_as_they_are(make_gui, tmp_path, m
     gui.frames(6)
     missing = language.spoken().missing
     assert not [words for words in missing if "Nob" in words or "nob" in words]
+
+
+def test_the_arena_is_found_by_the_name_that_is_shown(make_gui, monkeypatch):
+    monkeypatch.setattr(outliner.widgets, "section", lambda *words, **options: True)
+    gui = make_gui(level=a_level())
+    gui.session.settings.language = "de"
+    gui.frames(4)
+    for words in ("Boden", "Floor"):
+        gui.click("outliner.filter")
+        gui.key("ctrl+a")
+        gui.text(words)
+        assert gui.shows("outliner.floor") and not gui.shows("outliner.ceiling")

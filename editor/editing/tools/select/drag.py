@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from editor.base.events import Point, Pointer, PointerEvent
 from editor.base.overlay import Cursor, Label, Mark
+from editor.documents.commands.base import EntityId
 from editor.documents.commands.bodies import PLACE_DECIMALS
 from editor.documents.commands.group import Move
 from editor.documents.commands.joints import MoveJoint, RehangJoint
@@ -14,23 +15,26 @@ from editor.editing.snapping import measured, snap_point, snap_shift
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.joint import pair_marks
 from editor.editing.tools.thruster import NO_BODY
+from kinetix.errors import CommandError
 
 _ON_THE_EDGE: Final = 1e-4
 """A thruster that was snapped to an edge may lie this far outside by rounding [m]."""
 
 
-def drag_bodies(session: ToolContext, press: PointerEvent, ids: tuple[int, ...]) -> Gesture:
+def drag_bodies(
+    session: ToolContext, press: PointerEvent, ids: tuple[int, ...], *, leader: EntityId
+) -> Gesture:
     """Move bodies: Shift keeps to one axis, Ctrl inverts snapping, typed numbers are the shift.
 
     Args:
         session: The app.
         press: Where the drag began.
         ids: The bodies that move.
+        leader: What was grabbed; its centre is what the grid takes.
     """
     level = session.document.level
     bodies = [body for body in level.bodies if body.id in ids]
-    # The grabbed body leads: its centre is what the grid takes.
-    bodies.sort(key=lambda body: body.id not in session.selection)
+    bodies.sort(key=lambda body: (body.id != leader, body.id not in session.selection))
     available = session.targets(ids)
     snapped, command = None, None
     feedback = Feedback(cursor=Cursor.MOVE)
@@ -87,9 +91,15 @@ def drag_joint(session: ToolContext, press: PointerEvent, joint: int) -> Gesture
 
 
 def _joint_at(session: ToolContext, joint_id: int, point: Point) -> MoveJoint | RehangJoint:
-    """Return the edit that puts a joint at a point: on its bodies while they reach there."""
+    """Return the edit that puts a joint at a point: on its bodies while they reach there.
+
+    Raises:
+        CommandError: The joint has been deleted meanwhile.
+    """
     level = session.document.level
-    joint = next(joint for joint in level.joints if joint.id == joint_id)
+    joint = next((joint for joint in level.joints if joint.id == joint_id), None)
+    if joint is None:
+        raise CommandError("The joint that was dragged is gone.")
     hidden = session.document.hidden
     under = [body for body in bodies_at(level, point) if body not in hidden]
     kept = [end for end in (joint.a, joint.b) if end in under]

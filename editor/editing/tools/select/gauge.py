@@ -25,6 +25,10 @@ GRAVITY_STEP: Final = 0.1
 MOTOR_MOST: Final = 3.4
 """Beyond this speed the arc would cover its own beginning."""
 
+SPEED_MOST: Final = 20.0
+LIMIT_MOST: Final = 100.0
+"""What a level holds at most: the speed of a motor, an angle [rad]."""
+
 _Change = tuple[Command, str]
 
 
@@ -69,7 +73,7 @@ def _limit(which: str) -> Callable[[ToolContext, Level, PointerEvent], _Change]:
         together = limits.max - limits.min < 1e-6
         end = ("max" if turn > 0 else "min") if together else which
         if event.typed:
-            value = math.radians(event.typed[0])
+            value = min(max(math.radians(event.typed[0]), -LIMIT_MOST), LIMIT_MOST)
         elif not event.modifiers.ctrl:
             value = snap_angle(value, session.angle_step)
         value = min(value, limits.max) if end == "min" else max(value, limits.min)
@@ -88,7 +92,8 @@ def _motor(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     before = motor.speed * gauges.MOTOR_SWEEP
     swept = before + math.remainder(pointed - before, math.tau)
     speed = _rounded(swept / gauges.MOTOR_SWEEP, SPEED_STEP, event)
-    speed = event.typed[0] if event.typed else min(max(speed, -MOTOR_MOST), MOTOR_MOST)
+    most = SPEED_MOST if event.typed else MOTOR_MOST
+    speed = min(max(event.typed[0] if event.typed else speed, -most), most)
     return SetField(ids=(joint.id,), field="motor.speed", value=speed), f"speed {speed:.2f}"
 
 

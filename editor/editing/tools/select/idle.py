@@ -21,6 +21,8 @@ CYCLE_PIXELS: Final = 4.0
 CYCLE_SECONDS: Final = 0.6
 """A second click this near [px at 100 %] and this soon [s] goes one deeper into the stack."""
 
+_ONE_AT_A_TIME: Final = "Joints and thrusters are dragged one at a time: select one alone."
+
 _CURSORS: Final = {
     HandleKind.ROTATE: Cursor.ROTATE,
     HandleKind.AIM: Cursor.ROTATE,
@@ -111,7 +113,8 @@ class SelectTool(Tool):
             session.selection = (*before, taken) if press.modifiers.shift else (taken,)
         dragging = begin_drag(session, press, taken)
         if dragging is None:
-            session.complain("Floor, walls and ceiling do not move.")
+            arena = isinstance(taken, str)
+            session.complain("Floor, walls and ceiling do not move." if arena else _ONE_AT_A_TIME)
             return None
         return (yield from _forwarded(dragging, event, (0.0, 0.0)))
 
@@ -157,13 +160,14 @@ def begin_drag(session: ToolContext, press: PointerEvent, taken: EntityId) -> Ge
         return drag_joint(session, press, int(taken))
     if alone and any(thruster.id == taken for thruster in level.thrusters):
         return drag_thruster(session, press, int(taken))
-    ids = {body.id for body in level.bodies if body.id in session.selection}
+    ids = {body.id for body in level.bodies if body.id in session.document.unlocked}
     if session.settings.move_jointed and not press.modifiers.alt:
         ids = component(level, ids)
     ids -= {i for i in session.document.locked if isinstance(i, int)}
     if not ids:
         return None
-    return drag_bodies(session, press, tuple(b.id for b in level.bodies if b.id in ids))
+    moving = tuple(body.id for body in level.bodies if body.id in ids)
+    return drag_bodies(session, press, moving, leader=taken)
 
 
 def under_pointer(session: ToolContext, event: PointerEvent) -> Selection:

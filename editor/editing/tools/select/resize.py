@@ -7,14 +7,14 @@ from editor.base.events import Pointer, PointerEvent
 from editor.base.overlay import Cursor, Handle, HandleKind, Label
 from editor.documents.commands.base import Command
 from editor.documents.commands.group import Scale, SetVertices, Stretch
+from editor.documents.commands.sizes import SIDE_MIN
 from editor.editing.picking import selected_bodies
 from editor.editing.snapping import apart_from, measured, snap_point
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
+from editor.editing.tools.circle import RADIUS_MIN
 from kinetix.level.geometry import bounds_of, to_local, to_world, world_vertices
 from kinetix.level.model import Body, Circle, Point, Polygon
 
-FACTOR_MIN: Final = 0.02
-"""A drag through the held point does not turn a shape inside out: it stops here."""
 _SCALING: Final = (HandleKind.SCALE, HandleKind.SCALE_X, HandleKind.SCALE_Y)
 
 
@@ -55,7 +55,8 @@ def _scaled_group(
     arm = (corner[0] - pivot[0], corner[1] - pivot[1])
     reach = (pointer[0] - pivot[0], pointer[1] - pivot[1])
     along = (arm[0] * reach[0] + arm[1] * reach[1]) / max(arm[0] ** 2 + arm[1] ** 2, 1e-12)
-    factor = event.typed[0] if event.typed else max(along, FACTOR_MIN)
+    least = max(_least_factor(body) for body in bodies)
+    factor = event.typed[0] if event.typed else max(along, least)
     ids = tuple(body.id for body in bodies)
     return Scale(ids=ids, factor=factor, pivot=pivot), f"× {factor:.2f}"
 
@@ -70,7 +71,8 @@ def _moved_vertex(body: Body, handle: Handle, pointer: Point) -> tuple[Command, 
 def _resized_circle(
     body: Body, shape: Circle, pointer: Point, event: PointerEvent
 ) -> tuple[Command, str]:
-    radius = event.typed[0] if event.typed else max(math.dist(body.position, pointer), 0.02)
+    dragged = max(math.dist(body.position, pointer), RADIUS_MIN)
+    radius = event.typed[0] if event.typed else dragged
     factor = radius / shape.radius
     return Stretch(body=body.id, factors=(factor, factor)), f"radius {radius:.2f} m"
 
@@ -87,14 +89,25 @@ def _stretched(
     size = (high[0] - low[0], high[1] - low[1])
     factors = [1.0, 1.0]
     for k in axes:
-        factors[k] = max((local[k] - hold[k]) / (corner[k] - hold[k]), FACTOR_MIN)
-    for k, value in zip(axes, event.typed, strict=False):
+        least = min(SIDE_MIN / size[k], 1.0)
+        factors[k] = max((local[k] - hold[k]) / (corner[k] - hold[k]), least)
+    typed = event.typed[: len(axes)]
+    for k, value in zip(axes, typed, strict=False):
         factors[k] = value / size[k]
-    if event.modifiers.shift:
-        largest = max(factors[k] for k in axes)
+    if event.modifiers.shift and len(typed) < 2:
+        # A typed width leads the height, a dragged one only where it is the larger.
+        largest = factors[axes[0]] if typed else max(factors[k] for k in axes)
         factors = [largest, largest]
     text = f"{size[0] * factors[0]:.2f} × {size[1] * factors[1]:.2f} m"
     return Stretch(body=body.id, factors=(factors[0], factors[1]), hold=hold), text
+
+
+def _least_factor(body: Body) -> float:
+    """Return how far a shape may shrink: a level holds nothing smaller."""
+    if isinstance(body.shape, Circle):
+        return min(RADIUS_MIN / body.shape.radius, 1.0)
+    low, high = _extent(body.shape)
+    return min(SIDE_MIN / min(high[0] - low[0], high[1] - low[1]), 1.0)
 
 
 def _extent(shape: Polygon) -> tuple[Point, Point]:
