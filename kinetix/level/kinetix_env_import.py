@@ -21,7 +21,7 @@ from kinetix.level.geometry import (
 from kinetix.level.integrity import level_faults
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.kinetix_env_export import joint_position, world_anchor
-from kinetix.level.kinetix_env_mend import with_centres
+from kinetix.level.kinetix_env_mend import frames_model, with_centres
 from kinetix.level.kinetix_env_schema import (
     ENV_PARAMS,
     VERTEX_ROWS,
@@ -41,6 +41,7 @@ from kinetix.level.model import (
     BodyReference,
     Circle,
     Geometry,
+    InertiaModel,
     Joint,
     Level,
     Limits,
@@ -137,6 +138,7 @@ def _import_level(
     places: dict[str, str] = {}
     references: dict[int, BodyReference] = dict(enumerate(ARENA_NAMES))
     bodies: list[Body] = []
+    model = frames_model(document)
     for index, row in enumerate(document.bodies):
         if index < ARENA_BODIES or not row.active:
             continue
@@ -144,7 +146,7 @@ def _import_level(
         path = f"$.env_state.{kind}[{slot}]"
         places[f"$.bodies[{len(bodies)}]"] = path
         references[index] = len(bodies) + 1
-        bodies.append(_import_body(row, len(bodies) + 1, path, faults, circle=kind == "circle"))
+        bodies.append(_import_body(row, len(bodies) + 1, path, faults, model))
     next_id = len(bodies) + 1
     joints: list[Joint] = []
     for slot, row in enumerate(document.joints):
@@ -180,7 +182,7 @@ def _import_level(
         size=size_name(document.capacity) or size_hint(document.capacity),
         gravity=document.gravity,
         max_timesteps=document.parameters["max_timesteps"],
-        inertia_model="kinetix",
+        inertia_model=model,
         arena=_import_arena(document, faults),
         next_id=next_id,
         bodies=tuple(bodies),
@@ -196,11 +198,11 @@ def _collection(document: KinetixEnvDocument, index: int) -> tuple[str, int]:
 
 
 def _import_body(
-    row: KinetixBody, body_id: int, path: str, faults: FaultCollector, *, circle: bool
+    row: KinetixBody, body_id: int, path: str, faults: FaultCollector, model: InertiaModel
 ) -> Body:
     shape = (
         Circle(radius=row.radius)
-        if circle
+        if path.startswith("$.env_state.circle")
         else Polygon(vertices=reverse_winding(row.vertices[: row.n_vertices]))
     )
     stored = (row.inverse_mass, row.inverse_inertia)
@@ -213,7 +215,7 @@ def _import_body(
             f"got {stored[0]:g} and {stored[1]:g}",
         )
     elif stored[0] > 0:
-        derived = shape_mass(shape, row.density, "kinetix")
+        derived = shape_mass(shape, row.density, model)
         if not same_masses(stored, derived):
             mass_properties = MassProperties(mass=1 / stored[0], inertia=1 / stored[1])
     return Body(
